@@ -7,6 +7,7 @@
 //!   origin are put right by [`curve::repair_keys`].
 //! - Over time: a [`Clip`] of [`Channel`]s and [`Event`]s, sampled with a [`Cursor`]; a [`Playhead`]
 //!   says where playback is and which events it passes.
+//! - Of other clips and of poses: [`Clip::through_poses`], [`Clip::with_fewer_keys`], [`RootMotion`], [`Clip::with_closed_seam`].
 //! - Together: [`Pose::cross_fade`], [`blend_poses`], [`Layer`]s under a [`BoneMask`], and a
 //!   [`StateMachine`] from JSON, which each character runs by its own [`StateMachineRun`].
 //! - Over the pose: [`Limb`] and [`Aim`] in closed form, [`ReachLayer`] by the optimiser.
@@ -47,6 +48,7 @@
 mod affine;
 mod blend;
 pub(crate) mod clip;
+mod clip_edits;
 mod crowd;
 pub mod curve;
 mod euler_clip;
@@ -64,6 +66,7 @@ pub use clip::{
     Channel, ChannelError, Clip, ClipBuilder, ClipNameError, Cursor, EulerCurve, Event, Fired,
     Passage, Playback, Playhead, Property,
 };
+pub use clip_edits::{KeyTolerance, RootMotion};
 pub use crowd::{Character, Crowd, PlayingClip};
 pub use curve::easing::{BezierEasing, Easing, HandleError};
 pub use euler_clip::{ClipError, EulerClip, EulerInterpolation, EulerKey, EulerTrack, SampleError};

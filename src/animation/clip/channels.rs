@@ -80,21 +80,34 @@ impl Clip {
     /// # Errors
     /// One of the armatures is not of the clip's size.
     pub fn at_rest_in(&self, own: &Armature, other: &Armature) -> Result<Self, SizeMismatch> {
+        self.rebuilt([own, other], |channel| channel, |weight| weight)
+    }
+
+    /// The clip with other curves, for its own armature or another one of its size.
+    pub(in crate::animation) fn rebuilt(
+        &self,
+        [own, other]: [&Armature; 2],
+        channel_now: impl Fn(Channel) -> Channel,
+        weight_now: impl Fn(KeyedCurve<f32>) -> KeyedCurve<f32>,
+    ) -> Result<Self, SizeMismatch> {
         let (channels, morphs) = (self.channels(own)?, self.morph_channels(own)?);
         self.check_armature(other)?;
         let mut builder = Self::builder(self.name.clone(), other);
-        // They were taken by the same checks when this clip was built.
+        // Bones and targets are this clip's, each once: nothing is refused.
         for (bone, channel) in channels {
-            let _ = builder.channel(bone, channel);
+            let _ = builder.channel(bone, channel_now(channel));
         }
         for (target, curve) in morphs {
-            let _ = builder.morph_weight(target, curve);
-        }
-        for event in &self.events {
-            let _ = builder.event(event.time, event.name.clone());
+            let _ = builder.morph_weight(target, weight_now(curve));
         }
         let [start, end] = self.span;
         let _ = builder.span(start, end);
-        Ok(builder.build())
+        Ok(builder.build().with_events_of(self))
+    }
+
+    /// The clip with another one's events instead of its own.
+    pub(in crate::animation) fn with_events_of(mut self, other: &Self) -> Self {
+        self.events.clone_from(&other.events);
+        self
     }
 }

@@ -1,6 +1,7 @@
 //! What can be wrong with the parts of a clip.
 
 use super::Property;
+use crate::SizeMismatch;
 use crate::animation::curve::KeyError;
 
 /// Why parts do not make a clip.
@@ -73,6 +74,33 @@ pub enum ChannelError {
     BadRotation {
         /// The bone.
         bone: String,
+    },
+    /// A pose of another armature.
+    #[error(transparent)]
+    Size(#[from] SizeMismatch),
+    /// So many keys a second that there would be none or millions.
+    #[error(
+        "{keys_per_second} keys a second; it must be a number above 0 that makes fewer than four million keys"
+    )]
+    BadRate {
+        /// What was asked for.
+        keys_per_second: f64,
+    },
+    /// Seconds that are not within a clip.
+    #[error(
+        "{given} s of a clip that lasts {duration} s; it must be a number above 0 and no more than that"
+    )]
+    NotWithin {
+        /// What was asked for.
+        given: f64,
+        /// How long the clip lasts.
+        duration: f64,
+    },
+    /// An axis without a direction.
+    #[error("the axis up, {up:?}, is not finite or has no direction")]
+    BadUp {
+        /// What was given.
+        up: [f32; 3],
     },
     /// An event at a time that is not finite.
     #[error("event `{event}`: the time {time} is not finite")]

@@ -1,0 +1,152 @@
+//! Poses as a clip: what was solved, simulated or captured, and any clip by samples.
+
+use crate::SizeMismatch;
+use crate::animation::curve::{CurveValue, KeyError, KeyedCurve, check_count, check_times};
+use crate::animation::rotation::RotationCurve;
+use crate::animation::{Armature, Channel, ChannelError, Clip, Cursor, Playback, Pose};
+
+/// More samples than this are a slip.
+const MOST_SAMPLES: f64 = 4e6;
+/// A last sample that rounding puts this share of a step too late still counts.
+const SLACK: f64 = 1e-6;
+
+impl Clip {
+    /// A clip through poses at times in seconds, which rise: straight from pose to pose, rotations by slerp. What is the same in all
+    /// poses has one key, and none where it is at rest.
+    ///
+    /// ```
+    /// use kinopt::animation::{Armature, Clip};
+    /// # use kinopt::io::rig::Rig;
+    ///
+    /// # let skeleton = Rig::read("models/humanoid/humanoid.json")?.skeleton;
+    /// let armature = Armature::of_skeleton(&skeleton);
+    /// let poses = vec![armature.rest().clone(); 3];
+    /// let clip = Clip::through_poses("stand", &armature, &[0.0, 0.5, 1.0], &poses)?;
+    /// assert_eq!((clip.span(), clip.channels(&armature)?.len()), ([0.0, 1.0], 0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// No poses, not one for each time, times that do not rise, or a pose of another armature.
+    pub fn through_poses(
+        name: impl Into<String>,
+        armature: &Armature,
+        times: &[f32],
+        poses: &[Pose],
+    ) -> Result<Self, ChannelError> {
+        check_times(times)?;
+        check_count("poses", poses.len(), times.len())?;
+        for pose in poses {
+            armature.rest().check_same_size(pose)?;
+        }
+        let rest = armature.rest();
+        let mut builder = Self::builder(name, armature);
+        for bone in armature.bone_ids() {
+            let locals = || poses.iter().map(|pose| pose.local_of(bone));
+            let still = rest.local_of(bone);
+            let translations = locals().map(|local| local.translation).collect();
+            if let Some(curve) = straight(times, translations, still.translation)? {
+                builder.channel(bone, Channel::Translation(curve))?;
+            }
+            let rotations = locals().map(|local| local.rotation).collect();
+            if let Some((times, rotations)) = keys(times, rotations, still.rotation) {
+                let curve = RotationCurve::slerp(times, rotations)?;
+                builder.channel(bone, Channel::Rotation(curve))?;
+            }
+            let scales = locals().map(|local| local.scale).collect();
+            if let Some(curve) = straight(times, scales, still.scale)? {
+                builder.channel(bone, Channel::Scale(curve))?;
+            }
+        }
+        for (target, &still) in rest.morph_weights().iter().enumerate() {
+            let weights = poses
+                .iter()
+                .filter_map(|pose| pose.morph_weights().get(target));
+            if let Some(curve) = straight(times, weights.copied().collect(), still)? {
+                builder.morph_weight(target, curve)?;
+            }
+        }
+        if let [first, .., last] | [first @ last] = times {
+            builder.span(*first, *last)?;
+        }
+        Ok(builder.build())
+    }
+
+    /// The clip by samples: so many keys a second from its start to its end, with straight lines between them. Events stay.
+    ///
+    /// # Errors
+    /// A rate that is not a finite number above 0 or that takes more than four million keys, or another armature.
+    pub fn baked(&self, armature: &Armature, keys_per_second: f64) -> Result<Self, ChannelError> {
+        let times = self.sample_times(keys_per_second)?;
+        let poses = self.poses_at(armature, &times)?;
+        let baked = Self::through_poses(self.name(), armature, &times, &poses)?;
+        Ok(baked.with_events_of(self))
+    }
+
+    /// Times at an even rate from its start to its end, both of which are among them.
+    pub(super) fn sample_times(&self, per_second: f64) -> Result<Vec<f32>, ChannelError> {
+        let [start, end] = self.span();
+        let steps = self.duration() * per_second;
+        if !(per_second > 0.0 && steps < MOST_SAMPLES) {
+            return Err(ChannelError::BadRate {
+                keys_per_second: per_second,
+            });
+        }
+        let inner = 1..(steps - SLACK).ceil().max(0.0) as usize;
+        let inner = inner.map(|step| (f64::from(start) + step as f64 / per_second) as f32);
+        let mut times = vec![start];
+        times.extend(inner);
+        times.push(end);
+        // A clip of one moment, and samples that single precision cannot tell apart.
+        times.dedup();
+        Ok(times)
+    }
+
+    /// The poses at times of the clip.
+    pub(super) fn poses_at(
+        &self,
+        armature: &Armature,
+        times: &[f32],
+    ) -> Result<Vec<Pose>, SizeMismatch> {
+        let mut cursor = Cursor::new();
+        let start = f64::from(self.span()[0]);
+        let poses = times.iter().map(|&time| {
+            let mut pose = armature.rest().clone();
+            self.sample(
+                f64::from(time) - start,
+                Playback::Hold,
+                &mut cursor,
+                &mut pose,
+            )?;
+            Ok(pose)
+        });
+        poses.collect()
+    }
+}
+
+fn straight<V: CurveValue<Real = f32> + PartialEq>(
+    times: &[f32],
+    values: Vec<V>,
+    still: V,
+) -> Result<Option<KeyedCurve<V>>, KeyError> {
+    let keys = keys(times, values, still);
+    keys.map(|(times, values)| KeyedCurve::linear(times, values))
+        .transpose()
+}
+
+/// The keys that it takes: one of what does not change, none of what is at rest.
+fn keys<V: Copy + PartialEq>(
+    times: &[f32],
+    mut values: Vec<V>,
+    still: V,
+) -> Option<(Vec<f32>, Vec<V>)> {
+    let (first, mut times) = (*values.first()?, times.to_vec());
+    if values.iter().all(|value| *value == first) {
+        if first == still {
+            return None;
+        }
+        times.truncate(1);
+        values.truncate(1);
+    }
+    Some((times, values))
+}

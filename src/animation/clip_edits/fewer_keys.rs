@@ -1,0 +1,125 @@
+//! Keys that straight lines between others replace within an error.
+//!
+//! Ramer 1972, "An iterative procedure for the polygonal approximation of plane curves"; Douglas & Peucker 1973.
+
+use glam::{Quat, Vec3A};
+
+use crate::SizeMismatch;
+use crate::animation::curve::{CurveValue, KeyedCurve, lerp};
+use crate::animation::rotation::exponential::log;
+use crate::animation::rotation::{RotationCurve, nearer, slerp};
+use crate::animation::{Armature, Channel, Clip};
+
+/// How far a channel with fewer keys may be from what it was, at any key that it had.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KeyTolerance {
+    /// Of a bone's place in its parent, in the file's unit of length.
+    pub translation: f32,
+    /// Of how it is turned in its parent, in radians.
+    pub rotation: f32,
+    /// Of its scale along an axis, and of weights of morph targets: shares of 1.
+    pub scale: f32,
+}
+
+impl KeyTolerance {
+    /// No key is dropped that is not exactly on the line between others.
+    pub const EXACT: Self = Self {
+        translation: 0.0,
+        rotation: 0.0,
+        scale: 0.0,
+    };
+}
+
+impl Clip {
+    /// The clip with as few keys as leave every straight channel (rotations: slerp) within the tolerance of what it was at each of its
+    /// keys, and so everywhere between them for vectors. A channel that stays within it of one value has one key. Steps, cubic and
+    /// eased curves stay as they are: [`baked`](Self::baked) makes them straight. Negative tolerances and NaN count as 0.
+    ///
+    /// # Errors
+    /// Another armature.
+    pub fn with_fewer_keys(
+        &self,
+        armature: &Armature,
+        tolerance: &KeyTolerance,
+    ) -> Result<Self, SizeMismatch> {
+        let KeyTolerance {
+            translation,
+            rotation,
+            scale,
+        } = *tolerance;
+        let apart = |a: Vec3A, b: Vec3A| (a - b).length();
+        let axis_apart = |a: Vec3A, b: Vec3A| (a - b).abs().max_element();
+        let channel_now = |channel| match channel {
+            Channel::Translation(curve) => {
+                Channel::Translation(straight(curve, apart, translation))
+            }
+            Channel::Scale(curve) => Channel::Scale(straight(curve, axis_apart, scale)),
+            Channel::Rotation(curve) => Channel::Rotation(turning(curve, rotation)),
+            Channel::Euler(_) => channel,
+        };
+        let weight_now = |curve| straight(curve, |a: f32, b| (a - b).abs(), scale);
+        self.rebuilt([armature; 2], channel_now, weight_now)
+    }
+}
+
+fn straight<V: CurveValue<Real = f32>>(
+    curve: KeyedCurve<V>,
+    distance: impl Fn(V, V) -> f32,
+    tolerance: f32,
+) -> KeyedCurve<V> {
+    if !curve.is_linear() {
+        return curve;
+    }
+    let (times, values) = kept((curve.times(), curve.values()), lerp, distance, tolerance);
+    // Some of keys that are in order are.
+    KeyedCurve::linear(times, values).unwrap_or(curve)
+}
+
+fn turning(curve: RotationCurve, tolerance: f32) -> RotationCurve {
+    if !curve.is_slerp() {
+        return curve;
+    }
+    let angle = |a: Quat, b: Quat| log(a.inverse() * nearer(b, a)).length();
+    let keys = (curve.times(), curve.rotations());
+    let (times, rotations) = kept(keys, slerp, angle, tolerance);
+    RotationCurve::slerp(times, rotations).unwrap_or(curve)
+}
+
+/// The keys that it takes: the ends, then of each stretch between two of them the one that is farthest from their line, until none is
+/// farther than the tolerance.
+fn kept<V: Copy>(
+    (times, values): (&[f32], &[V]),
+    between: impl Fn(V, V, f32) -> V,
+    distance: impl Fn(V, V) -> f32,
+    tolerance: f32,
+) -> (Vec<f32>, Vec<V>) {
+    let tolerance = tolerance.max(0.0);
+    let Some((&first, last)) = values.first().zip(values.len().checked_sub(1)) else {
+        return (Vec::new(), Vec::new());
+    };
+    let mut needed = vec![false; values.len()];
+    needed[0] = true;
+    if values
+        .iter()
+        .any(|value| distance(first, *value) > tolerance)
+    {
+        needed[last] = true;
+        let mut stretches = vec![(0, last)];
+        while let Some((from, to)) = stretches.pop() {
+            let off = |key: usize| {
+                let share = (times[key] - times[from]) / (times[to] - times[from]);
+                distance(between(values[from], values[to], share), values[key])
+            };
+            let keys = (from + 1..to).map(|key| (off(key), key));
+            let worst = keys.max_by(|one, other| one.0.total_cmp(&other.0));
+            if let Some((_, key)) = worst.filter(|(distance, _)| *distance > tolerance) {
+                needed[key] = true;
+                stretches.extend([(from, key), (key, to)]);
+            }
+        }
+    }
+    let keys = times.iter().zip(values).zip(needed);
+    keys.filter(|(_, needed)| *needed)
+        .map(|((time, value), _)| (*time, *value))
+        .unzip()
+}

@@ -1,0 +1,9 @@
+//! Clips made from others: through poses, with fewer keys, in place, without a jump where they repeat.
+
+mod baked;
+mod fewer_keys;
+mod root_motion;
+mod seam;
+
+pub use fewer_keys::KeyTolerance;
+pub use root_motion::RootMotion;

@@ -1,0 +1,196 @@
+//! Where a bone takes a character: its way over the ground and its heading, apart from the clip that it moves by.
+
+use glam::{Affine3A, Quat, Vec3, Vec3A};
+
+use crate::animation::curve::KeyedCurve;
+use crate::animation::rotation::exponential::turn_about;
+use crate::animation::{Armature, ChannelError, Clip, Playback, Pose};
+use crate::scalar::elementary::single::atan2;
+use crate::skeleton::BoneId;
+
+/// A character's way over the ground: how far it has gone since the clip's start, and turned about the axis up. Its first moment is where it
+/// starts: no way, no turn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RootMotion {
+    up: Vec3,
+    span: [f32; 2],
+    /// Across the axis up.
+    way: KeyedCurve<Vec3A>,
+    /// About it, radians, beyond whole turns.
+    heading: KeyedCurve<f32>,
+}
+
+impl Clip {
+    /// Takes the way of a bone out of the clip: the clip in place, by samples, in which the bone stays above the ground where it started
+    /// and faces as it did, and its way. Height, lean and sway stay in the clip. What hangs on the bone comes along.
+    ///
+    /// # Errors
+    /// An axis up that is not finite or zero, a rate as for [`baked`](Self::baked), another armature, a bone of another one.
+    pub fn without_root_motion(
+        &self,
+        armature: &Armature,
+        bone: BoneId,
+        up: Vec3,
+        keys_per_second: f64,
+    ) -> Result<(Self, RootMotion), ChannelError> {
+        let up = up
+            .try_normalize()
+            .ok_or(ChannelError::BadUp { up: up.to_array() })?;
+        let times = self.sample_times(keys_per_second)?;
+        let mut poses = self.poses_at(armature, &times)?;
+        let motion = RootMotion::of(armature, bone, up, (&times, &poses))?;
+        for (time, pose) in times.iter().zip(&mut poses) {
+            carry(armature, bone, motion.at(*time).inverse(), pose)?;
+        }
+        let in_place = Self::through_poses(self.name(), armature, &times, &poses)?;
+        Ok((in_place.with_events_of(self), motion))
+    }
+
+    /// Puts a way into the clip of a bone, by samples: the reverse of [`without_root_motion`](Self::without_root_motion).
+    ///
+    /// # Errors
+    /// As there.
+    pub fn with_root_motion(
+        &self,
+        armature: &Armature,
+        bone: BoneId,
+        motion: &RootMotion,
+        keys_per_second: f64,
+    ) -> Result<Self, ChannelError> {
+        let times = self.sample_times(keys_per_second)?;
+        let mut poses = self.poses_at(armature, &times)?;
+        for (time, pose) in times.iter().zip(&mut poses) {
+            carry(armature, bone, motion.at(*time), pose)?;
+        }
+        let moved = Self::through_poses(self.name(), armature, &times, &poses)?;
+        Ok(moved.with_events_of(self))
+    }
+}
+
+impl RootMotion {
+    /// The way of a bone over poses.
+    fn of(
+        armature: &Armature,
+        bone: BoneId,
+        up: Vec3,
+        (times, poses): (&[f32], &[Pose]),
+    ) -> Result<Self, ChannelError> {
+        let unknown = ChannelError::UnknownBone {
+            bone: bone.index(),
+            bones: armature.bones(),
+        };
+        let mut places = Vec::new();
+        let mut stood: Option<(Quat, Vec3A)> = None;
+        let (mut way, mut heading) = (
+            Vec::with_capacity(times.len()),
+            Vec::with_capacity(times.len()),
+        );
+        let mut turned = 0.0;
+        for pose in poses {
+            armature.local_to_model(pose, &mut places)?;
+            let Some(place) = places.get(bone.index()) else {
+                return Err(unknown);
+            };
+            let (_, rotation, at) = place.to_scale_rotation_translation();
+            let (first, start) = *stood.get_or_insert((rotation, at.into()));
+            turned = nearest_turn(twist(rotation * first.inverse(), up), turned);
+            let gone = Vec3A::from(at) - turn_about(up, turned) * start;
+            way.push(gone - Vec3A::from(up) * gone.dot(up.into()));
+            heading.push(turned);
+        }
+        let [first, .., last] = times else {
+            let still = times.first().copied().unwrap_or(0.0);
+            return Ok(Self {
+                up,
+                span: [still; 2],
+                way: KeyedCurve::linear(vec![still], vec![Vec3A::ZERO])?,
+                heading: KeyedCurve::linear(vec![still], vec![0.0])?,
+            });
+        };
+        Ok(Self {
+            up,
+            span: [*first, *last],
+            way: KeyedCurve::linear(times.to_vec(), way)?,
+            heading: KeyedCurve::linear(times.to_vec(), heading)?,
+        })
+    }
+
+    getters! {
+        /// The way over the ground, in the armature's unit, by the clip's time in seconds.
+        pub fn way(&self) -> &KeyedCurve<Vec3A> = &self.way;
+        /// The turn about the axis up in radians, beyond whole turns.
+        pub fn heading(&self) -> &KeyedCurve<f32> = &self.heading;
+    }
+
+    /// The character's place at a time of the clip in seconds: from where it starts to where it is.
+    #[must_use]
+    pub fn at(&self, time: f32) -> Affine3A {
+        let turn = turn_about(self.up, self.heading.at(time));
+        Affine3A::from_rotation_translation(turn, self.way.at(time).into())
+    }
+
+    /// The character's place after so many seconds of playback: over the end of a loop it goes on from where the loop ended. Other ways
+    /// of playing hold or go back as the clip does.
+    #[must_use]
+    pub fn after(&self, elapsed: f64, playback: Playback) -> Affine3A {
+        let [start, end] = self.span.map(f64::from);
+        let loops = (elapsed / (end - start)).floor();
+        if playback != Playback::Loop || !loops.is_finite() {
+            return self.at(playback.within(start + elapsed, [start, end]) as f32);
+        }
+        // The end of one loop is the start of the next.
+        let within = self.at((start + elapsed.rem_euclid(end - start)) as f32);
+        let whole = self.at(self.span[1]);
+        let step = if loops < 0.0 { whole.inverse() } else { whole };
+        power(step, loops.abs().min(f64::from(u32::MAX)) as u32) * within
+    }
+}
+
+/// A place taken so many times: by squares.
+fn power(step: Affine3A, mut times: u32) -> Affine3A {
+    let (mut all, mut square) = (Affine3A::IDENTITY, step);
+    while times > 0 {
+        if times % 2 == 1 {
+            all = square * all;
+        }
+        square = square * square;
+        times /= 2;
+    }
+    all
+}
+
+/// The angle about an axis of unit length by which a rotation turns, in radians.
+fn twist(q: Quat, axis: Vec3) -> f32 {
+    2.0 * atan2(q.xyz().dot(axis), q.w)
+}
+
+/// The angle, with whole turns added, that is nearest to another one.
+fn nearest_turn(angle: f32, to: f32) -> f32 {
+    let turn = std::f32::consts::TAU;
+    angle + ((to - angle) / turn).round() * turn
+}
+
+/// Moves a bone in the model, and with it what hangs on it.
+fn carry(
+    armature: &Armature,
+    bone: BoneId,
+    by: Affine3A,
+    pose: &mut Pose,
+) -> Result<(), ChannelError> {
+    let mut places = Vec::new();
+    armature.local_to_model(pose, &mut places)?;
+    let above = armature
+        .parent(bone)
+        .and_then(|parent| places.get(parent.index()));
+    let above = above.copied().unwrap_or(Affine3A::IDENTITY);
+    let mut local = pose.local_of(bone);
+    let (_, stands, _) = above.to_scale_rotation_translation();
+    let (_, turn, _) = by.to_scale_rotation_translation();
+    // The same turn as the bone's parent sees it.
+    local.rotation = (stands.inverse() * turn * stands * local.rotation).normalize();
+    let there = by.transform_point3a(above.transform_point3a(local.translation));
+    local.translation = above.inverse().transform_point3a(there);
+    // A parent that is scaled to nothing has no place to go to.
+    let _ = pose.set_local(bone, local);
+    Ok(())
+}

@@ -1,0 +1,128 @@
+//! Promise: a clip through poses passes through them; a baked clip is its clip at its samples; what does not move takes no keys.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::animation::{Armature, ChannelError, Clip, Cursor, Playback, Pose};
+use kinopt::io::rig::Rig;
+use support::armatures::{armature, difference, pose};
+use support::random::Random;
+
+pub(crate) fn at(clip: &Clip, armature: &Armature, time: f32) -> Pose {
+    let mut pose = armature.rest().clone();
+    let elapsed = f64::from(time) - f64::from(clip.span()[0]);
+    clip.sample(elapsed, Playback::Hold, &mut Cursor::new(), &mut pose)
+        .unwrap();
+    pose
+}
+
+/// Poses at uneven times that do not begin at zero.
+pub(crate) fn poses(
+    armature: &Armature,
+    count: usize,
+    random: &mut Random,
+) -> (Vec<f32>, Vec<Pose>) {
+    let mut time = -0.7;
+    let times = (0..count).map(|_| {
+        time += random.within(0.02, 0.3) as f32;
+        time
+    });
+    let times = times.collect();
+    (times, (0..count).map(|_| pose(armature, random)).collect())
+}
+
+#[test]
+fn a_clip_passes_through_its_poses() {
+    let random = &mut Random::new(31);
+    for count in [1, 2, 17] {
+        let armature = armature(9, random);
+        let (times, poses) = poses(&armature, count, random);
+        let clip = Clip::through_poses("all", &armature, &times, &poses).unwrap();
+        assert_eq!(clip.span(), [times[0], times[count - 1]]);
+        for (time, pose) in times.iter().zip(&poses) {
+            assert!(difference(&at(&clip, &armature, *time), pose) < 1e-5);
+        }
+    }
+}
+
+#[test]
+fn what_stands_still_has_one_key_and_none_at_rest() {
+    let random = &mut Random::new(32);
+    let armature = armature(5, random);
+    let still = pose(&armature, random);
+    let mut moving = still.clone();
+    let bone = armature.bone("bone 3").unwrap();
+    let mut local = still.local(bone).unwrap();
+    local.translation.x += 1.0;
+    moving.set_local(bone, local).unwrap();
+    let clip =
+        Clip::through_poses("still", &armature, &[0.0, 1.0], &[still.clone(), moving]).unwrap();
+    let keys = |poses: &[Pose]| {
+        let clip = Clip::through_poses("same", &armature, &[0.0, 1.0], poses).unwrap();
+        clip.channels(&armature).unwrap().len()
+    };
+    // One translation that moves, everything else by single keys: 5 × 3 in all.
+    assert_eq!(clip.channels(&armature).unwrap().len(), 15);
+    assert_eq!(keys(&[still.clone(), still]), 15);
+    assert_eq!(keys(&[armature.rest().clone(), armature.rest().clone()]), 0);
+}
+
+#[test]
+fn a_baked_clip_is_the_clip_at_its_samples() {
+    let rig = Rig::read("models/humanoid/humanoid.json").unwrap();
+    let armature = Armature::of_skeleton(&rig.skeleton);
+    let mut builder = Clip::builder("keys", &armature);
+    builder.euler_clip(&rig.clip).unwrap();
+    builder.event(0.25, "step").unwrap();
+    let clip = builder.build();
+    let baked = clip.baked(&armature, 24.0).unwrap();
+    assert_eq!((baked.span(), baked.events()), (clip.span(), clip.events()));
+    let [start, end] = clip.span();
+    let frames = ((end - start) * 24.0) as usize;
+    for frame in 0..=frames {
+        let time = start + frame as f32 / 24.0;
+        let apart = difference(&at(&clip, &armature, time), &at(&baked, &armature, time));
+        assert!(apart < 1e-5, "{apart} at {time} s");
+    }
+    let apart = difference(&at(&clip, &armature, end), &at(&baked, &armature, end));
+    assert!(apart < 1e-5, "{apart} at the end");
+}
+
+#[test]
+fn what_makes_no_clip_is_a_named_error() {
+    let random = &mut Random::new(33);
+    let armature = armature(4, random);
+    let other = support::armatures::armature(5, random);
+    let rest = armature.rest();
+    let through =
+        |times: &[f32], poses: &[Pose]| Clip::through_poses("no", &armature, times, poses);
+    assert!(matches!(through(&[], &[]), Err(ChannelError::Keys(_))));
+    assert!(matches!(
+        through(&[0.0, 0.0], &[rest.clone(), rest.clone()]),
+        Err(ChannelError::Keys(_))
+    ));
+    assert!(matches!(
+        through(&[0.0, f32::NAN], &[rest.clone(), rest.clone()]),
+        Err(ChannelError::Keys(_))
+    ));
+    assert!(matches!(
+        through(&[0.0, 1.0], &[rest.clone()]),
+        Err(ChannelError::Keys(_))
+    ));
+    assert!(matches!(
+        through(&[0.0], &[other.rest().clone()]),
+        Err(ChannelError::Size(_))
+    ));
+    let clip = through(&[0.0, 1.0], &[rest.clone(), rest.clone()]).unwrap();
+    for rate in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e9] {
+        assert!(
+            matches!(
+                clip.baked(&armature, rate),
+                Err(ChannelError::BadRate { .. })
+            ),
+            "{rate}"
+        );
+    }
+    assert!(matches!(
+        clip.baked(&other, 10.0),
+        Err(ChannelError::Size(_))
+    ));
+}

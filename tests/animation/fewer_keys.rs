@@ -1,0 +1,147 @@
+//! Promise: a clip with fewer keys is within the stated error of what it was at all times of its keys, and has no keys on straight
+//! lines.
+#![allow(clippy::unwrap_used)]
+
+use glam::{Quat, Vec3A};
+use kinopt::animation::curve::KeyedCurve;
+use kinopt::animation::rotation::RotationCurve;
+use kinopt::animation::{Armature, Channel, Clip, KeyTolerance, Pose};
+use support::armatures::{apart, armature};
+use support::random::Random;
+
+use super::baked_clips::at;
+
+const KEYS: usize = 200;
+
+/// Smooth motion of all bones with many keys.
+fn wavy(armature: &Armature, random: &mut Random) -> Clip {
+    let times: Vec<f32> = (0..KEYS).map(|key| key as f32 / 60.0).collect();
+    let mut poses: Vec<Pose> = vec![armature.rest().clone(); KEYS];
+    for bone in armature.bone_ids() {
+        let (pace, axis) = (
+            random.within(0.5, 6.0) as f32,
+            support::armatures::vector(random, 1.0),
+        );
+        for (time, pose) in times.iter().zip(&mut poses) {
+            let mut local = pose.local(bone).unwrap();
+            let wave = (pace * time).sin();
+            local.translation += axis * wave;
+            local.rotation *= Quat::from_scaled_axis((axis * wave).into());
+            local.scale += axis.abs() * (0.1 * wave);
+            pose.set_local(bone, local).unwrap();
+        }
+    }
+    Clip::through_poses("wavy", armature, &times, &poses).unwrap()
+}
+
+fn keys(clip: &Clip, armature: &Armature) -> usize {
+    let of = |channel: &Channel| match channel {
+        Channel::Translation(curve) | Channel::Scale(curve) => curve.times().len(),
+        Channel::Rotation(curve) => curve.times().len(),
+        _ => unreachable!(),
+    };
+    let channels = clip.channels(armature).unwrap();
+    channels.iter().map(|(_, channel)| of(channel)).sum()
+}
+
+#[test]
+fn a_clip_stays_within_the_error() {
+    let random = &mut Random::new(41);
+    let armature = armature(8, random);
+    let clip = wavy(&armature, random);
+    let mut before = keys(&clip, &armature);
+    for size in [1e-4, 1e-3, 1e-2, 0.1] {
+        let tolerance = KeyTolerance {
+            translation: size,
+            rotation: 2.0 * size,
+            scale: 0.5 * size,
+        };
+        let fewer = clip.with_fewer_keys(&armature, &tolerance).unwrap();
+        assert_eq!(fewer.span(), clip.span());
+        for key in 0..KEYS {
+            let time = key as f32 / 60.0;
+            let (was, is) = (at(&clip, &armature, time), at(&fewer, &armature, time));
+            for bone in armature.bone_ids() {
+                let (was, is) = (was.local(bone).unwrap(), is.local(bone).unwrap());
+                let rounding = 2e-6;
+                assert!((was.translation - is.translation).length() <= size + rounding);
+                assert!(apart(was.rotation, is.rotation) <= 2.0 * size + rounding);
+                assert!((was.scale - is.scale).abs().max_element() <= 0.5 * size + rounding);
+            }
+        }
+        let now = keys(&fewer, &armature);
+        assert!(now < before, "{now} of {before} keys at {size}");
+        before = now;
+    }
+}
+
+#[test]
+fn straight_lines_need_their_ends_alone() {
+    let random = &mut Random::new(42);
+    let armature = armature(2, random);
+    let bone = armature.bone("bone 1").unwrap();
+    let times: Vec<f32> = (0..=64).map(|key| key as f32 / 64.0).collect();
+    let line = times
+        .iter()
+        .map(|time| Vec3A::new(*time, 0.0, 1.0))
+        .collect();
+    let turn = times
+        .iter()
+        .map(|time| Quat::from_rotation_y(2.0 * time))
+        .collect();
+    let still = vec![Vec3A::splat(2.0); times.len()];
+    let mut builder = Clip::builder("line", &armature);
+    builder
+        .channel(
+            bone,
+            Channel::Translation(KeyedCurve::linear(times.clone(), line).unwrap()),
+        )
+        .unwrap();
+    builder
+        .channel(
+            bone,
+            Channel::Rotation(RotationCurve::slerp(times.clone(), turn).unwrap()),
+        )
+        .unwrap();
+    builder
+        .channel(
+            bone,
+            Channel::Scale(KeyedCurve::linear(times, still).unwrap()),
+        )
+        .unwrap();
+    let clip = builder.build();
+    let tolerance = KeyTolerance {
+        rotation: 1e-6,
+        ..KeyTolerance::EXACT
+    };
+    let fewer = clip.with_fewer_keys(&armature, &tolerance).unwrap();
+    // Two of the line, two of the turn, one of what stands still.
+    assert_eq!(keys(&fewer, &armature), 5);
+}
+
+#[test]
+fn a_jump_keeps_its_keys() {
+    let random = &mut Random::new(43);
+    let armature = armature(1, random);
+    let bone = armature.bone("bone 0").unwrap();
+    let times = vec![0.0, 1.0, 1.001, 2.0];
+    let jump = [0.0, 0.0, 1.0, 1.0].map(Vec3A::splat).to_vec();
+    let mut builder = Clip::builder("jump", &armature);
+    builder
+        .channel(
+            bone,
+            Channel::Translation(KeyedCurve::linear(times, jump).unwrap()),
+        )
+        .unwrap();
+    let clip = builder.build();
+    let fewer = clip
+        .with_fewer_keys(
+            &armature,
+            &KeyTolerance {
+                translation: 0.01,
+                ..KeyTolerance::EXACT
+            },
+        )
+        .unwrap();
+    assert_eq!(fewer, clip);
+}
