@@ -279,6 +279,30 @@ fn files_beside_it_go_along_to_another_folder() {
         uri("elsewhere/fox.gltf"),
         "data:image/png;base64,iVBORwD/Bw=="
     );
-    let wrong = file.write(path("fox.glb")).unwrap_err().to_string();
+    let wrong = file.write(path("fox.obj")).unwrap_err().to_string();
     assert!(wrong.contains(".gltf"), "{wrong}");
+}
+
+#[test]
+fn text_becomes_binary_and_back() {
+    let folder = Folder::new("kinds");
+    let path = |file: &str| folder.0.join(file);
+    let (numbers, rest, _) = file();
+    std::fs::write(path("text.gltf"), numbers.document(&rest)).unwrap();
+    std::fs::write(path("binary.glb"), numbers.glb(&rest)).unwrap();
+    for (from, to) in [("text.gltf", "text.glb"), ("binary.glb", "binary.gltf")] {
+        let mut file = SceneFile::read(path(from)).unwrap();
+        let clip = wave(file.scene());
+        file.add_clip(&clip, &WriteOptions::default()).unwrap();
+        file.write(path(to)).unwrap();
+        let (own, other) = (file.scene(), gltf::read(path(to)).unwrap());
+        assert_eq!(
+            (&own.armature, &own.meshes),
+            (&other.armature, &other.meshes)
+        );
+        assert_eq!(sampled(own, 1), sampled(&other, 1));
+        let written = std::fs::read(path(to)).unwrap();
+        assert_eq!(written.starts_with(b"glTF"), to.ends_with(".glb"));
+        assert!(text(&written).contains(r#""wind" :[ 0,0 , 1.50 ]"#));
+    }
 }

@@ -6,5 +6,6 @@ mod known_answers;
 mod legal_files;
 mod malformed;
 mod meshes;
+mod of_skeletons;
 mod round_trips;
 mod sampled_curves;

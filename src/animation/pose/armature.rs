@@ -141,6 +141,21 @@ impl Armature {
         Ok(self.with_inverses())
     }
 
+    /// The same bones, and behind them a root at the origin, called as given or, where a bone is, with marks at its end.
+    #[cfg(feature = "gltf")]
+    pub(crate) fn with_root(mut self, name: &str) -> (Self, BoneId) {
+        let mut name = name.to_owned();
+        while self.names.contains(&name) {
+            name.push('\'');
+        }
+        let root = BoneId::new(self.names.len());
+        self.names.push(name);
+        self.parents.push(-1);
+        self.rest.push(LocalTransform::IDENTITY);
+        self.rest_from_model.push(Affine3A::IDENTITY);
+        (self, root)
+    }
+
     /// The same, with the inverses of where the rest pose puts the bones.
     fn with_inverses(mut self) -> Self {
         let mut model_from_rest = self.rest_from_model.clone();

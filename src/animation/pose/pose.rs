@@ -97,6 +97,14 @@ impl Pose {
         }
     }
 
+    /// One more bone behind the others.
+    #[cfg(feature = "gltf")]
+    pub(super) fn push(&mut self, local: LocalTransform) {
+        self.translations.push(local.translation);
+        self.rotations.push(local.rotation);
+        self.scales.push(local.scale);
+    }
+
     /// [`local`](Self::local) of a bone that is in the pose.
     pub(crate) fn local_of(&self, bone: BoneId) -> LocalTransform {
         let index = bone.index();

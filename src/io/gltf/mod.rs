@@ -46,6 +46,7 @@ mod morph_targets;
 mod node_transform;
 mod nodes;
 mod note;
+mod of_skeleton;
 mod omissions;
 mod posing;
 mod primitives;

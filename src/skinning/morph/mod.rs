@@ -40,6 +40,15 @@ impl MorphTargets {
         })
     }
 
+    /// No targets, for a mesh of so many vertices.
+    #[must_use]
+    pub fn none(vertex_count: usize) -> Self {
+        Self {
+            targets: Vec::new(),
+            vertex_count,
+        }
+    }
+
     getters! {
         /// The targets, in the order of the weights.
         pub fn targets(&self) -> &[MorphTarget] = &self.targets;

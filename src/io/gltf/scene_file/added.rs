@@ -4,20 +4,11 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use gltf_json::validation::USize64;
 use gltf_json::{Index, Root};
-use serde::Serialize;
 
 use super::members::Members;
 use super::{Container, place};
 use crate::animation::LocalTransform;
 use crate::io::gltf::write::{ClipDocument, UnwritableScene};
-
-/// A buffer within the text.
-#[derive(Serialize)]
-struct TextBuffer {
-    #[serde(rename = "byteLength")]
-    byte_length: usize,
-    uri: String,
-}
 
 /// Puts a document of one clip behind another. `node_of` tells the nodes of the clip's bones.
 pub(super) fn join(
@@ -91,16 +82,30 @@ fn add_bytes(
             Ok((0, start))
         }
         _ => {
-            let own = TextBuffer {
-                byte_length: bytes.len(),
-                uri: format!(
-                    "data:application/octet-stream;base64,{}",
-                    STANDARD.encode(bytes)
-                ),
-            };
+            let mut own = Members::default();
+            own.set("byteLength", &bytes.len())?;
+            own.set("uri", &data_uri(bytes))?;
             Ok((document.append("buffers", &[own])?, 0))
         }
     }
+}
+
+/// Puts the binary chunk into the text, where the first buffer is the one.
+pub(super) fn move_to_text(chunk: &[u8], document: &mut Members) -> serde_json::Result<()> {
+    document.change_each("buffers", |index, members| {
+        let is_chunk = index == 0 && members.get("uri").is_none();
+        if is_chunk {
+            members.set("uri", &data_uri(chunk))?;
+        }
+        Ok(is_chunk)
+    })
+}
+
+fn data_uri(bytes: &[u8]) -> String {
+    format!(
+        "data:application/octet-stream;base64,{}",
+        STANDARD.encode(bytes)
+    )
 }
 
 /// From a document of its own to one behind so many accessors, views and buffers.

@@ -111,12 +111,6 @@ impl SceneFile {
         pub fn scene(&self) -> &Scene = &self.scene;
     }
 
-    /// Whether it is a `.glb` file, and not the text of a `.gltf`.
-    #[must_use]
-    pub fn is_glb(&self) -> bool {
-        matches!(self.container, Container::Binary { .. })
-    }
-
     /// Adds a clip behind those that are there. Its keys go behind the file's binary chunk, or in a `.gltf` into a buffer of their own
     /// within the text.
     ///
@@ -194,55 +188,55 @@ impl SceneFile {
     /// # Errors
     /// It takes 4 GiB, which GLB cannot have.
     pub fn to_bytes(&self) -> Result<Vec<u8>, UnwritableScene> {
-        self.bytes_of(&self.document)
+        bytes_of(&self.document, &self.container)
     }
 
-    fn bytes_of(&self, document: &Members) -> Result<Vec<u8>, UnwritableScene> {
-        let json = serde_json::to_vec(document)?;
-        match &self.container {
-            Container::Text => Ok(json),
-            Container::Binary { buffer, others } => {
-                let bytes = json.len() + buffer.len();
-                glb::join(&json, buffer, others).ok_or(UnwritableScene::TooLong { bytes })
-            }
-        }
-    }
-
-    /// Writes it to a file of the kind that was read. In another folder than it was read from, the files beside it that it names
+    /// Writes it to a `.glb` or `.gltf` file. In another folder than it was read from, the files beside it that it names
     /// (images, buffers) are put into it, as it would not find them there.
     ///
     /// # Errors
-    /// A [`WriteError`] naming the file: it cannot be written, its name ends as that of the other kind, or a file beside
-    /// the old one cannot be read.
+    /// A [`WriteError`] naming the file: it cannot be written, its name ends otherwise, or a file beside the old one cannot be
+    /// read.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), WriteError> {
         let path = path.as_ref();
         let fail = |problem: String| WriteError {
             file: path.display().to_string(),
             problem: Error::new(ErrorKind::InvalidInput, problem),
         };
-        let ending = match self.is_glb() {
-            true => "glb",
-            false => "gltf",
-        };
-        if !path
-            .extension()
-            .is_some_and(|own| own.eq_ignore_ascii_case(ending))
-        {
-            let problem =
-                format!("what was read is a .{ending} file, and so must be what is written");
-            return Err(fail(problem));
+        let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+        let (mut document, mut container) = (self.document.clone(), self.container.clone());
+        match (ending.to_str(), &container) {
+            (Some("glb"), Container::Binary { .. }) | (Some("gltf"), Container::Text) => {}
+            (Some("glb"), Container::Text) => {
+                container = Container::Binary {
+                    buffer: Vec::new(),
+                    others: Vec::new(),
+                };
+            }
+            (Some("gltf"), Container::Binary { buffer, .. }) => {
+                let moved = added::move_to_text(buffer, &mut document);
+                moved.map_err(|error| fail(error.to_string()))?;
+                container = Container::Text;
+            }
+            _ => return Err(fail("scenes are written as .glb or .gltf".into())),
         }
         let folder = path.parent().unwrap_or(Path::new(""));
-        let bytes = match beside::is_same_folder(folder, &self.folder) {
-            true => self.to_bytes(),
-            false => {
-                let mut document = self.document.clone();
-                beside::take_in(&mut document, &self.folder).map_err(&fail)?;
-                self.bytes_of(&document)
-            }
-        };
-        let bytes = bytes.map_err(|error| fail(error.to_string()))?;
+        if !beside::is_same_folder(folder, &self.folder) {
+            beside::take_in(&mut document, &self.folder).map_err(&fail)?;
+        }
+        let bytes = bytes_of(&document, &container).map_err(|error| fail(error.to_string()))?;
         write_bytes(path, &bytes)
+    }
+}
+
+fn bytes_of(document: &Members, container: &Container) -> Result<Vec<u8>, UnwritableScene> {
+    let json = serde_json::to_vec(document)?;
+    match container {
+        Container::Text => Ok(json),
+        Container::Binary { buffer, others } => {
+            let bytes = json.len() + buffer.len();
+            glb::join(&json, buffer, others).ok_or(UnwritableScene::TooLong { bytes })
+        }
     }
 }
 

@@ -148,7 +148,6 @@ pub fn mesh_to_bytes(mesh: &TriangleMesh) -> Result<Vec<u8>, UnwritableScene> {
         rest: LocalTransform::IDENTITY,
     };
     let armature = Armature::new(vec![bone], Vec::new());
-    let targets = MorphTargets::new(mesh.positions().len(), Vec::new());
     let scene = Scene {
         armature: armature.map_err(|error| document(error.to_string()))?,
         meshes: vec![SceneMesh {
@@ -156,7 +155,7 @@ pub fn mesh_to_bytes(mesh: &TriangleMesh) -> Result<Vec<u8>, UnwritableScene> {
             bone: BoneId::new(0),
             mesh: mesh.clone(),
             tangents: Vec::new(),
-            morph_targets: targets.map_err(|error| document(error.to_string()))?,
+            morph_targets: MorphTargets::none(mesh.positions().len()),
             first_morph_weight: 0,
             skin: None,
         }],

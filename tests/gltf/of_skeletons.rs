@@ -1,0 +1,61 @@
+//! Promise: a rig written as a scene is one animated file: read again, its skin goes where the rig's does.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::animation::{Clip, Cursor, Playback};
+use kinopt::io::gltf::{self, Scene, ScenePosing, WriteOptions};
+use kinopt::io::rig::Rig;
+use kinopt::skinning::{MeshWeights, SkinningMethod, single_precision_transform};
+
+#[test]
+fn the_skin_goes_where_the_rig_s_does() {
+    let rig = Rig::read("models/humanoid/humanoid.json").unwrap();
+    let (mesh, weights) = (rig.mesh.as_ref().unwrap(), rig.weights.as_ref().unwrap());
+    let mut scene = Scene::of_skeleton(&rig.skeleton, Some((mesh, weights))).unwrap();
+    let mut builder = Clip::builder("keys", &scene.armature);
+    builder.euler_clip(&rig.clip).unwrap();
+    let clip = builder.build();
+    scene.clips.push(clip);
+    let options = WriteOptions::default();
+    let bytes = gltf::to_bytes(&scene, &options).unwrap();
+    let scene = gltf::from_bytes(&bytes, "rig.glb", |_| unreachable!()).unwrap();
+    assert!(scene.notes.is_empty(), "{:?}", scene.notes);
+    let (clip, [start, end]) = (&scene.clips[0], rig.clip.time_span().unwrap());
+    let weights = MeshWeights::from(weights.clone());
+    let mut posing = ScenePosing::new(&scene, SkinningMethod::LinearBlend).unwrap();
+    let mut pose = scene.armature.rest().clone();
+    let mut q = vec![0.0; rig.skeleton.angles()];
+    // At samples of 30 a second, where the curves are the rig's own.
+    for frame in [0, 7, 22, 40] {
+        let time = (start + f64::from(frame) / 30.0).min(end);
+        rig.clip.sample(time, Playback::Hold, &mut q).unwrap();
+        let own = rig.skeleton.pose(&q).unwrap();
+        let transforms: Vec<_> = own
+            .skinning_transforms(&rig.skeleton)
+            .map(|transform| single_precision_transform(&transform))
+            .collect();
+        let expected = weights
+            .mesh(SkinningMethod::LinearBlend, mesh, &transforms)
+            .unwrap();
+        clip.sample(
+            time - f64::from(clip.span()[0]),
+            Playback::Hold,
+            &mut Cursor::new(),
+            &mut pose,
+        )
+        .unwrap();
+        let posed = posing.mesh(&pose).unwrap();
+        for (own, other) in posed.positions().iter().zip(expected.positions()) {
+            assert!(own.distance(*other) < 1e-4, "{own} for {other} at {time} s");
+        }
+    }
+}
+
+#[test]
+fn bones_alone_are_a_scene_too() {
+    let rig = Rig::read("models/humanoid/humanoid.json").unwrap();
+    let scene = Scene::of_skeleton(&rig.skeleton, None).unwrap();
+    let bytes = gltf::to_bytes(&scene, &WriteOptions::default()).unwrap();
+    let again = gltf::from_bytes(&bytes, "bones.glb", |_| unreachable!()).unwrap();
+    assert_eq!(again.armature.names(), scene.armature.names());
+    assert!(again.meshes.is_empty());
+}
