@@ -5,7 +5,7 @@ use std::path::Path;
 
 use kinopt::animation::{Armature, Clip, Cursor, Playback, Pose};
 use kinopt::io::bvh::{self, BvhChannel, MotionCapture};
-use kinopt::io::gltf::{self, Scene, ScenePosing};
+use kinopt::io::gltf::{SceneFile, ScenePosing};
 use kinopt::model::UnknownName;
 use kinopt::skeleton::BoneId;
 use kinopt::skinning::SkinningMethod;
@@ -29,8 +29,8 @@ pub(crate) struct AnimatedArmature {
     pub(crate) notes: Vec<String>,
     /// The bones that a figure turns.
     pub(crate) turning: BTreeSet<BoneId>,
-    /// The meshes of a scene, with the same armature and clips.
-    pub(crate) scene: Option<Box<Scene>>,
+    /// The file of a scene, with the same armature and clips.
+    pub(crate) scene: Option<Box<SceneFile>>,
 }
 
 /// Frames of motion capture, an even time apart.
@@ -54,7 +54,7 @@ impl AnimatedArmature {
         let file = path.display().to_string();
         Ok(match extension(path).as_str() {
             "bvh" => Self::of_capture(file, bvh::read(path)?),
-            _ => Self::of_scene(file, gltf::read(path)?),
+            _ => Self::of_scene(file, SceneFile::read(path)?),
         })
     }
 
@@ -84,7 +84,8 @@ impl AnimatedArmature {
         }
     }
 
-    fn of_scene(file: String, scene: Scene) -> Self {
+    fn of_scene(file: String, scene_file: SceneFile) -> Self {
+        let scene = scene_file.scene();
         Self {
             notes: scene.notes.iter().map(ToString::to_string).collect(),
             file,
@@ -93,7 +94,7 @@ impl AnimatedArmature {
             clips: scene.clips.clone(),
             frames: None,
             turning: scene.turning_bones(),
-            scene: Some(Box::new(scene)),
+            scene: Some(Box::new(scene_file)),
         }
     }
 
@@ -154,7 +155,7 @@ impl AnimatedArmature {
     /// unit.
     pub(crate) fn size(&self) -> Outcome<f64> {
         if let Some(scene) = self.scene.as_deref() {
-            let mut posing = ScenePosing::new(scene, SkinningMethod::LinearBlend)?;
+            let mut posing = ScenePosing::new(scene.scene(), SkinningMethod::LinearBlend)?;
             let size = posing.mesh(self.armature.rest())?.size();
             if size > 0.0 {
                 return Ok(size);

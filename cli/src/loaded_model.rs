@@ -3,14 +3,15 @@
 use std::path::Path;
 
 use kinopt::Model;
-use kinopt::animation::{Armature, EulerClip, Playback};
-use kinopt::io::gltf::Scene;
+use kinopt::animation::{Armature, EulerClip, Playback, Pose};
+use kinopt::io::gltf::SceneFile;
 use kinopt::io::rig::Rig;
 use kinopt::model::{FrameId, JointId, JointKind, Limits, ParameterMap, Source};
 use kinopt::robot::Robot;
 use kinopt::skeleton::{BallSkeleton, BoneId, Skeleton};
 
 use crate::animated_armature::{AnimatedArmature, extension};
+use crate::ball_figure::PoseBridge;
 use crate::failure::Outcome;
 use crate::model_options::ModelOptions;
 use crate::output;
@@ -38,8 +39,8 @@ pub(crate) struct LoadedModel {
     pub(crate) rig: Option<Box<Rig>>,
     /// The same bones on ball joints, where those are asked for.
     pub(crate) balls: Option<Box<BallSkeleton>>,
-    /// The meshes of a scene.
-    pub(crate) scene: Option<Box<Scene>>,
+    /// The file of a scene.
+    pub(crate) scene: Option<Box<LoadedScene>>,
     /// The bones of motion capture.
     pub(crate) capture: Option<Box<Capture>>,
     /// A robot with its mimic joints; `None` for a rig.
@@ -60,6 +61,22 @@ pub(crate) struct HeldJoints {
     /// The joints that alone may move, and a configuration that holds the others.
     pub(crate) only: Option<(Vec<JointId>, Vec<f64>)>,
     pub(crate) map: ParameterMap,
+}
+
+/// A scene's file, and the pose in which its bones stand where the model's are at rest.
+#[derive(Debug)]
+pub(crate) struct LoadedScene {
+    pub(crate) file: SceneFile,
+    pub(crate) stands: Pose,
+}
+
+impl LoadedScene {
+    /// The pose of a configuration of its figure.
+    pub(crate) fn pose(&self, bridge: &PoseBridge, q: &[f64]) -> Pose {
+        let mut pose = self.stands.clone();
+        bridge.pose_of(q, &mut pose);
+        pose
+    }
 }
 
 /// The bones of motion capture, at rest as the model is.
@@ -136,16 +153,18 @@ impl LoadedModel {
             mut armature,
             frames,
             notes,
-            mut scene,
+            scene,
             turning,
             ..
         } = animated;
         if let Some(pose) = &pose {
             armature = armature.at_rest_in(pose)?;
         }
-        if let Some(scene) = &mut scene {
-            scene.armature = armature.clone();
-        }
+        let stands = armature.rest().clone();
+        let scene = scene.map(|file| LoadedScene {
+            file: *file,
+            stands,
+        });
         let limits = |bone: BoneId| match turning.contains(&bone) {
             true => [Limits::UNBOUNDED; 3],
             false => [Limits::new(0.0, 0.0); 3],
@@ -158,7 +177,7 @@ impl LoadedModel {
             notes,
         });
         Ok(Self {
-            scene,
+            scene: scene.map(Box::new),
             capture: capture.map(Box::new),
             ..Self::of_skeleton(file, skeleton)
         })

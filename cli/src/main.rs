@@ -36,6 +36,7 @@ mod number_list;
 mod output;
 mod placed_frames;
 mod progress;
+mod scene_output;
 mod skin_report;
 mod skinning_choice;
 mod solve;

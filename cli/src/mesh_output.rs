@@ -9,13 +9,14 @@ use kinopt::io::ply::PlyEncoding;
 use kinopt::io::{gltf, obj, ply};
 use kinopt::mesh::TriangleMesh;
 use kinopt::skeleton::{BallSkeleton, Skeleton};
-use kinopt::skinning::{MeshWeights, SkinningMethod, single_precision_transform};
+use kinopt::skinning::{MeshWeights, SkinWeights, SkinningMethod, single_precision_transform};
 
 use crate::animated_armature::extension;
 use crate::ball_figure::PoseBridge;
 use crate::failure::{Failure, Outcome};
-use crate::loaded_model::LoadedModel;
+use crate::loaded_model::{LoadedModel, LoadedScene};
 use crate::output;
+use crate::scene_output::write_posed;
 use crate::weights_choice::WeightsChoice;
 
 /// `--out`: where to write, and as what.
@@ -80,12 +81,14 @@ pub(crate) enum Skin<'a> {
         /// The same bones, where they turn on balls.
         balls: Option<&'a BallSkeleton>,
         mesh: &'a TriangleMesh,
-        weights: Box<MeshWeights>,
+        weights: Box<SkinWeights>,
+        /// The same, as meshes are posed by them.
+        mesh_weights: Box<MeshWeights>,
         /// What was made up.
         note: Option<String>,
     },
     Scene {
-        scene: &'a Scene,
+        scene: &'a LoadedScene,
         bridge: PoseBridge,
     },
 }
@@ -97,9 +100,9 @@ impl LoadedModel {
         let (file, kind) = (&self.file, self.kind());
         let lacks = || lacks_mesh(file, kind);
         let rig = self.rig.as_ref().ok_or_else(lacks)?;
-        if self.scene.is_some() {
-            let scene = with_meshes(self.scene.as_deref(), (file, kind), choice)?;
-            let bridge = PoseBridge::of(self, &scene.armature).ok_or_else(lacks)?;
+        if let Some(scene) = self.scene.as_deref() {
+            let own = with_meshes(Some(scene.file.scene()), (file, kind), choice)?;
+            let bridge = PoseBridge::of(self, &own.armature).ok_or_else(lacks)?;
             return Ok(Skin::Scene { scene, bridge });
         }
         let mesh = rig.mesh.as_ref().ok_or_else(lacks)?;
@@ -123,7 +126,8 @@ impl LoadedModel {
             skeleton: &rig.skeleton,
             balls: self.balls.as_deref(),
             mesh,
-            weights: Box::new(weights.into()),
+            mesh_weights: Box::new(weights.clone().into()),
+            weights: Box::new(weights),
             note,
         })
     }
@@ -163,7 +167,7 @@ impl Skin<'_> {
                 skeleton,
                 balls,
                 mesh,
-                weights,
+                mesh_weights,
                 ..
             } => {
                 let pose = match balls {
@@ -173,13 +177,23 @@ impl Skin<'_> {
                 let transforms = pose.skinning_transforms(skeleton);
                 let transforms = transforms.map(|t| single_precision_transform(&t));
                 let transforms: Vec<_> = transforms.collect();
-                Ok(weights.mesh(method, mesh, &transforms)?)
+                Ok(mesh_weights.mesh(method, mesh, &transforms)?)
             }
             Self::Scene { scene, bridge } => {
-                let mut pose = scene.armature.rest().clone();
-                bridge.pose_of(q, &mut pose);
-                Ok(ScenePosing::new(*scene, method)?.mesh(&pose)?)
+                let pose = scene.pose(bridge, q);
+                Ok(ScenePosing::new(scene.file.scene(), method)?.mesh(&pose)?)
             }
+        }
+    }
+
+    /// Writes the mesh in a configuration; a scene as glTF keeps all that its file holds.
+    pub(crate) fn write(&self, q: &[f64], method: SkinningMethod, to: &MeshFile) -> Outcome<()> {
+        match self {
+            Self::Scene { scene, bridge } if to.format == MeshFormat::Glb => {
+                let pose = scene.pose(bridge, q);
+                write_posed(&scene.file, &pose, method, to.path())
+            }
+            _ => to.write(&self.posed(q, method)?),
         }
     }
 }

@@ -256,15 +256,8 @@ fn files_beside_it_go_along_to_another_folder() {
     let before = numbers.document(&format!("{rest},{images}"));
     std::fs::write(path("fox.gltf"), &before).unwrap();
     let file = SceneFile::read(path("fox.gltf")).unwrap();
-    // The image is looked for only where it has to go along.
-    let missing = file
-        .write(path("elsewhere/fox.gltf"))
-        .unwrap_err()
-        .to_string();
-    assert!(
-        missing.contains("images[0].uri") && missing.contains("a coat.png"),
-        "{missing}"
-    );
+    // An image that is not there cannot go along; its name stays.
+    file.write(path("elsewhere/bare.gltf")).unwrap();
     std::fs::write(path("a coat.png"), IMAGE).unwrap();
     file.write(path("same.gltf")).unwrap();
     file.write(path("elsewhere/fox.gltf")).unwrap();
@@ -274,6 +267,7 @@ fn files_beside_it_go_along_to_another_folder() {
         document["images"][0]["uri"].as_str().unwrap().to_owned()
     };
     assert_eq!(uri("same.gltf"), "a%20coat.png");
+    assert_eq!(uri("elsewhere/bare.gltf"), "a%20coat.png");
     // Seven bytes in base64, by hand.
     assert_eq!(
         uri("elsewhere/fox.gltf"),

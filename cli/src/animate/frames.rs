@@ -36,6 +36,15 @@ impl Frames {
         })
     }
 
+    pub(super) fn per_second(self) -> f64 {
+        self.per_second
+    }
+
+    /// The time of the first, in seconds.
+    pub(super) fn start(self) -> f64 {
+        self.start
+    }
+
     /// The file's name without its extension, and the time in seconds.
     pub(super) fn iter(self) -> impl Iterator<Item = (String, f64)> {
         let digits = (self.count - 1).to_string().len().max(4);

@@ -1,16 +1,17 @@
 //! `kinopt animate`: from keyframes and clips to posed meshes.
 
+mod clip_file;
 mod frames;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args};
-use kinopt::animation::Playback;
-use kinopt::io::gltf::ScenePosing;
-use kinopt::mesh::TriangleMesh;
+use kinopt::animation::{Clip, Playback};
+use kinopt::io::gltf::{SceneFile, ScenePosing};
 use kinopt::skinning::SkinningMethod;
 use serde::Serialize;
 
+use self::clip_file::{ClipOptions, is_gltf};
 use self::frames::Frames;
 use crate::animated_armature::AnimatedArmature;
 use crate::failure::{Failure, Outcome};
@@ -20,7 +21,7 @@ use crate::mesh_output::{self, MeshFile, MeshFormat};
 use crate::model_options::ModelOptions;
 use crate::progress::Countdown;
 use crate::weights_choice::WeightsChoice;
-use crate::{number_list, output, skinning_choice};
+use crate::{number_list, output, scene_output, skinning_choice};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -28,13 +29,18 @@ Examples:
   kinopt animate arm.json --fps 24 --out frames         a file for each frame of all keyframes
   kinopt animate fox.glb --clip Run --time 0.2 --out posed.glb
                                                         a scene's clip after 0.2 s
+  kinopt animate arm.json --fps 24 --format glb --out arm.glb
+                                                        one animated file: bones, skin and clip
+  kinopt animate fox.glb --clip Run --fps 30 --in-place b_Hip_01 --clip-name Run_on_the_spot --into fox.glb
+                                                        the file keeps all that it holds, and has one clip more
   kinopt animate arm.json --fps 60 --from 1 --to 2 --format ply --skinning dqs --out frames
                                                         one second of them";
 
 /// Pose a rig's mesh by its keyframes, or a scene's meshes by one of its clips, at one time or frame
 /// by frame.
 ///
-/// A scene's meshes are written as one, where they stand in the scene. A rig's keys are interpolated over their own times, by Catmull-Rom splines unless the file or
+/// A scene's meshes are written as one, where they stand in the scene; as .glb or .gltf the scene keeps all that its file holds: materials,
+/// images, cameras, what nothing here understands. With --fps that is one animated file. A rig's keys are interpolated over their own times, by Catmull-Rom splines unless the file or
 /// --interpolation says otherwise; lengths are in the rig's own unit. One time makes one file; frames are numbered from 0 in a folder, which is made where there
 /// is none: frame-0000.obj, frame-0001.obj, …
 #[derive(Args, Debug)]
@@ -45,9 +51,9 @@ pub(crate) struct Arguments {
     #[arg(value_name = "MODEL")]
     model: PathBuf,
 
-    /// Where to write: with --time a .obj, .ply or .glb file, with --fps a folder.
-    #[arg(long, value_name = "FILE|DIR")]
-    out: PathBuf,
+    /// Where to write: with --time a .obj, .ply or .glb file, with --fps a folder, or a .glb file for all frames.
+    #[arg(long, value_name = "FILE|DIR", required_unless_present = "into")]
+    out: Option<PathBuf>,
 
     /// Which of a scene's clips: its name, or the end of it (`Walk` for `Armature|Walk`). Default: the first.
     #[arg(long, value_name = "NAME")]
@@ -94,6 +100,9 @@ pub(crate) struct Arguments {
     /// How the bones move the skin.
     #[arg(long, value_name = "METHOD", default_value_t, value_parser = skinning_choice::parser())]
     skinning: SkinningMethod,
+
+    #[command(flatten)]
+    clip_options: ClipOptions,
 }
 
 #[derive(Serialize)]
@@ -125,13 +134,21 @@ fn run_rig(arguments: &Arguments, json: bool) -> Outcome<()> {
     loaded.interpolate_keyframes(arguments.interpolation)?;
     let clip = loaded.keyframes("animate")?;
     let skin = loaded.skin(arguments.skin_weights)?;
+    let span = clip.time_span().unwrap_or([0.0; 2]);
+    if let Some((frames, out)) = arguments.one_file(span)? {
+        let playing = (frames, playback(arguments.looped));
+        return arguments
+            .clip_options
+            .write_rig(&loaded, &skin, playing, out, json);
+    }
     let mut notes = loaded.notes();
     notes.extend(skin.note());
-    let span = clip.time_span().unwrap_or([0.0; 2]);
     let mut q = vec![0.0; loaded.model.configuration_len()];
-    write_frames(arguments, json, &notes, span, |time, playback| {
+    write_frames(arguments, json, &notes, span, |time, playback, file| {
         clip.sample(time, playback, &mut q)?;
-        skin.posed(&q, arguments.skinning)
+        let mesh = skin.posed(&q, arguments.skinning)?;
+        file.write(&mesh)?;
+        Ok(mesh.positions().len())
     })
 }
 
@@ -144,15 +161,65 @@ fn run_scene(arguments: &Arguments, json: bool) -> Outcome<()> {
         );
         return Err(Failure::usage(problem));
     }
-    let scene = animated.scene.as_deref();
+    let own = animated.scene.as_deref();
+    let scene = own.map(SceneFile::scene);
+    let clip = animated.clip(arguments.clip.as_deref());
+    let span = |clip: &Clip| clip.span().map(f64::from);
+    let one_file = match &clip {
+        Ok(clip) => arguments.one_file(span(clip))?,
+        Err(_) => None,
+    };
+    if let (Some((frames, out)), Some(own)) = (one_file, own) {
+        let playing = (frames, playback(arguments.looped));
+        let options = &arguments.clip_options;
+        return options.write_scene(&animated, own, clip?, playing, out, json);
+    }
     let scene = mesh_output::with_meshes(scene, (file, kind), arguments.skin_weights)?;
-    let clip = animated.clip(arguments.clip.as_deref())?;
+    let clip = clip?;
     let mut posing = ScenePosing::new(scene, arguments.skinning)?;
-    let span = clip.span().map(f64::from);
-    write_frames(arguments, json, &[], span, |time, playback| {
+    write_frames(arguments, json, &[], span(clip), |time, playback, file| {
         let pose = animated.pose_at(clip, time, playback)?;
-        Ok(posing.mesh(&pose)?)
+        match own.filter(|_| is_gltf(file.path())) {
+            Some(own) => scene_output::write_posed(own, &pose, arguments.skinning, file.path())?,
+            None => file.write(&posing.mesh(&pose)?)?,
+        }
+        Ok(scene
+            .meshes
+            .iter()
+            .map(|own| own.mesh.positions().len())
+            .sum())
     })
+}
+
+impl Arguments {
+    /// The frames and the file of all of them, where they are to be one animated file.
+    fn one_file(&self, span: [f64; 2]) -> Outcome<Option<(Frames, &Path)>> {
+        let options = &self.clip_options;
+        let Some(fps) = self.fps else {
+            return Ok(None);
+        };
+        let out = options.into.as_deref().or(self.out.as_deref());
+        let Some(out) = out.filter(|out| is_gltf(out) || self.format == Some(MeshFormat::Glb))
+        else {
+            return match options.given() {
+                Some(option) => Err(usage!(
+                    "{option} is for clips written as .glb or .gltf: --out FILE.glb"
+                )),
+                None => Ok(None),
+            };
+        };
+        if !is_gltf(out) {
+            return Err(usage!(
+                "--out {}: --format glb is one file of all frames; it should end in .glb",
+                out.display()
+            ));
+        }
+        Ok(Some((self.frames(fps, span)?, out)))
+    }
+
+    fn frames(&self, fps: f64, [start, end]: [f64; 2]) -> Outcome<Frames> {
+        Frames::new(fps, self.from.unwrap_or(start), self.to.unwrap_or(end))
+    }
 }
 
 /// Writes the meshes at the times that are asked for and says what was written.
@@ -161,16 +228,14 @@ fn write_frames(
     json: bool,
     notes: &[String],
     span: [f64; 2],
-    mut posed: impl FnMut(f64, Playback) -> Outcome<TriangleMesh>,
+    mut write: impl FnMut(f64, Playback, &MeshFile) -> Outcome<usize>,
 ) -> Outcome<()> {
     let files = files(arguments, span)?;
     let playback = playback(arguments.looped);
     let countdown = Countdown::new(files.len(), "frames");
     let mut vertices = 0;
     for (time, file) in &files {
-        let mesh = posed(*time, playback)?;
-        file.write(&mesh)?;
-        vertices = mesh.positions().len();
+        vertices = write(*time, playback, file)?;
         countdown.one_more();
     }
     drop(countdown);
@@ -189,7 +254,9 @@ fn write_frames(
 
 /// The times in seconds and where their meshes go. Makes the folder of frames.
 fn files(arguments: &Arguments, span: [f64; 2]) -> Outcome<Vec<(f64, MeshFile)>> {
-    let out = &arguments.out;
+    let Some(out) = &arguments.out else {
+        return Err(usage!("--into is for clips of scenes; meshes go to --out"));
+    };
     let Some(fps) = arguments.fps else {
         let file = MeshFile::parse(&out.to_string_lossy())
             .map_err(|problem| usage!("--out {}: with --time, {problem}", out.display()))?;
@@ -197,16 +264,11 @@ fn files(arguments: &Arguments, span: [f64; 2]) -> Outcome<Vec<(f64, MeshFile)>>
     };
     if MeshFormat::of(out).is_some() && !out.is_dir() {
         return Err(usage!(
-            "--out {}: with --fps it is a folder; choose obj, ply or glb by --format",
+            "--out {}: with --fps it is a folder, or a .glb file of all frames; choose obj or ply by --format",
             out.display()
         ));
     }
-    let [start, end] = span;
-    let frames = Frames::new(
-        fps,
-        arguments.from.unwrap_or(start),
-        arguments.to.unwrap_or(end),
-    )?;
+    let frames = arguments.frames(fps, span)?;
     let format = arguments.format.unwrap_or(MeshFormat::Obj);
     output::make_folder(out)?;
     let named = frames.iter().map(|(stem, time)| {

@@ -76,7 +76,8 @@ pub(super) fn document(animated: &AnimatedArmature) -> Outcome<Document<'_>> {
     let armature = &animated.armature;
     let names = armature.names();
     let placements = animated.placements(armature.rest())?;
-    let joints = animated.scene.as_deref().map(joints);
+    let scene = animated.scene.as_ref().map(|file| file.scene());
+    let joints = scene.map(joints);
     let bones = names.iter().zip(&placements).enumerate();
     let bones = bones.map(|(index, (name, placement))| {
         let bone = armature.bone_at(index);
@@ -99,7 +100,7 @@ pub(super) fn document(animated: &AnimatedArmature) -> Outcome<Document<'_>> {
         bones: bones.collect(),
         clips: animated.clips.iter().map(clip).collect(),
         captured: animated.frames.as_ref().map(captured),
-        meshes: animated.scene.as_deref().map(meshes),
+        meshes: scene.map(meshes),
         notes: &animated.notes,
     })
 }

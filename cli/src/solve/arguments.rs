@@ -295,6 +295,16 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE", value_parser = OutFile::parse, help_heading = OUTPUT)]
     pub(super) out: Option<OutFile>,
 
+    /// Add the pose of a scene as a clip of one key to this .glb or .gltf file, which keeps all that it holds.
+    ///
+    /// Where there is no such file, to a copy of the model's. Default: not written.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["out", "file"], help_heading = OUTPUT, hide_short_help = true)]
+    pub(super) into: Option<PathBuf>,
+
+    /// With --into: what the clip is called. Default: pose.
+    #[arg(long, value_name = "NAME", requires = "into", help_heading = OUTPUT, hide_short_help = true)]
+    pub(super) clip_name: Option<String>,
+
     /// With --out: how a rig's skin weights are made up. Default: those of the file, else by heat.
     #[arg(long, value_enum, requires = "out", conflicts_with = "file", hide_default_value = true,
           help_heading = MESHES, hide_short_help = true)]

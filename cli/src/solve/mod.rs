@@ -83,8 +83,13 @@ fn one<B: QueryBackend>(
 ) -> Outcome<()> {
     // Before the search, not after it; but after all names, as making up skin weights takes a while.
     let out = arguments.out.as_ref();
-    let written = out.map(|out| out.of(loaded, arguments.skin_weights));
-    let written = written.transpose()?;
+    let name = arguments.clip_name.as_deref();
+    let written = match &arguments.into {
+        Some(into) => Some(out_file::added(into, name, loaded)?),
+        None => out
+            .map(|out| out.of(loaded, arguments.skin_weights))
+            .transpose()?,
+    };
     let mut progress = Progress::new();
     let answer = backend.answer(&mut B::Workspace::default(), query, &mut progress)?;
     drop(progress);

@@ -1,15 +1,17 @@
-//! What `--out` writes: the mesh in the pose found, or of motion capture the pose itself.
+//! What `--out` and `--into` write: the mesh in the pose found, or the pose itself, of motion capture or into a scene's file.
 
 use std::path::{Path, PathBuf};
 
+use kinopt::animation::Clip;
 use kinopt::io::bvh;
 use kinopt::skinning::SkinningMethod;
 
 use crate::animated_armature::extension;
 use crate::ball_figure::PoseBridge;
 use crate::failure::Outcome;
-use crate::loaded_model::{Capture, LoadedModel};
+use crate::loaded_model::{Capture, LoadedModel, LoadedScene};
 use crate::mesh_output::{MeshFile, Skin};
+use crate::scene_output;
 use crate::weights_choice::WeightsChoice;
 
 /// A file for what was found.
@@ -23,6 +25,29 @@ pub(super) enum OutFile {
 pub(super) enum Written<'a> {
     Mesh(&'a MeshFile, Box<Skin<'a>>),
     Capture(&'a Path, &'a Capture, PoseBridge),
+    Clip(&'a Path, &'a str, &'a LoadedScene, PoseBridge),
+}
+
+/// What `--into` adds to a file.
+///
+/// # Errors
+/// A model that is no scene.
+pub(super) fn added<'a>(
+    into: &'a Path,
+    name: Option<&'a str>,
+    loaded: &'a LoadedModel,
+) -> Outcome<Written<'a>> {
+    let scene = loaded.scene.as_deref();
+    let bridge = scene.and_then(|own| PoseBridge::of(loaded, &own.file.scene().armature));
+    let both = scene.zip(bridge);
+    let (scene, bridge) = both.ok_or_else(|| {
+        usage!(
+            "{}: --into adds the pose of a scene to a file; this is a {}",
+            loaded.file,
+            loaded.kind()
+        )
+    })?;
+    Ok(Written::Clip(into, name.unwrap_or("pose"), scene, bridge))
 }
 
 impl OutFile {
@@ -66,7 +91,7 @@ impl Written<'_> {
     pub(super) fn note(&self) -> Option<String> {
         match self {
             Self::Mesh(_, skin) => skin.note(),
-            Self::Capture(..) => None,
+            Self::Capture(..) | Self::Clip(..) => None,
         }
     }
 
@@ -74,7 +99,7 @@ impl Written<'_> {
     pub(super) fn write(&self, q: &[f64], method: SkinningMethod) -> Outcome<&Path> {
         match self {
             Self::Mesh(file, skin) => {
-                file.write(&skin.posed(q, method)?)?;
+                skin.write(q, method, file)?;
                 Ok(file.path())
             }
             Self::Capture(path, capture, bridge) => {
@@ -82,6 +107,14 @@ impl Written<'_> {
                 bridge.pose_of(q, &mut pose);
                 let rate = 1.0 / capture.frame_time;
                 bvh::write_poses(&capture.armature, &[pose], rate, path)?;
+                Ok(path)
+            }
+            Self::Clip(path, name, scene, bridge) => {
+                let pose = scene.pose(bridge, q);
+                let armature = &scene.file.scene().armature;
+                let clip = Clip::through_poses(*name, armature, &[0.0], &[pose])?;
+                let file = scene_output::file_to_add_to(&scene.file, path)?;
+                scene_output::write_with_clip(file, clip, Some(name), name, path)?;
                 Ok(path)
             }
         }

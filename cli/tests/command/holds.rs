@@ -4,9 +4,9 @@
 use crate::forked_rig::*;
 use glam::{Affine3A, Vec3A};
 use kinopt::animation::{Armature, ArmatureBone, LocalTransform};
-use kinopt::io::gltf::{self, SceneMesh, Skin};
+use kinopt::io::gltf::{self, SceneMesh, ScenePosing, Skin};
 use kinopt::mesh::TriangleMesh;
-use kinopt::skinning::{MorphTargets, SkinWeights};
+use kinopt::skinning::{MorphTargets, SkinWeights, SkinningMethod};
 use serde_json::{Value, json};
 
 /// Name, parent, and where it stands in the model, in metres: y is up.
@@ -65,7 +65,9 @@ fn character(folder: &Folder) -> String {
 fn moved(posed: &str, bone: &str) -> f32 {
     let scene = gltf::read(posed).unwrap();
     let index = BONES.iter().position(|(name, ..)| *name == bone).unwrap();
-    let at = scene.meshes[0].mesh.positions()[index];
+    let mut posing = ScenePosing::new(&scene, SkinningMethod::LinearBlend).unwrap();
+    let mesh = posing.mesh(scene.armature.rest()).unwrap();
+    let at = mesh.positions()[index];
     Vec3A::from(at).distance(Vec3A::from(BONES[index].2))
 }
 

@@ -25,6 +25,7 @@ mod posed_mesh;
 mod robot_files;
 mod robots;
 mod room_and_weights;
+mod scene_clips;
 mod scenes;
 mod seeded_robot;
 mod servo;

@@ -5,10 +5,10 @@ use glam::{Affine3A, Quat, Vec3, Vec3A};
 use kinopt::animation::curve::KeyedCurve;
 use kinopt::animation::rotation::RotationCurve;
 use kinopt::animation::{Armature, ArmatureBone, Channel, Clip, LocalTransform};
-use kinopt::io::gltf::{self, Scene, SceneMesh, Skin};
+use kinopt::io::gltf::{self, Scene, SceneMesh, ScenePosing, Skin};
 use kinopt::io::ply;
 use kinopt::mesh::TriangleMesh;
-use kinopt::skinning::{MorphTarget, MorphTargets, SkinWeights};
+use kinopt::skinning::{MorphTarget, MorphTargets, SkinWeights, SkinningMethod};
 use serde_json::json;
 
 /// A flag of four corners: two on the pole at x = 0, two that follow a joint at x = 1, which the
@@ -75,10 +75,10 @@ fn near(positions: &[Vec3], wanted: [[f32; 3]; 4]) {
 
 /// The vertices of the first mesh of a written scene.
 fn posed(file: &str) -> Vec<Vec3> {
-    gltf::read(file).unwrap().meshes[0]
-        .mesh
-        .positions()
-        .to_vec()
+    let scene = gltf::read(file).unwrap();
+    let mut posing = ScenePosing::new(&scene, SkinningMethod::LinearBlend).unwrap();
+    let mesh = posing.mesh(scene.armature.rest()).unwrap();
+    mesh.positions().to_vec()
 }
 
 #[test]
@@ -135,21 +135,27 @@ fn animate_poses_a_clip_at_one_time_or_frame_by_frame() {
     let file = written(&folder);
     let [low, high] = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let turned = [low, high, [1.0, 0.0, 1.0], [1.0, 1.0, 1.0]];
-    for skinning in ["lbs", "dqs"] {
-        let out = folder.file(&format!("{skinning}.glb"));
+    for (skinning, ending) in [("lbs", "glb"), ("lbs", "ply"), ("dqs", "ply")] {
+        let out = folder.file(&format!("{skinning}.{ending}"));
         let document = answer!("animate {file} --time=1 --skinning {skinning} --out {out}");
         has(&document, json!({"vertices": 4, "skinning": skinning}));
-        near(&posed(&out), turned);
+        match ending {
+            "glb" => near(&posed(&out), turned),
+            _ => near(ply::read(&out).unwrap().positions(), turned),
+        }
     }
+    // Whoever shows a skin blends it linearly.
+    let out = folder.file("dual.glb");
+    refused!("animate {file} --time=1 --skinning dqs --out {out}" => 2, "dual.glb | dqs");
     let out = folder.file("frames");
-    let document = answer!("animate {file} --clip=sink --fps=2 --format=glb --out {out}");
+    let document = answer!("animate {file} --clip=sink --fps=2 --format=ply --out {out}");
     let frames = list(&document["frames"]);
     assert_eq!(frames.len(), 3);
     for (frame, weight) in frames.iter().zip([0.0, 0.5, 1.0]) {
         let path = word(&frame["file"]);
-        assert!(path.ends_with(".glb"), "{path}");
+        assert!(path.ends_with(".ply"), "{path}");
         near(
-            &posed(path),
+            ply::read(path).unwrap().positions(),
             [low, high, [2.0, 0.0, 0.0], [2.0, 1.0 - weight, 0.0]],
         );
     }

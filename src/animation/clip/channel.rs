@@ -53,7 +53,8 @@ impl EulerCurve {
 
 impl Channel {
     /// The key times in seconds.
-    pub(super) fn times(&self) -> &[f32] {
+    #[must_use]
+    pub fn times(&self) -> &[f32] {
         match self {
             Self::Translation(curve) | Self::Scale(curve) => curve.times(),
             Self::Rotation(curve) => curve.times(),

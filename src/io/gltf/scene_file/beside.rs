@@ -49,6 +49,8 @@ pub(super) fn take_in(document: &mut Members, folder: &Path) -> Result<(), Strin
                     );
                     members.set("uri", &data).map(|()| true)
                 }
+                // It was not there before either: its name is all there is to keep.
+                Err(error) if error.is_missing() => Ok(false),
                 Err(error) => {
                     problem = Some(format!("{list}[{index}].uri: {error}"));
                     Ok(false)

@@ -192,7 +192,7 @@ impl SceneFile {
     }
 
     /// Writes it to a `.glb` or `.gltf` file. In another folder than it was read from, the files beside it that it names
-    /// (images, buffers) are put into it, as it would not find them there.
+    /// (images, buffers) are put into it, as it would not find them there; one that does not exist stays named.
     ///
     /// # Errors
     /// A [`WriteError`] naming the file: it cannot be written, its name ends otherwise, or a file beside the old one cannot be

@@ -1,0 +1,128 @@
+//! Promise: poses and clips are added to a scene's file, which keeps what it held; a rig with its clip is one animated file.
+
+use crate::forked_rig::*;
+use kinopt::animation::{Cursor, Playback, Pose};
+use kinopt::io::gltf::{self, Scene};
+use serde_json::json;
+
+/// A leg of two joints, the first of which walks along x and turns about y in a second, a material and something unknown.
+const WALKER: &str = r#"{"asset":{"version":"2.0"},"extensionsUsed":["ACME_mood"],"extensions":{"ACME_mood":{"glad":1.50}},
+ "materials":[{"name":"wool","pbrMetallicRoughness":{"metallicFactor":0.10}}],
+ "nodes":[{"name":"hip","children":[1],"translation":[0,1,0]},{"name":"knee","translation":[0,-0.5,0]}],"scene":0,"scenes":[{"nodes":[0]}],
+ "buffers":[{"byteLength":64,"uri":"data:application/octet-stream;base64,AAAAAAAAgD8AAAAAAACAPwAAAAAAAEBAAACAPwAAAEAAAAAAAAAAAAAAAAAAAIA/AAAAAPMENT8AAAAA8wQ1Pw=="}],
+ "bufferViews":[{"buffer":0,"byteLength":8},{"buffer":0,"byteOffset":8,"byteLength":24},{"buffer":0,"byteOffset":32,"byteLength":32}],
+ "accessors":[{"bufferView":0,"componentType":5126,"type":"SCALAR","count":2,"min":[0],"max":[1]},{"bufferView":1,"componentType":5126,"type":"VEC3","count":2},{"bufferView":2,"componentType":5126,"type":"VEC4","count":2}],
+ "animations":[{"name":"walk","samplers":[{"input":0,"output":1},{"input":0,"output":2}],"channels":[{"sampler":0,"target":{"node":0,"path":"translation"}},{"sampler":1,"target":{"node":0,"path":"rotation"}}]}]}"#;
+
+fn at(scene: &Scene, clip: &str, time: f64) -> Pose {
+    let mut pose = scene.armature.rest().clone();
+    let clip = scene.clip(clip).unwrap();
+    clip.sample(time, Playback::Hold, &mut Cursor::new(), &mut pose)
+        .unwrap();
+    pose
+}
+
+fn keeps(file: &str) -> Scene {
+    let bytes = std::fs::read(file).unwrap();
+    let text = String::from_utf8_lossy(&bytes);
+    for own in [r#""ACME_mood":{"glad":1.50}"#, r#""metallicFactor":0.10"#] {
+        assert!(text.contains(own), "{own} is not in {text}");
+    }
+    gltf::read(file).unwrap()
+}
+
+#[test]
+fn a_clip_goes_into_a_file_and_another_behind_it() {
+    let folder = Folder::new("scene-clips");
+    let (file, out) = (
+        folder.text("walker.gltf", WALKER),
+        folder.file("walker.glb"),
+    );
+    let document = answer!("animate {file} --fps=10 --into {out}");
+    has(
+        &document,
+        json!({"clip": "walk at 10", "file": out, "duration": 1.0}),
+    );
+    let scene = keeps(&out);
+    for time in [0.0, 0.3, 1.0] {
+        let [own, added] = ["walk", "walk at 10"].map(|clip| at(&scene, clip, time));
+        assert!((own.translations()[0] - added.translations()[0]).length() < 1e-5);
+        assert!(own.rotations()[0].abs_diff_eq(added.rotations()[0], 1e-5));
+    }
+    // Into the same file again, under another name; one that is taken is refused.
+    refused!("animate {file} --fps=10 --clip-name=walk --into {out}" => 1, "walker.glb | `walk` | --clip-name");
+    text!("animate {file} --fps=30 --in-place=hip --clip-name=spot --into {out}");
+    let scene = keeps(&out);
+    assert_eq!(scene.clips.len(), 3);
+    let spot = at(&scene, "spot", 1.0);
+    let start = at(&scene, "spot", 0.0);
+    let moved = spot.translations()[0] - start.translations()[0];
+    assert!(moved.x.abs() < 1e-5 && moved.z.abs() < 1e-5, "{moved}");
+    assert!(spot.rotations()[0].abs_diff_eq(start.rotations()[0], 1e-5));
+}
+
+#[test]
+fn a_pose_that_is_found_is_a_clip_of_one_key() {
+    let folder = Folder::new("scene-poses");
+    let (file, out) = (
+        folder.text("walker.gltf", WALKER),
+        folder.file("posed.gltf"),
+    );
+    let solved = answer!("solve {file} --target=knee=0.5,1,0 --into {out} --clip-name=kick");
+    assert_eq!(solved["reached"], true);
+    let scene = keeps(&out);
+    assert_eq!(scene.clip("kick").unwrap().span(), [0.0, 0.0]);
+    let pose = at(&scene, "kick", 0.0);
+    let mut places = Vec::new();
+    scene.armature.local_to_model(&pose, &mut places).unwrap();
+    let knee = places[1].translation;
+    assert!(
+        (knee - kinopt::glam::Vec3A::new(0.5, 1.0, 0.0)).length() < 1e-5,
+        "{knee}"
+    );
+    // At rest it stands as it did.
+    assert_eq!(scene.armature, gltf::read(&file).unwrap().armature);
+    refused!("solve {file} --target=knee=0.5,1,0 --into {out} --clip-name=kick" => 1, "`kick`");
+    let rig = folder.rig();
+    refused!("solve {rig} --target=bone/1=0,1,0 --into {out}" => 2, "--into | rig");
+}
+
+#[test]
+fn a_rig_is_one_animated_file() {
+    let folder = Folder::new("rig-animated");
+    let (rig_file, out) = (folder.rig(), folder.file("rig.glb"));
+    let document = answer!("animate {rig_file} --fps=20 --format=glb --out {out}");
+    has(&document, json!({"clip": "keys", "duration": 1.5}));
+    let scene = gltf::read(&out).unwrap();
+    assert!(scene.meshes[0].skin.is_some());
+    let own = rig();
+    let mut q = vec![0.0; own.skeleton.angles()];
+    own.clip.sample(1.0, Playback::Hold, &mut q).unwrap();
+    let posed = own.skeleton.pose(&q).unwrap();
+    let mut places = Vec::new();
+    // The file's first frame is the first key, at 0.5 s.
+    scene
+        .armature
+        .local_to_model(&at(&scene, "keys", 0.5), &mut places)
+        .unwrap();
+    for (bone, place) in own.skeleton.bone_ids().zip(&places) {
+        let tail = posed.tail(bone).unwrap().to_array().map(|x| x as f32);
+        assert!(place.translation.distance(kinopt::glam::Vec3A::from(tail)) < 1e-5);
+    }
+    let fewer = folder.file("fewer.glb");
+    let less = answer!("animate {rig_file} --fps=20 --fewer-keys=0.05,0.05 --out {fewer}");
+    assert!(count(&less["keys"]) < count(&document["keys"]));
+    let folded = folder.file("frames");
+    refused!("animate {rig_file} --fps=20 --close-seam=0.2 --out {folded}" => 2, "--close-seam | .glb");
+    refused!("animate {rig_file} --fps=20 --close-seam=9 --out {fewer}" => 1, "9 s | 1.5 s");
+    refused!("animate {rig_file} --fps=20 --into {fewer}" => 2, "--into | rig");
+    refused!("animate {rig_file} --time=1 --into {fewer}" => 2, "--into");
+}
+
+#[test]
+fn a_file_of_other_bones_is_no_place_for_a_clip() {
+    let folder = Folder::new("other-bones");
+    let file = folder.text("walker.gltf", WALKER);
+    let other = folder.text("other.gltf", WALKER.replace("knee", "elbow"));
+    refused!("animate {file} --fps=10 --into {other}" => 1, "other.gltf | bones");
+}
