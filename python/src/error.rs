@@ -81,6 +81,7 @@ faults!(
     kinopt::animation::SizeMismatch,
     kinopt::animation::curve::KeyError,
     kinopt::io::gltf::PosingError,
+    kinopt::io::gltf::SceneError,
     kinopt::io::gltf::UnwritableScene,
     kinopt::io::rig::RigPosingError,
     kinopt::geometric::GeometricError,

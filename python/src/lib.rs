@@ -71,7 +71,7 @@ mod _kinopt {
     #[pymodule_export]
     use super::robot::{Robot, Shape};
     #[pymodule_export]
-    use super::scene::{Scene, SceneMesh, ScenePosing, Skin};
+    use super::scene::{Scene, SceneFile, SceneMesh, ScenePosing, Skin};
     #[pymodule_export]
     use super::skeleton::{BallSkeleton, Bone, Skeleton, SkeletonBuilder};
     #[pymodule_export]

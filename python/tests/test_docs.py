@@ -35,6 +35,8 @@ CANNOT_RAISE = {
     "kinopt.animation.BoneMask.all",
     "kinopt.animation.BoneMask.none",
     "kinopt.animation.Clip.builder",
+    "kinopt.animation.Clip.renamed",
+    "kinopt.animation.Clip.with_fewer_keys",
     "kinopt.animation.ClipBuilder",
     "kinopt.animation.Pose.copy",
     "kinopt.SkeletonBuilder",

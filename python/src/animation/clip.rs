@@ -2,15 +2,18 @@
 
 use std::sync::Arc;
 
-use kinopt::animation::{Armature as Bones, Channel, Clip as Motion, Cursor, Pose as Locals};
+use kinopt::animation::{
+    Armature as Bones, Channel, ChannelError, Clip as Motion, Cursor, KeyTolerance, Pose as Locals,
+};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
-use super::bones_and_poses::{Armature, Pose, Poses};
+use super::bones_and_poses::{Armature, Pose, Poses, asked};
+use super::clip_builder::ClipBuilder;
 use super::curve::{EulerCurve, KeyedCurve, RotationCurve, Values};
-use super::euler_clip::EulerClip;
 use super::playback;
 use super::playhead::Passage;
+use super::root_motion::RootMotion;
 use crate::arrays::{self, Questions};
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
@@ -35,6 +38,17 @@ impl Clip {
             armature: Arc::clone(armature),
             cursors: Pool::new(Cursor::new()),
         }
+    }
+
+    fn changed(
+        &self,
+        py: Python<'_>,
+        change: impl Fn(&Motion, &Bones) -> Result<Motion, ChannelError> + Sync,
+    ) -> PyResult<Self> {
+        let clip = py
+            .detach(|| change(&self.inner, &self.armature))
+            .or_raise()?;
+        Ok(Self::of(&self.armature, Arc::new(clip)))
     }
 }
 
@@ -206,6 +220,115 @@ impl Clip {
             .collect())
     }
 
+    /// A clip through `poses` at `times` in seconds, which rise, shape (N,): straight from pose to pose. What is the same in all poses has
+    /// one key, and none where it is at rest.
+    ///
+    /// Raises `InvalidValueError` for no poses, other counts, times that do not rise and poses of another armature.
+    #[staticmethod]
+    fn through_poses(
+        name: String,
+        armature: &Bound<'_, Armature>,
+        times: &Bound<'_, PyAny>,
+        poses: &Bound<'_, PyAny>,
+    ) -> PyResult<Self> {
+        let armature = &armature.get().inner;
+        let times = arrays::copied(times, "times")?;
+        let times: Vec<f32> = times.into_iter().map(|time| time as f32).collect();
+        let (poses, _) = asked(poses)?;
+        let clip = Motion::through_poses(name, armature, &times, &poses).or_raise()?;
+        Ok(Self::of(armature, Arc::new(clip)))
+    }
+
+    /// The same motion under another name.
+    fn renamed(&self, name: String) -> Self {
+        let clip = Motion::clone(&self.inner).renamed(name);
+        Self::of(&self.armature, Arc::new(clip))
+    }
+
+    /// The clip by samples: so many keys a second from its start to its end, with straight lines between them.
+    ///
+    /// Raises `InvalidValueError` for a rate that is no number above 0 or takes more than four million keys.
+    fn baked(&self, py: Python<'_>, keys_per_second: f64) -> PyResult<Self> {
+        self.changed(py, |clip, armature| clip.baked(armature, keys_per_second))
+    }
+
+    /// The clip with as few keys as leave each bone within `translation` (the file's unit), `rotation` (radians) and `scale` of what it was
+    /// in its parent at each of its keys; weights of morph targets within `scale`. Steps, cubic and eased curves stay as they are.
+    #[pyo3(signature = (translation = 0.0, rotation = 0.0, scale = 0.0))]
+    fn with_fewer_keys(
+        &self,
+        py: Python<'_>,
+        translation: f32,
+        rotation: f32,
+        scale: f32,
+    ) -> PyResult<Self> {
+        let tolerance = KeyTolerance {
+            translation,
+            rotation,
+            scale,
+        };
+        self.changed(py, |clip, armature| {
+            Ok(clip.with_fewer_keys(armature, &tolerance)?)
+        })
+    }
+
+    /// The clip by samples, whose last `seconds` lead over to its first pose, so that it repeats without a jump.
+    ///
+    /// Raises `InvalidValueError` for seconds that it does not have, and as `baked`.
+    #[pyo3(signature = (seconds, keys_per_second = 30.0))]
+    fn with_closed_seam(
+        &self,
+        py: Python<'_>,
+        seconds: f64,
+        keys_per_second: f64,
+    ) -> PyResult<Self> {
+        self.changed(py, |clip, armature| {
+            clip.with_closed_seam(armature, seconds, keys_per_second)
+        })
+    }
+
+    /// The clip in place and the way of a bone over the ground: (clip, root motion). The bone stays above the ground where it started and
+    /// faces as it did; `up` is the axis up.
+    ///
+    /// Raises `UnknownNameError`, `InvalidValueError` for an axis without a direction, and as `baked`.
+    #[pyo3(signature = (bone, up = [0.0, 1.0, 0.0], keys_per_second = 30.0))]
+    fn without_root_motion(
+        &self,
+        py: Python<'_>,
+        bone: &str,
+        up: [f32; 3],
+        keys_per_second: f64,
+    ) -> PyResult<(Self, RootMotion)> {
+        let bone = self.armature.bone(bone).or_raise()?;
+        let parts = py.detach(|| {
+            self.inner
+                .without_root_motion(&self.armature, bone, up.into(), keys_per_second)
+        });
+        let (clip, inner) = parts.or_raise()?;
+        Ok((
+            Self::of(&self.armature, Arc::new(clip)),
+            RootMotion { inner },
+        ))
+    }
+
+    /// The clip by samples with the way of a bone put into it: the reverse of `without_root_motion`.
+    ///
+    /// Raises as there.
+    #[pyo3(signature = (bone, motion, keys_per_second = 30.0))]
+    fn with_root_motion(
+        &self,
+        py: Python<'_>,
+        bone: &str,
+        motion: &Bound<'_, RootMotion>,
+        keys_per_second: f64,
+    ) -> PyResult<Self> {
+        let bone = self.armature.bone(bone).or_raise()?;
+        let motion = &motion.get().inner;
+        self.changed(py, |clip, armature| {
+            clip.with_root_motion(armature, bone, motion, keys_per_second)
+        })
+    }
+
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let text = serde_json::to_string(&*self.inner).or_raise()?;
         pickling::by_rebuild::<Self>(py, (self.armature(), text))
@@ -235,142 +358,4 @@ fn vectors(
 ) -> PyResult<Bound<'_, PyAny>> {
     let inner = Values::Vectors(curve);
     Ok(Bound::new(py, KeyedCurve { inner })?.into_any())
-}
-
-/// Collects the channels and events of a clip for one armature.
-///
-/// An empty clip of this name.
-#[pyclass(module = "kinopt.animation")]
-pub(crate) struct ClipBuilder {
-    name: String,
-    armature: Arc<Bones>,
-    parts: Vec<Part>,
-}
-
-/// What is added, in the order in which it was.
-#[derive(Clone)]
-enum Part {
-    Channel(kinopt::skeleton::BoneId, Channel),
-    MorphWeight(usize, kinopt::animation::curve::KeyedCurve<f32>),
-    EulerClip(Arc<kinopt::animation::EulerClip>),
-    Event(f32, String),
-    Span(f32, f32),
-}
-
-impl Part {
-    fn add(self, builder: &mut kinopt::animation::ClipBuilder<'_>) -> PyResult<()> {
-        match self {
-            Self::Channel(bone, channel) => builder.channel(bone, channel),
-            Self::MorphWeight(target, curve) => builder.morph_weight(target, curve),
-            Self::EulerClip(clip) => builder.euler_clip(&clip),
-            Self::Event(time, name) => builder.event(time, name),
-            Self::Span(start, end) => builder.span(start, end),
-        }
-        .or_raise()
-        .map(|_| ())
-    }
-}
-
-#[pymethods]
-impl ClipBuilder {
-    #[new]
-    fn new(name: String, armature: &Bound<'_, Armature>) -> Self {
-        Self {
-            name,
-            armature: Arc::clone(&armature.get().inner),
-            parts: Vec::new(),
-        }
-    }
-
-    /// Adds a channel of a bone: `property` is "translation" or "scale" with a `KeyedCurve` of vectors, or
-    /// "rotation" with a `RotationCurve` or an `EulerCurve`.
-    ///
-    /// Raises `UnknownNameError`, and `InvalidValueError` for a curve of another kind.
-    fn channel(&mut self, bone: &str, property: &str, curve: &Bound<'_, PyAny>) -> PyResult<()> {
-        let bone = self.armature.bone(bone).or_raise()?;
-        let known = ["translation", "rotation", "scale"];
-        if !known.contains(&property) {
-            let error = kinopt::model::UnknownName::new("property", property, known);
-            return Err(error).or_raise();
-        }
-        let channel = if let Ok(curve) = curve.cast::<RotationCurve>() {
-            Some(Channel::Rotation(curve.get().inner.clone())).filter(|_| property == "rotation")
-        } else if let Ok(curve) = curve.cast::<EulerCurve>() {
-            Some(Channel::Euler(curve.get().inner.clone())).filter(|_| property == "rotation")
-        } else if let Ok(curve) = curve.cast::<KeyedCurve>() {
-            match (&curve.get().inner, property) {
-                (Values::Vectors(curve), "translation") => {
-                    Some(Channel::Translation(curve.clone()))
-                }
-                (Values::Vectors(curve), "scale") => Some(Channel::Scale(curve.clone())),
-                _ => None,
-            }
-        } else {
-            None
-        };
-        let wrong = || {
-            invalid(format!(
-                "a {property} channel has {}, not {}",
-                match property {
-                    "rotation" => "a RotationCurve or an EulerCurve",
-                    _ => "a KeyedCurve of vectors",
-                },
-                curve.get_type()
-            ))
-        };
-        self.parts
-            .push(Part::Channel(bone, channel.ok_or_else(wrong)?));
-        Ok(())
-    }
-
-    /// Adds the weight of one morph target: a `KeyedCurve` of numbers.
-    ///
-    /// Raises `UnknownNameError` for a morph target that there is not, `InvalidValueError` for a curve of
-    /// vectors.
-    fn morph_weight(&mut self, target: &str, weights: &Bound<'_, KeyedCurve>) -> PyResult<()> {
-        let target = self.armature.morph_target(target).or_raise()?;
-        match &weights.get().inner {
-            Values::Numbers(curve) => self.parts.push(Part::MorphWeight(target, curve.clone())),
-            Values::Vectors(_) => return Err(invalid("weights must be a curve of numbers")),
-        }
-        Ok(())
-    }
-
-    /// Adds the tracks of a rig's keyframes, for an armature made of its skeleton.
-    ///
-    /// A clip of other bones raises `InvalidValueError` in `build`.
-    fn euler_clip(&mut self, clip: &Bound<'_, EulerClip>) {
-        let clip = Arc::clone(&clip.get().inner);
-        self.parts.push(Part::EulerClip(clip));
-    }
-
-    /// Adds an event at a time in seconds; one outside the clip's span never fires.
-    ///
-    /// A time that is not finite raises `InvalidValueError` in `build`.
-    fn event(&mut self, time: f32, name: String) {
-        self.parts.push(Part::Event(time, name));
-    }
-
-    /// Sets the clip's span in seconds. Without it, it is from the first to the last key.
-    ///
-    /// An end before the start raises `InvalidValueError` in `build`.
-    fn span(&mut self, start: f32, end: f32) {
-        self.parts.push(Part::Span(start, end));
-    }
-
-    /// Checks all and makes the clip.
-    ///
-    /// Raises `InvalidValueError` naming the bone or target: a second channel for one of its properties,
-    /// keys or an event that are not finite, a span that ends before it starts.
-    fn build(&self) -> PyResult<Clip> {
-        let mut builder = Motion::builder(self.name.as_str(), &self.armature);
-        for part in &self.parts {
-            part.clone().add(&mut builder)?;
-        }
-        Ok(Clip::of(&self.armature, Arc::new(builder.build())))
-    }
-
-    fn __repr__(&self) -> String {
-        format!("ClipBuilder({:?})", self.name)
-    }
 }

@@ -5,6 +5,7 @@ mod armature;
 mod blend;
 mod bones_and_poses;
 mod clip;
+mod clip_builder;
 mod crowd;
 mod curve;
 mod euler_clip;
@@ -16,6 +17,7 @@ mod pose;
 mod pose_parts;
 mod poses;
 mod reach;
+mod root_motion;
 mod state_machine;
 
 use pyo3::prelude::*;
@@ -34,7 +36,9 @@ pub(crate) mod animation {
     #[pymodule_export]
     use super::bones_and_poses::{Armature, Pose, Poses};
     #[pymodule_export]
-    use super::clip::{Clip, ClipBuilder};
+    use super::clip::Clip;
+    #[pymodule_export]
+    use super::clip_builder::ClipBuilder;
     #[pymodule_export]
     use super::crowd::{Crowd, PlayingClip};
     #[pymodule_export]
@@ -51,6 +55,8 @@ pub(crate) mod animation {
     use super::playhead::{Passage, Playhead};
     #[pymodule_export]
     use super::reach::{PoseAngles, ReachLayer};
+    #[pymodule_export]
+    use super::root_motion::RootMotion;
     #[pymodule_export]
     use super::state_machine::{StateMachine, StateMachineRun};
 }

@@ -1,5 +1,6 @@
 //! Scenes of glTF: an armature with the meshes that hang on it and the clips that move it.
 
+mod file;
 mod mesh;
 mod posing;
 
@@ -11,12 +12,16 @@ use kinopt::io::gltf::{self, Note, WriteOptions};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyType};
 
+pub(crate) use self::file::SceneFile;
 pub(crate) use self::mesh::{SceneMesh, Skin};
 pub(crate) use self::posing::ScenePosing;
 use crate::animation::{Armature, Clip};
 use crate::contents::{opened, text_or_bytes};
-use crate::error::OrRaise;
+use crate::error::{OrRaise, invalid};
+use crate::mesh::TriangleMesh;
 use crate::pickling;
+use crate::skeleton::Skeleton;
+use crate::skinning::SkinWeights;
 
 /// What a glTF file holds that can be posed: an armature, the meshes that hang on it and the clips that move
 /// it.
@@ -103,6 +108,26 @@ impl Scene {
             Some(error) => Err(error),
             None => scene.or_raise().map(Self::from),
         }
+    }
+
+    /// A skeleton as a scene, and its `mesh` where there is one, skinned by `weights` whose columns are the bones. Bones keep their
+    /// names and order; the mesh hangs on a bone of its own behind them. `clips` are for an armature of these bones.
+    ///
+    /// Raises `InvalidValueError` for a mesh without weights or weights that do not fit.
+    #[staticmethod]
+    #[pyo3(signature = (skeleton, mesh = None, weights = None))]
+    fn of_skeleton(
+        skeleton: &Bound<'_, Skeleton>,
+        mesh: Option<&Bound<'_, TriangleMesh>>,
+        weights: Option<&Bound<'_, SkinWeights>>,
+    ) -> PyResult<Self> {
+        let skin = match (mesh, weights) {
+            (Some(mesh), Some(weights)) => Some((&*mesh.get().inner, &*weights.get().inner)),
+            (None, None) => None,
+            _ => return Err(invalid("a mesh and its weights go together")),
+        };
+        let scene = gltf::Scene::of_skeleton(&skeleton.get().inner, skin);
+        scene.or_raise().map(Self::from)
     }
 
     /// Writes the scene to a file, which should end in .glb. Curves that glTF does not have become
