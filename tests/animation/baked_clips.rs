@@ -104,11 +104,11 @@ fn what_makes_no_clip_is_a_named_error() {
         Err(ChannelError::Keys(_))
     ));
     assert!(matches!(
-        through(&[0.0, 1.0], &[rest.clone()]),
+        through(&[0.0, 1.0], std::slice::from_ref(rest)),
         Err(ChannelError::Keys(_))
     ));
     assert!(matches!(
-        through(&[0.0], &[other.rest().clone()]),
+        through(&[0.0], std::slice::from_ref(other.rest())),
         Err(ChannelError::Size(_))
     ));
     let clip = through(&[0.0, 1.0], &[rest.clone(), rest.clone()]).unwrap();
