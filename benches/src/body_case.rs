@@ -4,9 +4,11 @@
 use std::error::Error;
 use std::path::Path;
 
+#[cfg(feature = "collision")]
+use kinopt::collision::Checker;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{FrameId, Masses};
-use kinopt::problem::{Targets, TaskId};
+use kinopt::problem::{ProblemBuilder, Targets, TaskId};
 use kinopt::robot::{BaseJoint, Robot};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Point, Pose, SupportPolygon};
@@ -120,7 +122,14 @@ impl BodyCase {
 
     /// Feet where they stand, the centre of mass over them, and these frames somewhere.
     fn problem_of(&self, hands: &[FrameId]) -> Result<BodyProblem, Box<dyn Error>> {
-        let mut builder = Problem::builder(self.robot.model());
+        self.build(Problem::builder(self.robot.model()), hands)
+    }
+
+    fn build(
+        &self,
+        mut builder: ProblemBuilder<'_>,
+        hands: &[FrameId],
+    ) -> Result<BodyProblem, Box<dyn Error>> {
         builder.parameters(self.robot.map().clone());
         for &(foot, at) in &self.feet {
             match self.feet_as {
@@ -150,6 +159,17 @@ impl BodyCase {
     /// None for a case that was read.
     pub fn problem(&self) -> Result<BodyProblem, Box<dyn Error>> {
         self.problem_of(&self.hands)
+    }
+
+    #[cfg(feature = "collision")]
+    /// The same, kept clear of what a checker has.
+    ///
+    /// # Errors
+    /// A checker of another robot.
+    pub fn problem_clear_of(&self, checker: &Checker) -> Result<BodyProblem, Box<dyn Error>> {
+        let mut builder = Problem::builder(self.robot.model());
+        builder.keep_clear(checker);
+        self.build(builder, &self.hands)
     }
 
     /// Configurations that balance on the feet: from joints drawn at random within their limits, each from the

@@ -269,6 +269,7 @@ impl ArmWorkspace {
             observer,
             scratch: &mut self.scratch,
             memory: &mut self.memory,
+            guard: None,
         }
     }
 

@@ -31,8 +31,8 @@ mod sphere_model;
 mod world;
 mod yaml;
 
-pub use crate::search::Collision;
-pub use checker::{Checker, CheckerError, CheckerWorkspace, Way};
+pub use crate::problem::Collision;
+pub use checker::{Checker, CheckerError, CheckerWorkspace, Clearance, Way, WayChecker};
 pub use distance::{Separation, separation, separation_within};
 pub use mesh_file::MeshFile;
 pub use model::{

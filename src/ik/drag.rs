@@ -1,12 +1,14 @@
 //! Dragging: one problem whose targets move from frame to frame.
 
+use super::keep_clear::ClearRoom;
 use super::levels::Extent;
+use super::solver::Run;
 use super::{BoundKind, MoveLimits, Restarts, Solution, SolveError, Solver, Workspace};
 use crate::bad_option::BadOption;
 use crate::problem::{Problem, ProblemError, Question, Targets, TaskId};
 use crate::random::RandomStream;
 use crate::search::{check_start, slide_per_radian};
-use crate::solver::{Stopping, Termination};
+use crate::solver::{Silent, Stopping, Termination};
 use crate::task::Residual;
 
 /// How far a joint may move in a frame unless set otherwise, in radians: 9 rad/s at 60 frames a
@@ -35,6 +37,11 @@ pub(super) const BETTER: f64 = 1.0 - 1e-3;
 /// where a target leaps or a branch ends, the body follows over several frames, which
 /// [`catching_up`](Self::catching_up) tells. It leaps only where [`with_search`](Self::with_search)
 /// asks for a global search on a miss, and then [`leap`](Self::leap) says so.
+///
+/// A body that [keeps clear](crate::problem::ProblemBuilder::keep_clear) goes only where the straight way of each frame is free, on
+/// which all joints move evenly, and so slides along what is in the way; its solution is then not reached and names that
+/// ([`Solution::collisions`]). From a place that touches something every frame touches less, until nothing does. It leaps
+/// nowhere.
 ///
 /// ```
 /// use kinopt::ik::Drag;
@@ -67,13 +74,13 @@ pub(super) const BETTER: f64 = 1.0 - 1e-3;
 #[derive(Clone, Debug)]
 pub struct Drag {
     pub(super) problem: Problem,
-    targets: Targets,
+    pub(super) targets: Targets,
     pub(super) solver: Solver,
     nudged: Solver,
     search: Option<Solver>,
     pub(super) max_move: f64,
     /// The bounds of a frame.
-    moves: MoveLimits,
+    pub(super) moves: MoveLimits,
     /// What a variable may move by where `max_move` is 1: 1 rad, or the length that weighs as much.
     unit: Vec<f64>,
     /// Where the body stood before, and the way from there.
@@ -86,7 +93,10 @@ pub struct Drag {
     pub(super) misses: usize,
     /// The furthest that a joint moved in the last frame, in radians.
     moved: f64,
-    leap: Option<(usize, f64)>,
+    pub(super) leap: Option<(usize, f64)>,
+    /// Where a frame of a body that keeps clear begins, and room for its checks.
+    pub(super) q_before: Vec<f64>,
+    pub(super) clear: Option<Box<ClearRoom>>,
 }
 
 /// A joint that moved further in a frame than the drag allows, because a search from elsewhere was
@@ -128,6 +138,8 @@ impl Drag {
             misses: 0,
             moved: 0.0,
             leap: None,
+            q_before: Vec::new(),
+            clear: None,
             problem,
         };
         drag.stand_at(start)?;
@@ -243,6 +255,7 @@ impl Drag {
     /// One frame: follows the targets as they are now.
     pub fn advance(&mut self) -> &Solution {
         self.leap = None;
+        self.q_before.clone_from(&self.q);
         self.moves.start_from(&self.problem, &self.x);
         let question = near(&self.problem, &self.targets, &self.moves);
         solve(&self.solver, question, &self.q, &mut self.workspace);
@@ -256,6 +269,7 @@ impl Drag {
         if stuck {
             self.search();
         }
+        self.keep_way_clear();
         let solution = &self.workspace.solution;
         self.moved = 0.0;
         if solution.q.iter().all(|value| value.is_finite()) {
@@ -370,13 +384,23 @@ impl Drag {
 }
 
 /// What a frame asks: the targets as they are now, within its bounds.
-fn near<'a>(problem: &'a Problem, targets: &'a Targets, moves: &'a MoveLimits) -> Question<'a> {
+pub(super) fn near<'a>(
+    problem: &'a Problem,
+    targets: &'a Targets,
+    moves: &'a MoveLimits,
+) -> Question<'a> {
     Question::from(problem).with_targets(targets).near(moves)
 }
 
 /// A solve from a start of the right length. Where a number in it is not finite, which a residual of
 /// the caller's may bring about, the last solution stays.
 fn solve(solver: &Solver, question: Question<'_>, from: &[f64], workspace: &mut Workspace) {
-    let solved = solver.solve(question, from, workspace);
+    let mut run = Run {
+        deadline: solver.stopping().deadline(),
+        observer: &mut Silent,
+        guard: None,
+        clear: None,
+    };
+    let solved = solver.run(question, from, workspace, &mut run);
     debug_assert!(solved.is_ok(), "a start of its own that does not fit");
 }

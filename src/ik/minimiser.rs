@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use super::way_guard::{Guarded, StepGuard};
 use crate::problem::{Evaluation, Question, Scratch, Share};
 use crate::search::{Attempt, Engine};
 use crate::solver::{AnyMethod, LeastSquares, Observer, SolverState, Stopping};
@@ -16,6 +17,8 @@ pub(crate) struct Minimiser<'a> {
     pub(crate) observer: &'a mut dyn Observer,
     pub(crate) scratch: &'a mut Scratch,
     pub(crate) memory: &'a mut SolverState,
+    /// What steps keep clear of, where they do.
+    pub(crate) guard: Option<&'a mut dyn StepGuard>,
 }
 
 impl Engine for Minimiser<'_> {
@@ -27,8 +30,19 @@ impl Engine for Minimiser<'_> {
 
     fn attempt(&mut self, x: &[f64], stopping: &Stopping) -> Attempt {
         let mut evaluation = Evaluation::of(self.share, self.question, self.scratch);
+        let mut guarded;
+        let minimised: &mut dyn LeastSquares = match &mut self.guard {
+            None => &mut evaluation,
+            Some(guard) => {
+                guarded = Guarded {
+                    evaluation: &mut evaluation,
+                    guard: &mut **guard,
+                };
+                &mut guarded
+            }
+        };
         let outcome = self.method.minimise(
-            &mut evaluation,
+            minimised,
             x,
             stopping,
             self.deadline,

@@ -1,8 +1,11 @@
 //! Solving a [`Problem`](crate::Problem): a method, restarts, and the truth about the result.
 
+mod clear_engine;
 mod drag;
+mod drag_clear;
 mod drag_to_rest;
 mod holding;
+mod keep_clear;
 mod levels;
 mod loop_closure;
 mod loop_gap;
@@ -11,6 +14,7 @@ mod nearest_closing;
 mod solution_derivative;
 mod solver;
 mod stance;
+mod way_guard;
 mod workspace;
 
 pub use crate::search::{

@@ -1,14 +1,19 @@
 //! A method with its limits and restarts: what a user calls.
 
 use std::sync::Arc;
+use std::time::Instant;
 
+use super::clear_engine::{ClearEngine, EngineRoom};
 use super::levels::{ByRank, Extent, Ranked};
 use super::minimiser::Minimiser;
+use super::way_guard::{StepGuard, reborrowed};
 use super::{Restarts, Solution, SolveError, Workspace};
 use crate::bad_option::BadOption;
-use crate::problem::{Question, Share};
-use crate::search::{Schedule, check_start, run};
-use crate::solver::{AnyMethod, LevenbergMarquardt, Method, Observer, Silent, Stopping};
+use crate::problem::{Evaluation, Fence, Question, Share};
+use crate::search::{self, Engine, Found, Schedule, check_start};
+use crate::solver::{
+    AnyMethod, LeastSquares, LevenbergMarquardt, Method, Observer, Silent, Stopping, half_squared,
+};
 
 /// A solver with its settings. Immutable and shareable; the memory is the caller's
 /// [`Workspace`].
@@ -53,6 +58,8 @@ impl Solver {
     getters! {
         /// The limits of each attempt.
         pub(super) fn stopping(&self) -> &Stopping = &self.stopping;
+        /// How far preferences act.
+        pub(super) fn refining(&self) -> Extent = self.refining;
         /// The method's name.
         pub fn method(&self) -> &'static str = self.method.name();
     }
@@ -75,6 +82,12 @@ impl Solver {
 
     /// Solves a problem, or a [question](Question) to it, from the configuration `start` (degrees of freedom; projected into the
     /// limits; locked and following joints take their values from the parameter map).
+    ///
+    /// Of a problem that [keeps clear](crate::problem::ProblemBuilder::keep_clear) of something, every attempt first meets the goals as if
+    /// nothing were in the way; where it then touches something, it goes on from there with the clearance among the goals. The
+    /// lowest attempt that is free counts, and preferences act within what goals and clearance leave free. Where none is free, the
+    /// one counts that meets the goals and touches least, and [`Solution::collisions`] says what. The way from the start to
+    /// the answer may be blocked: a [`Drag`](super::Drag) keeps that free.
     ///
     /// # Errors
     /// A start of the wrong length, or one that is not finite; an option out of its range. A target that is not reached is no
@@ -115,7 +128,30 @@ impl Solver {
         observer: &mut dyn Observer,
     ) -> Result<&'w Solution, SolveError> {
         let question = question.into();
+        let deadline = self.stopping.deadline();
+        let mut run = Run {
+            deadline,
+            observer,
+            guard: None,
+            clear: None,
+        };
+        match question.problem.fence() {
+            None => self.run(question, start, workspace, &mut run)?,
+            Some(fence) => self.run_clear(fence, question, start, workspace, &mut run)?,
+        }
+        Ok(&workspace.solution)
+    }
+
+    /// Solves a question as if nothing were in the way, but for what steps are guarded from.
+    pub(super) fn run(
+        &self,
+        question: Question<'_>,
+        start: &[f64],
+        workspace: &mut Workspace,
+        run: &mut Run<'_>,
+    ) -> Result<(), SolveError> {
         let problem = question.problem;
+        let deadline = run.deadline;
         self.check()?;
         check_start(problem, start)?;
         let mut scratch = workspace.fit(question);
@@ -127,18 +163,26 @@ impl Solver {
         let patient = problem.pulls_in(share);
         let asked = (question, share);
         let schedule = Schedule::of_searches(asked, self.restarts, self.stopping, patient);
-        let deadline = self.stopping.deadline();
         let mut engine = Minimiser {
             question,
             share,
             method: &*self.method,
             deadline,
-            observer: &mut *observer,
+            observer: &mut *run.observer,
             scratch: &mut scratch,
             memory: &mut workspace.memory,
+            guard: reborrowed(&mut run.guard),
         };
         let search = &mut workspace.search;
-        let mut found = run(question, share, &schedule, deadline, &mut engine, search);
+        let mut clear_engine;
+        let engine: &mut dyn Engine = match &mut run.clear {
+            None => &mut engine,
+            Some((fence, room)) => {
+                clear_engine = ClearEngine::new(engine, fence, room);
+                &mut clear_engine
+            }
+        };
+        let mut found = search::run(question, share, &schedule, deadline, engine, search);
         if share != Share::All {
             let mut ranked = Ranked {
                 question,
@@ -152,10 +196,13 @@ impl Solver {
                 scratch: &mut scratch,
                 solver: &mut workspace.memory,
                 memory: &mut workspace.ranks,
-                observer,
+                observer: &mut *run.observer,
+                guard: reborrowed(&mut run.guard),
             };
             let strict = problem.ranks().levels() > 1;
-            if strict && !found.reached && !found.termination.is_cut() {
+            let touches =
+                run.clear.is_some() && problem.is_reached_by(share, &search.keeper.residual);
+            if strict && !found.reached && !touches && !found.termination.is_cut() {
                 ranked.solve_levels(search, &mut found);
             }
             ranked.refine(search, &mut found);
@@ -165,6 +212,60 @@ impl Solver {
         }
         workspace.report(question, &self.stopping, &mut scratch, &found);
         workspace.scratch = Some(scratch);
-        Ok(&workspace.solution)
+        Ok(())
     }
+
+    /// Reports on another place, to which a search with more goals than the question's came.
+    pub(super) fn report_at(
+        &self,
+        question: Question<'_>,
+        x: &[f64],
+        mut found: Found,
+        workspace: &mut Workspace,
+        observer: &mut dyn Observer,
+    ) {
+        let problem = question.problem;
+        let share = problem.search_share();
+        let mut scratch = workspace.fit(question);
+        let kept = &mut workspace.search.keeper;
+        kept.x.copy_from_slice(x);
+        Evaluation::of(share, question, &mut scratch).residual(x, &mut kept.residual);
+        found.reached = problem.is_reached_by(share, &kept.residual);
+        found.cost = half_squared(&kept.residual);
+        if problem.ranks().levels() > 1 {
+            let mut ranked = Ranked {
+                question,
+                by: ByRank {
+                    method: &*self.method,
+                    stopping: self.stopping,
+                    schedule: Schedule::of_searches(
+                        (question, share),
+                        self.restarts,
+                        self.stopping,
+                        false,
+                    ),
+                    extent: self.refining,
+                    deadline: None,
+                },
+                scratch: &mut scratch,
+                solver: &mut workspace.memory,
+                memory: &mut workspace.ranks,
+                observer,
+                guard: None,
+            };
+            ranked.take_multipliers(&kept.x, &kept.residual);
+        }
+        workspace.report(question, &self.stopping, &mut scratch, &found);
+        workspace.scratch = Some(scratch);
+    }
+}
+
+/// What goes with one search.
+pub(super) struct Run<'a> {
+    pub(super) deadline: Option<Instant>,
+    pub(super) observer: &'a mut dyn Observer,
+    /// What its steps keep clear of, where they do.
+    pub(super) guard: Option<&'a mut dyn StepGuard>,
+    /// What attempts are led out of, where they are.
+    pub(super) clear: Option<(&'a Fence, &'a mut EngineRoom)>,
 }

@@ -1,6 +1,7 @@
 //! The memory of solving, which belongs to the caller.
 
 use super::Solution;
+use super::keep_clear::ClearRoom;
 use super::levels::{RankMemory, is_better};
 use crate::problem::{Evaluation, Problem, Question, Scratch, Share};
 use crate::search::{Attempts, End, Found, Pulls};
@@ -17,6 +18,8 @@ pub struct Workspace {
     whole_residual: Vec<f64>,
     pub(super) ranks: RankMemory,
     pub(super) solution: Solution,
+    /// For problems that keep clear of something.
+    pub(super) clear: Option<Box<ClearRoom>>,
 }
 
 impl Workspace {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::anchor::anchor;
 use super::compiled_task::{Block, CompiledTask};
+use super::keep_clear::Asked;
 use super::{
     Derivatives, Preferences, Problem, ProblemError, Ranks, ReportNames, Tangent, Targets, TaskId,
 };
@@ -32,7 +33,7 @@ pub(super) struct PendingTask {
     role: Role,
     level: usize,
     weights: Vec<(Quantity, f64)>,
-    factor: f64,
+    pub(super) factor: f64,
     tolerances: Vec<(Quantity, f64)>,
     frames: Vec<FrameId>,
     joints: Vec<JointId>,
@@ -69,13 +70,14 @@ impl PendingTask {
 /// Collects tasks, bounds and settings; [`build`](Self::build) checks them.
 #[derive(Clone, Debug)]
 pub struct ProblemBuilder<'m> {
-    model: &'m Model,
+    pub(super) model: &'m Model,
     map: Option<ParameterMap>,
     tasks: Vec<PendingTask>,
     extra_bounds: Vec<(JointId, Limits)>,
     tolerances: Vec<(Quantity, f64)>,
     derivatives: Derivatives,
     preferences: Preferences,
+    pub(super) clear_of: Option<Asked>,
 }
 
 impl<'m> ProblemBuilder<'m> {
@@ -88,6 +90,7 @@ impl<'m> ProblemBuilder<'m> {
             tolerances: Vec::new(),
             derivatives: Derivatives::default(),
             preferences: Preferences::default(),
+            clear_of: None,
         }
     }
 
@@ -138,8 +141,20 @@ impl<'m> ProblemBuilder<'m> {
     ///
     /// # Errors
     /// The first thing that is wrong, by name: no task, no free joint, ids beyond the model's,
-    /// targets that are not finite, weights or tolerances out of range, bounds that leave nothing.
+    /// targets that are not finite, weights or tolerances out of range, bounds that leave nothing, a checker of another model.
     pub fn build(mut self) -> Result<Problem, ProblemError> {
+        let asked = self.clear_of.take();
+        let fence = asked.map(|asked| self.fence(asked)).transpose()?;
+        let mut problem = self.compile(None)?;
+        problem.fence = fence.map(Arc::new);
+        Ok(problem)
+    }
+
+    /// The problem, with a clearance after all other tasks where there is one.
+    pub(super) fn compile(
+        mut self,
+        clearance: Option<PendingTask>,
+    ) -> Result<Problem, ProblemError> {
         let model = self.model;
         let mut map = match self.map {
             Some(map) => map,
@@ -164,6 +179,16 @@ impl<'m> ProblemBuilder<'m> {
                 model: model.name().to_owned(),
             });
         }
+
+        let first_level = self
+            .tasks
+            .iter()
+            .filter(|task| task.role == Role::Goal && !task.is_loop);
+        let first_level = first_level.map(|task| task.level).min().unwrap_or(0);
+        self.tasks.extend(clearance.map(|task| PendingTask {
+            level: first_level,
+            ..task
+        }));
 
         let mut frames = Vec::new();
         let mut tasks = Vec::with_capacity(self.tasks.len());
@@ -256,6 +281,7 @@ impl<'m> ProblemBuilder<'m> {
             reach,
             derivatives: self.derivatives,
             moving: Vec::new(),
+            fence: None,
         };
         problem.mark_moving();
         problem.choose_sweeps();

@@ -94,6 +94,18 @@ pub enum ProblemError {
         /// Coordinates in the model.
         model_coordinates: usize,
     },
+    /// A checker of another model, told by its size.
+    #[error(
+        "the checker is of configurations of {given} numbers, those of model `{model}` have {expected}"
+    )]
+    ForeignChecker {
+        /// Numbers that it checks.
+        given: usize,
+        /// The model.
+        model: String,
+        /// Numbers of the model.
+        expected: usize,
+    },
     /// Bounds for a joint beyond those of the model.
     #[error("bounds are set on a joint that model `{model}` does not have")]
     ForeignBound {

@@ -9,6 +9,7 @@ mod dual_jacobian;
 mod error;
 mod evaluation;
 mod finite_differences;
+mod keep_clear;
 mod loops;
 mod names;
 mod parameter_vector;
@@ -26,6 +27,8 @@ pub(crate) use by_parameters::ParameterScratch;
 pub use derivatives::Derivatives;
 pub use error::ProblemError;
 pub use evaluation::{Evaluation, Scratch};
+pub(crate) use keep_clear::{AnyClearanceCheck, Fence};
+pub use keep_clear::{ClearanceCheck, Collision, KeepClear};
 pub(crate) use names::ReportNames;
 pub use parameter_vector::ParameterVector;
 pub use preferences::Preferences;
@@ -103,6 +106,8 @@ pub struct Problem {
     /// A length of the model's own scale, in metres.
     reach: f64,
     derivatives: Derivatives,
+    /// What it keeps clear of.
+    fence: Option<Arc<Fence>>,
 }
 
 impl std::fmt::Debug for Problem {
@@ -174,7 +179,14 @@ impl Problem {
     #[must_use]
     pub fn with_derivatives(mut self, route: Derivatives) -> Self {
         self.derivatives = route;
+        let fence = self.fence.as_deref().cloned();
+        self.fence = fence.map(|fence| Arc::new(fence.with_derivatives(route)));
         self
+    }
+
+    /// What it keeps clear of, if anything.
+    pub(crate) fn fence(&self) -> Option<&Arc<Fence>> {
+        self.fence.as_ref()
     }
 
     /// The question with targets of one's own instead of those that the problem was built with.

@@ -84,9 +84,21 @@ impl<'a> Question<'a> {
         !std::ptr::eq(self.tree, &self.problem.tree)
     }
 
-    /// A task's residual.
+    /// A task's residual: the caller's, or of a clearance, which the caller does not see, the problem's own.
     pub(crate) fn residual(&self, task: usize) -> &'a dyn ErasedResidual {
-        &*self.targets.residuals[task]
+        match self.targets.residuals.get(task) {
+            Some(residual) => &**residual,
+            None => &*self.problem.targets.residuals[task],
+        }
+    }
+
+    /// The same tasks and bounds of a problem that has the clearance of what this one keeps clear of among its goals.
+    pub(crate) fn fenced(self, by: &'a Problem) -> Self {
+        Self {
+            problem: by,
+            tree: by.tree(),
+            ..self
+        }
     }
 
     /// Where random values of a variable are drawn from: its bounds, or where one is missing or

@@ -1,5 +1,6 @@
 //! What attempts came to.
 
+use super::Solution;
 use crate::solver::{Counts, Termination};
 
 /// What one attempt came to.
@@ -74,6 +75,23 @@ impl Found {
 }
 
 impl Found {
+    /// What a solution says of the attempts that led to it.
+    pub(crate) fn of(solution: &Solution) -> Self {
+        let mut found = Self::default();
+        found.add(solution);
+        found
+    }
+
+    /// Takes further searches for the same into account, by what the last one came to.
+    pub(crate) fn add(&mut self, solution: &Solution) {
+        self.termination = solution.termination;
+        self.projected_gradient = solution.projected_gradient;
+        self.agreeing = 0;
+        self.iterations += solution.iterations;
+        self.attempts += solution.attempts;
+        self.counts += solution.counts;
+    }
+
     /// A lone attempt, whose end is not judged yet.
     pub(crate) fn alone(termination: Termination, iterations: usize) -> Self {
         Self {

@@ -54,6 +54,10 @@ impl Solution {
         }
         writeln!(text, ": {}.", self.why())?;
         self.write_misses(text)?;
+        if !self.collisions.is_empty() {
+            text.push_str("  In the way:\n");
+            self.write_pairs(text)?;
+        }
         self.write_levels(text)?;
         self.write_verdict(text)?;
         self.write_limits(text)
@@ -65,6 +69,11 @@ impl Solution {
             text,
             ": every goal is met here, but nowhere that was found without touching something."
         )?;
+        self.write_pairs(text)
+    }
+
+    /// What is nearer to each other than it should be, or would be.
+    fn write_pairs(&self, text: &mut String) -> std::fmt::Result {
         let unit = self.length_unit().symbol();
         for pair in &self.collisions {
             let (size, how) = match pair.distance < 0.0 {

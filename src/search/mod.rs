@@ -25,11 +25,11 @@ mod restarts;
 mod schedule;
 mod solution;
 
+pub use crate::problem::Collision;
 pub use crate::solver::Side;
 pub(crate) use attempt::{Attempt, Found};
 pub(crate) use attempts::{Attempts, Engine, run};
 pub(crate) use check_start::{check_start, variables_at};
-pub use collisions::Collision;
 pub use error::SolveError;
 pub(crate) use measure::End;
 pub use move_limits::MoveLimits;

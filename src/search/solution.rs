@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use super::Collision;
 use super::attempt::Found;
 use super::beyond::Beyond;
-use super::collisions::Collision;
 use crate::problem::ReportNames;
 use crate::scalar::elementary;
 use crate::solver::{Counts, Side, Termination};

@@ -35,13 +35,24 @@ impl Iterate<'_> {
         pub fn step_mut(&mut self) -> &mut [f64] = &mut self.state.step;
     }
 
-    /// Projects the trial x + Δ into the bounds, and makes Δ what is left of the way there.
+    /// Projects the trial x + Δ into the bounds, shortens it where something is in the way, and makes Δ what is left of the way
+    /// there.
     pub fn project_step(&mut self) {
         let SolverState { x, step, trial, .. } = &mut *self.state;
         let space = self.problem.space();
         space.integrate(x, step, trial);
         space.project(trial);
         space.difference(trial, x, step);
+        let share = self.problem.allowed_share(x, trial);
+        if share < 1.0 {
+            let space = self.problem.space();
+            for part in step.iter_mut() {
+                *part *= share;
+            }
+            space.integrate(x, step, trial);
+            space.project(trial);
+            space.difference(trial, x, step);
+        }
     }
 
     /// ½‖r + J Δ‖²: what the linear model promises of the step. Overwrites the trial's residual.

@@ -50,6 +50,13 @@ pub trait LeastSquares {
         residual.iter().all(|&r| r == 0.0)
     }
 
+    /// How much of a step from one x within the bounds to another is allowed, as a share of it: less than all where something
+    /// is in the way, 0 where it is at x. A search takes no longer one.
+    fn allowed_share(&mut self, from: &[f64], to: &[f64]) -> f64 {
+        let _ = (from, to);
+        1.0
+    }
+
     /// Whether a good enough residual ends the search, or only a stationary point does.
     fn stops_when_reached(&self) -> bool {
         true

@@ -1,6 +1,8 @@
 //! Whether a robot keeps clear of a world and of itself.
 
+mod clearance;
 mod error;
+mod keep_clear;
 mod motion_bound;
 mod of_robot;
 mod parts;
@@ -9,14 +11,16 @@ mod workspace;
 
 use std::sync::Arc;
 
+pub use clearance::Clearance;
 pub use error::CheckerError;
+pub use keep_clear::WayChecker;
 pub use way::Way;
 pub use workspace::CheckerWorkspace;
 
 use super::{CollisionModel, SphereModel, World};
 use crate::kinematics::KinematicsError;
 use crate::search::Collision;
-use parts::Scene;
+use parts::{Pair, Scene};
 
 /// A robot's shapes among the obstacles of a world: which pairs come nearer to each other than a margin.
 ///
@@ -125,9 +129,9 @@ impl Checker {
         let placements = workspace.place(q)?;
         let mut found = Vec::new();
         self.scene
-            .visit(placements, self.margin, |first, second, separation| {
+            .visit(placements, self.margin, |pair, separation| {
                 if separation.distance < self.margin {
-                    found.push(Collision::new(first, second, separation.distance));
+                    found.push(self.collision(pair, separation.distance));
                 }
                 true
             });
@@ -146,11 +150,10 @@ impl Checker {
     ) -> Result<bool, KinematicsError> {
         let placements = workspace.place(q)?;
         let mut free = true;
-        self.scene
-            .visit(placements, self.margin, |_, _, separation| {
-                free &= separation.distance >= self.margin;
-                free
-            });
+        self.scene.visit(placements, self.margin, |_, separation| {
+            free &= separation.distance >= self.margin;
+            free
+        });
         Ok(free)
     }
 
@@ -165,18 +168,19 @@ impl Checker {
         within: f64,
     ) -> Result<Option<Collision>, KinematicsError> {
         let placements = workspace.place(q)?;
-        let mut nearest: Option<Collision> = None;
-        self.scene
-            .visit(placements, within, |first, second, separation| {
-                if nearest
-                    .as_ref()
-                    .is_none_or(|known| separation.distance < known.distance)
-                {
-                    nearest = Some(Collision::new(first, second, separation.distance));
-                }
-                true
-            });
-        Ok(nearest)
+        let mut nearest: Option<(Pair, f64)> = None;
+        self.scene.visit(placements, within, |pair, separation| {
+            if nearest.is_none_or(|(_, known)| separation.distance < known) {
+                nearest = Some((pair, separation.distance));
+            }
+            true
+        });
+        Ok(nearest.map(|(pair, distance)| self.collision(pair, distance)))
+    }
+
+    fn collision(&self, pair: Pair, distance: f64) -> Collision {
+        let [first, second] = self.scene.names(pair);
+        Collision::new(first, second, distance)
     }
 
     /// Memory for checks, one at a time.

@@ -24,6 +24,15 @@ struct Part {
     shapes: Vec<(Shape, Placement<f64>)>,
 }
 
+/// Two of them, by place.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Pair {
+    /// A part, and something that stands.
+    Standing(usize, usize),
+    /// Two parts.
+    Parts(usize, usize),
+}
+
 /// All of them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scene {
@@ -89,15 +98,23 @@ impl Scene {
         &self.motion_bound
     }
 
-    /// Visits all pairs that are at most `within` apart, by name, each by its shapes that are nearest, until told to stop.
+    pub(super) fn names(&self, pair: Pair) -> [&str; 2] {
+        match pair {
+            Pair::Standing(a, b) => [&self.parts[a].name, &self.standing[b].name],
+            Pair::Parts(a, b) => [&self.parts[a].name, &self.parts[b].name],
+        }
+    }
+
+    /// Visits all pairs that are at most `within` apart, each by its shapes that are nearest, until told to stop.
     pub(super) fn visit(
         &self,
         placements: &[Placement<f64>],
         within: f64,
-        mut each: impl FnMut(&str, &str, &Separation) -> bool,
+        mut each: impl FnMut(Pair, &Separation) -> bool,
     ) {
-        for (part, placement) in self.parts.iter().zip(placements) {
-            let mut near: Vec<(u32, Separation)> = Vec::new();
+        let mut near: Vec<(u32, Separation)> = Vec::new();
+        for (place, (part, placement)) in self.parts.iter().zip(placements).enumerate() {
+            near.clear();
             self.near(part, placement, within, |standing, separation| {
                 match near.iter_mut().find(|(known, _)| *known == standing) {
                     Some((_, known)) if known.distance <= separation.distance => {}
@@ -107,11 +124,7 @@ impl Scene {
             });
             near.sort_by_key(|(standing, _)| *standing);
             for (standing, separation) in &near {
-                if !each(
-                    &part.name,
-                    &self.standing[*standing as usize].name,
-                    separation,
-                ) {
+                if !each(Pair::Standing(place, *standing as usize), separation) {
                     return;
                 }
             }
@@ -119,7 +132,7 @@ impl Scene {
         for &[a, b] in &self.pairs {
             if let Some(separation) =
                 self.part_to_part([a, b], [&placements[a], &placements[b]], within)
-                && !each(&self.parts[a].name, &self.parts[b].name, &separation)
+                && !each(Pair::Parts(a, b), &separation)
             {
                 return;
             }

@@ -26,6 +26,7 @@ pub(super) use extent::Extent;
 use held::SAME_MISS;
 
 use super::Minimiser;
+use super::way_guard::{StepGuard, reborrowed};
 use crate::problem::{Evaluation, Problem, Question, Scratch, Share};
 use crate::search::{Attempts, Found, Schedule, run};
 use crate::solver::{
@@ -96,6 +97,8 @@ pub(super) struct Ranked<'q, 'm> {
     pub(super) solver: &'m mut SolverState,
     pub(super) memory: &'m mut RankMemory,
     pub(super) observer: &'m mut dyn Observer,
+    /// What steps of searches keep clear of, where they do.
+    pub(super) guard: Option<&'m mut dyn StepGuard>,
 }
 
 impl Ranked<'_, '_> {
@@ -172,6 +175,7 @@ impl Ranked<'_, '_> {
             observer: &mut *self.observer,
             scratch: &mut *self.scratch,
             memory: &mut *self.solver,
+            guard: reborrowed(&mut self.guard),
         };
         let more = run(
             self.question,

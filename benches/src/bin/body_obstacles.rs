@@ -1,0 +1,149 @@
+//! How often and how fast a body finds a place for its hands among obstacles, beside the same questions without:
+//! `cargo run --release -p kinopt-benches --bin body_obstacles -- ROBOT.urdf [questions] [hands]`, where the robot is Unitree's G1.
+//!
+//! It stands on its feet, balanced, before a table and under a shelf; its shapes are the capsules of `whole_body/g1-capsules.json`. Hands are
+//! asked for where they are at configurations that balance and touch nothing, drawn at random, so that every question has an answer.
+#![allow(clippy::print_stdout)]
+
+use std::error::Error;
+use std::path::Path;
+
+use kinopt::collision::{Checker, CollisionModel, CollisionObject, Shape, World};
+use kinopt::model::Model;
+use kinopt::spatial::{Matrix3, Placement, Vector3};
+use kinopt::{Solver, Workspace};
+use kinopt_benches::{BodyCase, ThreadTime};
+use serde_json::Value;
+
+type Capsule = ([f64; 3], [f64; 3], f64);
+
+fn shapes(model: &Model, file: &Path) -> Result<CollisionModel, Box<dyn Error>> {
+    let document: Value = serde_json::from_str(&std::fs::read_to_string(file)?)?;
+    let mut objects = Vec::new();
+    for (link, capsules) in document.as_object().ok_or("capsules are by link")? {
+        let capsules: Vec<Capsule> = serde_json::from_value(capsules.clone())?;
+        for (index, (from, to, radius)) in capsules.into_iter().enumerate() {
+            let [from, to] = [from, to].map(Vector3::from);
+            let way = to - from;
+            let along = way * (1.0 / way.norm());
+            let least = (0..3).min_by(|a, b| {
+                along.to_array()[*a]
+                    .abs()
+                    .total_cmp(&along.to_array()[*b].abs())
+            });
+            let across = along.cross(Vector3::UNITS[least.unwrap_or(0)]);
+            let across = across * (1.0 / across.norm());
+            let turn = Matrix3::from_columns(across, along.cross(across), along);
+            objects.push(CollisionObject::new(
+                format!("{link} {index}"),
+                model.frame(link)?,
+                Placement::new(turn, (from + to) * 0.5),
+                Shape::capsule(radius, way.norm())?,
+            ));
+        }
+    }
+    let model = CollisionModel::new(model, objects)?;
+    Ok(model.with_pairs_sampled(2000, 1)?)
+}
+
+fn world(floor: f64) -> Result<World, Box<dyn Error>> {
+    let mut world = World::new();
+    world.add_plane(
+        "floor",
+        Placement::translation(Vector3::new(0.0, 0.0, floor - 0.01)),
+    )?;
+    let at = |x, y, z| Vector3::new(x, y, floor + z);
+    world.add_box("table", [0.6, 1.4, 0.04], at(0.5, 0.0, 0.72))?;
+    world.add_box("shelf", [0.35, 0.9, 0.02], at(0.45, 0.0, 1.15))?;
+    world.add_box("side", [0.35, 0.02, 0.5], at(0.45, 0.45, 0.98))?;
+    world.add_box("box", [0.12, 0.12, 0.2], at(0.45, -0.3, 0.84))?;
+    world.add_cylinder("bottle", 0.04, 0.25, at(0.45, 0.25, 0.865))?;
+    Ok(world)
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let robot = arguments.first().ok_or("which robot?")?;
+    let count: usize = arguments.get(1).map_or(Ok(200), |n| n.parse())?;
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/whole_body"));
+    let mut case = BodyCase::read(&folder.join("g1.json"), Path::new(robot))?;
+    if arguments.get(2).is_some_and(|hands| hands == "1") {
+        case.hands.truncate(1);
+    }
+    let model = case.robot.model();
+    let body = shapes(model, &folder.join("g1-capsules.json"))?;
+    let floor = case
+        .support
+        .iter()
+        .map(|at| at.z)
+        .fold(f64::INFINITY, f64::min);
+    let checker = Checker::new(body).with_world(&world(floor)?)?;
+    println!(
+        "{} parts, {} pairs of them",
+        checker.model().links().len(),
+        checker.model().pairs().len()
+    );
+    println!("standing: {:?}", checker.collisions(&case.standing)?);
+
+    let mut free = Vec::new();
+    let mut drawn = 0;
+    while free.len() < count {
+        drawn += 4 * count;
+        free = case.balanced(drawn)?;
+        let mut workspace = checker.workspace();
+        free.retain(|q| checker.is_free(&mut workspace, q).unwrap_or(false));
+    }
+    println!("{} of {drawn} balanced configurations are free", free.len());
+    free.truncate(count);
+    let plain = case.problem()?;
+    let clear = case.problem_clear_of(&checker)?;
+    let mut workspace = checker.workspace();
+    let begun = ThreadTime::now();
+    for q in &free {
+        checker.is_free(&mut workspace, q)?;
+    }
+    println!("a check: {:.2} us", begun.micros() / count as f64);
+    let mut medians = Vec::new();
+    for (name, body) in [("plain", &plain), ("clear", &clear)] {
+        let targets = case.hands_at(&free)?;
+        let targets: Vec<_> = targets
+            .iter()
+            .map(|at| body.targets(at))
+            .collect::<Result<_, _>>()?;
+        let (solver, mut memory) = (Solver::default(), Workspace::new());
+        let mut micros = vec![f64::INFINITY; count];
+        let (mut reached, mut goals, mut touching, mut attempts) = (0, 0, 0, 0);
+        for round in 0..3 {
+            for (k, targets) in targets.iter().enumerate() {
+                let question = body.problem.with_targets(targets)?;
+                let begun = ThreadTime::now();
+                let solution = solver.solve(question, &case.standing, &mut memory)?;
+                micros[k] = micros[k].min(begun.micros());
+                if round == 0 {
+                    let pairs = checker.collisions(&solution.q)?;
+                    reached += usize::from(solution.reached);
+                    goals += usize::from(solution.goals_reached());
+                    attempts += solution.attempts;
+                    touching +=
+                        usize::from(solution.reached && pairs.iter().any(|p| p.depth() > 1e-6));
+                    if name == "clear" && !solution.reached && std::env::var_os("TELL").is_some() {
+                        println!("{k}: {}", solution.explain());
+                    }
+                }
+            }
+        }
+        micros.sort_by(f64::total_cmp);
+        let at = |share: f64| micros[((count - 1) as f64 * share) as usize];
+        println!(
+            "{name}: {reached} of {count} reached ({goals} with their goals met), {touching} of them touching; median {:.1} us, mean {:.1}, p90 {:.1}, p99 {:.1}; {:.2} attempts",
+            at(0.5),
+            micros.iter().sum::<f64>() / count as f64,
+            at(0.9),
+            at(0.99),
+            attempts as f64 / count as f64
+        );
+        medians.push(at(0.5));
+    }
+    println!("median {:.2} times plain", medians[1] / medians[0]);
+    Ok(())
+}

@@ -1,0 +1,201 @@
+//! How far a body is to be from everything, as a residual.
+
+use std::sync::Arc;
+
+use super::Checker;
+use super::parts::{Pair, Scene};
+use crate::collision::Separation;
+use crate::model::FrameId;
+use crate::scalar::Scalar;
+use crate::spatial::{Placement, Vector3};
+use crate::task::{LocalJacobian, Numeric, NumericResidual, Quantity, Residual, Rows};
+
+/// Everything should be at least so far apart: one row a part of the robot, in metres, r = ‖(d₀ − d)₊‖ over the pairs in which
+/// that part comes first, by their exact distances d; 0 where all are farther apart than d₀.
+///
+/// Which pairs are near changes from place to place, their number without a bound; a row for each part keeps the number of
+/// rows, and the cost, ½ Σ (d₀ − d)₊², is the same as with a row for each pair and has a continuous gradient. The
+/// derivatives are exact where the nearest points are unique: a distance grows by n · (velocity of the second's nearest point −
+/// that of the first's), where n is the direction from one to the other.
+///
+/// ```
+/// # #[cfg(feature = "urdf")] {
+/// use kinopt::collision::{Checker, Clearance, World};
+/// use kinopt::robot::Robot;
+/// use kinopt::task::{Point, Task};
+/// use kinopt::{Problem, Solver};
+///
+/// let robot = Robot::read("models/franka_panda.urdf")?;
+/// let mut world = World::new();
+/// world.add_sphere("ball", 0.1, [0.4, 0.0, 0.5])?;
+/// let checker = Checker::of(&robot)?.with_world(&world)?;
+/// let mut tasks = Problem::builder(robot.model());
+/// tasks.parameters(robot.map().clone());
+/// tasks.add(Point::new(robot.model().frame("flange")?, [0.5, 0.0, 0.4]));
+/// // Rather half a metre away from everything, as far as the hand allows.
+/// tasks.add(Task::new(Clearance::new(&checker, 0.5)).preference());
+/// let solution = Solver::default().solve_once(&tasks.build()?, &robot.model().neutral())?;
+/// assert!(solution.reached);
+/// # }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Clearance(Numeric<Distances>);
+
+#[derive(Clone, Debug)]
+struct Distances {
+    scene: Arc<Scene>,
+    distance: f64,
+}
+
+impl Clearance {
+    /// All pairs that a checker keeps apart should be at least `distance` metres apart, whatever its own margin is.
+    #[must_use]
+    pub fn new(checker: &Checker, distance: f64) -> Self {
+        Self(Numeric(Distances {
+            scene: Arc::clone(&checker.scene),
+            distance,
+        }))
+    }
+
+    getters! {
+        /// How far everything should be apart, metres.
+        pub fn distance(&self) -> f64 = self.0.0.distance;
+    }
+
+    /// Changes how far everything should be apart, metres.
+    pub fn set_distance(&mut self, distance: f64) {
+        self.0.0.distance = distance;
+    }
+
+    /// The same in another world, or of another checker of the same robot with the same obstacles attached.
+    pub fn set_checker(&mut self, checker: &Checker) {
+        self.0.0.scene = Arc::clone(&checker.scene);
+    }
+}
+
+impl Distances {
+    /// Visits all pairs that are too near, each with the row that it counts in and by how much.
+    fn visit(
+        &self,
+        frames: &[Placement<f64>],
+        mut each: impl FnMut(Pair, usize, f64, &Separation),
+    ) {
+        self.scene.visit(frames, self.distance, |pair, separation| {
+            let (Pair::Standing(row, _) | Pair::Parts(row, _)) = pair;
+            each(pair, row, self.distance - separation.distance, separation);
+            true
+        });
+    }
+}
+
+impl NumericResidual for Distances {
+    fn kind(&self) -> &'static str {
+        "clearance"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        self.scene.frames().collect()
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Metres, self.scene.frames().len())]
+    }
+
+    fn evaluate(&self, frames: &[Placement<f64>], _joints: &[f64], residual: &mut [f64]) {
+        residual.fill(0.0);
+        self.visit(frames, |_, row, lack, _| residual[row] += lack * lack);
+        for row in residual {
+            *row = row.sqrt();
+        }
+    }
+
+    fn differentiate(
+        &self,
+        frames: &[Placement<f64>],
+        _joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        let mut squares = vec![0.0; jacobian.rows()];
+        self.visit(frames, |pair, row, lack, separation| {
+            squares[row] += lack * lack;
+            let mut add = |frame: usize, slope: Vector3<f64>, point: Vector3<f64>| {
+                let lever = point - frames[frame].translation;
+                let along = jacobian.linear_mut(frame);
+                along[row] += slope;
+                // n · (ω × l) = ω · (l × n)
+                let turning = jacobian.angular_mut(frame);
+                turning[row] += lever.cross(slope);
+            };
+            let Separation {
+                on_first,
+                on_second,
+                normal,
+                ..
+            } = *separation;
+            // What is too near is so by more as the first goes along the normal.
+            match pair {
+                Pair::Standing(part, _) => add(part, normal * lack, on_first),
+                Pair::Parts(first, second) => {
+                    add(first, normal * lack, on_first);
+                    add(second, -normal * lack, on_second);
+                }
+            }
+        });
+        // d‖l‖ = Σ l dl / ‖l‖, and where nothing is too near 0.
+        for square in &mut squares {
+            *square = if *square > 0.0 {
+                1.0 / square.sqrt()
+            } else {
+                0.0
+            };
+        }
+        jacobian.scale_rows(&squares);
+        true
+    }
+
+    fn validate(&self) -> Result<(), String> {
+        match self.distance.is_finite() {
+            true => Ok(()),
+            false => Err(format!(
+                "its distance {} is not a finite number",
+                self.distance
+            )),
+        }
+    }
+}
+
+impl Residual for Clearance {
+    fn kind(&self) -> &'static str {
+        self.0.kind()
+    }
+
+    fn is_of_body(&self) -> bool {
+        true
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        self.0.frames()
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        self.0.rows()
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.0.evaluate(frames, joints, residual);
+    }
+
+    fn differentiate(
+        &self,
+        frames: &[Placement<f64>],
+        joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        self.0.differentiate(frames, joints, jacobian)
+    }
+
+    fn validate(&self) -> Result<(), String> {
+        self.0.validate()
+    }
+}

@@ -1,0 +1,69 @@
+//! A checker as what a body keeps clear of.
+
+use super::{Checker, CheckerWorkspace, Clearance};
+use crate::problem::{ClearanceCheck, Collision, KeepClear};
+use crate::task::{Quantity, Task};
+
+/// How far beyond the margin the clearance leads, metres: a search that comes near enough to it is free.
+const BAND: f64 = 1e-3;
+/// A clearance within this share of the band is surely free.
+const WITHIN: f64 = 0.9;
+/// What moves stops so far before the margin, metres, so that it can leave again.
+const STAND_OFF: f64 = 1e-4;
+
+/// Checks configurations and ways for a [`Problem`](crate::Problem) that keeps clear.
+#[derive(Clone, Debug)]
+pub struct WayChecker {
+    checker: Checker,
+    /// The same with a wider margin, where ways are cut.
+    cautious: Checker,
+    workspace: CheckerWorkspace,
+}
+
+impl KeepClear for Checker {
+    type Clearance = Clearance;
+    type Check = WayChecker;
+
+    fn configuration_len(&self) -> usize {
+        self.model.model().configuration_len()
+    }
+
+    fn clearance(&self) -> Task<Clearance> {
+        let task = Task::new(Clearance::new(self, self.margin + BAND));
+        task.tolerance(Quantity::Metres, WITHIN * BAND)
+    }
+
+    fn check(&self) -> WayChecker {
+        let mut cautious = self.clone();
+        cautious.margin += STAND_OFF;
+        WayChecker {
+            workspace: self.workspace(),
+            checker: self.clone(),
+            cautious,
+        }
+    }
+}
+
+impl ClearanceCheck for WayChecker {
+    fn collisions(&mut self, q: &[f64]) -> Vec<Collision> {
+        let found = self.checker.collisions_with(&mut self.workspace, q);
+        debug_assert!(found.is_ok(), "a configuration that does not fit");
+        found.unwrap_or_default()
+    }
+
+    fn is_free(&mut self, q: &[f64]) -> bool {
+        let free = self.checker.is_free(&mut self.workspace, q);
+        free.unwrap_or(false)
+    }
+
+    fn blocked(&mut self, from: &[f64], to: &[f64]) -> Option<Collision> {
+        let way = self.checker.way(&mut self.workspace, from, to);
+        debug_assert!(way.is_ok(), "a configuration that does not fit");
+        way.ok().and_then(|way| way.blocked_by)
+    }
+
+    fn free_share(&mut self, from: &[f64], to: &[f64]) -> f64 {
+        let way = self.cautious.way(&mut self.workspace, from, to);
+        way.map_or(0.0, |way| way.free)
+    }
+}

@@ -1,0 +1,93 @@
+//! Answers of a problem that keeps clear of something.
+
+use std::sync::Arc;
+
+use super::clear_engine::EngineRoom;
+use super::levels::Extent;
+use super::solver::Run;
+use super::{Restarts, SolveError, Solver, Workspace};
+use crate::problem::{Fence, Question};
+use crate::search::Found;
+
+/// Room for that.
+#[derive(Clone, Debug)]
+pub(super) struct ClearRoom {
+    owner: Arc<Fence>,
+    pub(super) engine: EngineRoom,
+    /// Of a search with the clearance among its goals.
+    pub(super) fenced: Workspace,
+}
+
+impl ClearRoom {
+    pub(super) fn new(fence: &Arc<Fence>) -> Box<Self> {
+        Box::new(Self {
+            owner: Arc::clone(fence),
+            engine: EngineRoom::new(fence),
+            fenced: Workspace::new(),
+        })
+    }
+}
+
+impl Solver {
+    /// Solves a question such that nothing touches: attempts are led out of what they touch, and preferences then act within what
+    /// goals and clearance leave free. Where no attempt is free, the one counts that meets the goals and touches least.
+    pub(super) fn run_clear(
+        &self,
+        fence: &Arc<Fence>,
+        question: Question<'_>,
+        start: &[f64],
+        workspace: &mut Workspace,
+        run: &mut Run<'_>,
+    ) -> Result<(), SolveError> {
+        let known = workspace.clear.take();
+        let known = known.filter(|room| Arc::ptr_eq(&room.owner, fence));
+        let mut room = known.unwrap_or_else(|| ClearRoom::new(fence));
+        let goals = self.clone().with_refining(Extent::Goals);
+        let mut clear = Run {
+            deadline: run.deadline,
+            observer: &mut *run.observer,
+            guard: None,
+            clear: Some((fence, &mut room.engine)),
+        };
+        goals.run(question, start, workspace, &mut clear)?;
+        let solution = &workspace.solution;
+        let prefers = question.problem.search_share() != crate::problem::Share::All;
+        if prefers && solution.reached && self.refining() != Extent::Goals {
+            self.prefer(fence, question, &mut room, workspace, run)?;
+        }
+        let solution = &mut workspace.solution;
+        if solution.q.iter().all(|value| value.is_finite()) {
+            solution.set_collisions(room.engine.check.collisions(&solution.q));
+        }
+        workspace.clear = Some(room);
+        Ok(())
+    }
+
+    /// Lets preferences act from where goals are reached and nothing touches.
+    fn prefer(
+        &self,
+        fence: &Fence,
+        question: Question<'_>,
+        room: &mut ClearRoom,
+        workspace: &mut Workspace,
+        run: &mut Run<'_>,
+    ) -> Result<(), SolveError> {
+        let mut found = Found::of(&workspace.solution);
+        if !room.engine.check.is_free(&workspace.solution.q) {
+            return Ok(());
+        }
+        let once = self.clone().with_restarts(Restarts::none());
+        let q = workspace.solution.q.clone();
+        once.run(question.fenced(fence.holding()), &q, &mut room.fenced, run)?;
+        let refined = &room.fenced.solution;
+        let attempts = found.attempts;
+        found.add(refined);
+        found.attempts = attempts;
+        let x = match refined.reached && room.engine.check.is_free(&refined.q) {
+            true => room.fenced.search.keeper.x.clone(),
+            false => workspace.search.keeper.x.clone(),
+        };
+        self.report_at(question, &x, found, workspace, run.observer);
+        Ok(())
+    }
+}

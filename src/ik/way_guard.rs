@@ -1,0 +1,126 @@
+//! Searches whose steps go where nothing is in the way.
+
+use nalgebra::DMatrix;
+
+use crate::model::ParameterMap;
+use crate::problem::{AnyClearanceCheck, Evaluation};
+use crate::solver::{ConfigurationSpace, LeastSquares};
+
+/// A step that is not free from where the search began is tried at this share of itself, …
+const SHORTER: f64 = 0.5;
+/// … so often.
+const SHORTENED: usize = 5;
+
+/// Says how much of a step a search may take.
+pub(crate) trait StepGuard {
+    /// The share of the step from x to another place that may be taken.
+    fn allowed_share(&mut self, space: ConfigurationSpace<'_>, x: &[f64], to: &[f64]) -> f64;
+}
+
+/// A guard for a part of its time.
+pub(super) fn reborrowed<'b>(
+    guard: &'b mut Option<&mut dyn StepGuard>,
+) -> Option<&'b mut dyn StepGuard> {
+    match guard {
+        Some(guard) => Some(&mut **guard),
+        None => None,
+    }
+}
+
+/// Keeps all places of a search such that the straight way to them from one configuration is free: where a frame of a drag ends,
+/// whichever way its steps took.
+#[derive(Debug)]
+pub(crate) struct WayGuard<'a> {
+    pub(crate) check: &'a mut dyn AnyClearanceCheck,
+    pub(crate) map: &'a ParameterMap,
+    /// The configuration that ways begin at, and what it is by the variables.
+    pub(crate) from: (&'a [f64], &'a [f64]),
+    /// A configuration to check.
+    pub(crate) q: &'a mut Vec<f64>,
+}
+
+impl StepGuard for WayGuard<'_> {
+    fn allowed_share(&mut self, space: ConfigurationSpace<'_>, x: &[f64], to: &[f64]) -> f64 {
+        let (q_from, x_from) = self.from;
+        self.q.resize(q_from.len(), 0.0);
+        self.map.scatter_within_limits(to, self.q);
+        if self.check.blocked(q_from, self.q).is_none() {
+            return 1.0;
+        }
+        if x == x_from {
+            return self.check.free_share(q_from, self.q);
+        }
+        let mut step = vec![0.0; x.len()];
+        let mut trial = x.to_vec();
+        space.difference(to, x, &mut step);
+        let mut share = 1.0;
+        for _ in 0..SHORTENED {
+            share *= SHORTER;
+            space.integrate_share(x, share, &step, &mut trial);
+            space.project(&mut trial);
+            self.map.scatter_within_limits(&trial, self.q);
+            if self.check.blocked(q_from, self.q).is_none() {
+                return share;
+            }
+        }
+        0.0
+    }
+}
+
+/// What is minimised, with its steps guarded.
+pub(super) struct Guarded<'a, 'q> {
+    pub(super) evaluation: &'a mut Evaluation<'q>,
+    pub(super) guard: &'a mut dyn StepGuard,
+}
+
+impl LeastSquares for Guarded<'_, '_> {
+    fn variables(&self) -> usize {
+        self.evaluation.variables()
+    }
+
+    fn rows(&self) -> usize {
+        self.evaluation.rows()
+    }
+
+    fn lower(&self) -> &[f64] {
+        self.evaluation.lower()
+    }
+
+    fn upper(&self) -> &[f64] {
+        self.evaluation.upper()
+    }
+
+    fn space(&self) -> ConfigurationSpace<'_> {
+        self.evaluation.space()
+    }
+
+    fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
+        self.evaluation.residual(x, residual);
+    }
+
+    fn jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
+        self.evaluation.jacobian(x, jacobian);
+    }
+
+    fn gradient(
+        &mut self,
+        x: &[f64],
+        residual: &[f64],
+        gradient: &mut [f64],
+        jacobian: &mut DMatrix<f64>,
+    ) {
+        self.evaluation.gradient(x, residual, gradient, jacobian);
+    }
+
+    fn is_reached(&self, residual: &[f64]) -> bool {
+        self.evaluation.is_reached(residual)
+    }
+
+    fn allowed_share(&mut self, from: &[f64], to: &[f64]) -> f64 {
+        self.guard.allowed_share(self.evaluation.space(), from, to)
+    }
+
+    fn stops_when_reached(&self) -> bool {
+        self.evaluation.stops_when_reached()
+    }
+}
