@@ -131,6 +131,11 @@ struct Motions;
 #[doc = include_str!("../docs/clips.md")]
 struct Clips;
 
+/// The examples of the page on paths, run as tests.
+#[cfg(all(doctest, feature = "urdf"))]
+#[doc = include_str!("../docs/paths.md")]
+struct Paths;
+
 /// The README's examples, run as tests.
 #[cfg(all(doctest, feature = "urdf"))]
 #[doc = include_str!("../README.md")]

@@ -34,6 +34,7 @@ mod model_options;
 mod number_format;
 mod number_list;
 mod output;
+mod path;
 mod placed_frames;
 mod progress;
 mod scene_output;
@@ -70,6 +71,7 @@ Examples:
   kinopt info robot.urdf
   kinopt solve robot.urdf --target tool=0.4,0.1,0.5,0,1,0,0
   kinopt solve robot.urdf --tip tool --targets poses.json --json
+  kinopt path robot.urdf weld.csv --tip tool --out joints.csv
   kinopt fk arm.json --time 1.5 --frame bone/6
   kinopt fk walk.bvh --time 1.5 --frame Head/tip
   kinopt solve arm.json --target bone/6=0.2,0.5,0.1 --out posed.obj
@@ -106,6 +108,7 @@ enum Subcommands {
     Animate(animate::Arguments),
     Fk(fk::Arguments),
     Solve(Box<solve::Arguments>),
+    Path(Box<path::Arguments>),
     Check(check::Arguments),
     Spheres(spheres::Arguments),
     SkinReport(skin_report::Arguments),
@@ -128,6 +131,7 @@ fn main() -> ExitCode {
         Subcommands::Animate(arguments) => animate::run(arguments, json),
         Subcommands::Fk(arguments) => fk::run(arguments, json),
         Subcommands::Solve(arguments) => solve::run(arguments, json),
+        Subcommands::Path(arguments) => path::run(arguments, json),
         Subcommands::Spheres(arguments) => spheres::run(arguments, json),
         Subcommands::Check(arguments) => check::run(arguments, json),
         Subcommands::SkinReport(arguments) => skin_report::run(arguments, json),

@@ -1,3 +1,4 @@
 //! Whole motions, above single poses.
 
 pub mod clip;
+pub mod path;

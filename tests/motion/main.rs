@@ -1,9 +1,17 @@
-//! Whole motions: many frames solved as one.
+//! Whole motions: many frames solved as one, and Cartesian paths of arms.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod bad_motions;
 mod clip_minima;
 mod contacts;
+mod path_bounds;
+mod path_courses;
+mod path_files;
+mod path_malformed;
+mod path_misses;
+mod path_reconfigurations;
+mod path_world;
+mod paths_of_joints;
 mod turning_bodies;
 mod walker;
 mod windows;

@@ -129,7 +129,7 @@ impl ArmArguments {
 
 /// `--free-axis`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum FreeAxis {
+pub(crate) enum FreeAxis {
     X,
     Y,
     Z,

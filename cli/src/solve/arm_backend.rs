@@ -264,7 +264,7 @@ impl QueryBackend for ArmBackend<'_> {
 }
 
 /// The joints that the command holds.
-fn held<'m>(mut builder: ArmBuilder<'m>, loaded: &LoadedModel) -> ArmBuilder<'m> {
+pub(crate) fn held<'m>(mut builder: ArmBuilder<'m>, loaded: &LoadedModel) -> ArmBuilder<'m> {
     if let Some(held) = &loaded.held {
         for &(joint, value) in &held.locked {
             builder = builder.with_locked(joint, value);

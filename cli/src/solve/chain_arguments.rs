@@ -38,7 +38,7 @@ pub(crate) struct ChainArguments {
     ///
     /// Its names must be the robot's. Default: none.
     #[arg(long, value_name = "FILE", help_heading = MODEL)]
-    pub(super) srdf: Option<PathBuf>,
+    pub(crate) srdf: Option<PathBuf>,
 
     /// Let only the joints of a group of the SRDF file move.
     ///
@@ -52,7 +52,7 @@ pub(crate) struct ChainArguments {
     /// --target, or for --targets. Default: none.
     #[arg(long, value_name = "x,y,z[,qw,qx,qy,qz]", allow_hyphen_values = true,
           value_parser = target::parse_placement, help_heading = MODEL)]
-    pub(super) tool: Option<Placement<f64>>,
+    pub(crate) tool: Option<Placement<f64>>,
 }
 
 /// `--lock`.
@@ -80,13 +80,13 @@ impl Lock {
 
 impl ChainArguments {
     /// Whether some joint is to be held.
-    pub(super) fn holds(&self) -> bool {
+    pub(crate) fn holds(&self) -> bool {
         !(self.lock.is_empty() && self.only.is_empty() && self.srdf.is_none())
     }
 
     /// Resolves the names; `start` is where joints without a value are held, and `degrees` what values
     /// are in.
-    pub(super) fn held(
+    pub(crate) fn held(
         &self,
         loaded: &LoadedModel,
         start: &[f64],

@@ -16,7 +16,7 @@ pub(crate) struct Interval {
 }
 
 impl Interval {
-    pub(super) fn parse(text: &str) -> Result<Self, String> {
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
         let (axis, width) = text.split_once('=').ok_or(SHAPE)?;
         let axis = AXES.iter().position(|name| *name == axis.trim());
         let axis = axis.ok_or(SHAPE)?;
@@ -43,7 +43,7 @@ impl Interval {
     }
 
     /// Whether it is about how the tip is turned.
-    pub(super) fn turns(&self) -> bool {
+    pub(crate) fn turns(&self) -> bool {
         self.axis >= 3
     }
 }

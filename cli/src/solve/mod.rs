@@ -1,32 +1,33 @@
 //! `kinopt solve`: from targets to a configuration.
 
 mod arguments;
-mod arm_arguments;
+pub(crate) mod arm_arguments;
 mod arm_backend;
 mod backend;
 mod balance;
 pub(crate) mod base;
-mod chain_arguments;
+pub(crate) mod chain_arguments;
 mod derivative;
 mod general_backend;
 mod goals;
 mod held;
-mod interval;
+pub(crate) mod interval;
 mod levels;
 mod many;
 mod moves;
-mod obstacles;
+pub(crate) mod obstacles;
 mod out_file;
 mod pose_finder;
 mod query;
 mod report;
-mod room;
+pub(crate) mod room;
 mod settings;
 mod task_file;
 mod weights;
 
 pub(crate) use arguments::Arguments;
 use arm_backend::ArmBackend;
+pub(crate) use arm_backend::held;
 use backend::QueryBackend;
 use general_backend::GeneralBackend;
 use goals::Goals;

@@ -41,7 +41,7 @@ impl ObstacleArguments {
     }
 
     /// The arm kept clear of what is given, with the robot's other joints at `rest`.
-    pub(super) fn keep_clear(
+    pub(crate) fn keep_clear(
         &self,
         arm: Arm,
         robot: &Robot,

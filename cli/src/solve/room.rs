@@ -4,14 +4,15 @@ use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Goal;
 
 use super::arguments::Arguments;
+use super::arm_arguments::FreeAxis;
 use super::goals::Goals;
 use super::interval::Interval;
 use crate::failure::Outcome;
 
 /// What of a target counts.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Room {
-    pub(super) goal: Goal,
+pub(crate) struct Room {
+    pub(crate) goal: Goal,
     /// Where the middle of the room lies in the target, where it is not the target itself.
     shift: Option<Placement<f64>>,
 }
@@ -42,9 +43,21 @@ impl Room {
     /// Of a target beside others, of which some may turn.
     fn beside(arguments: &Arguments, turns: bool, some_turn: bool) -> Outcome<Self> {
         let options = &arguments.arm;
-        let only_turning = match options.free_axis {
+        let (free_axis, intervals) = (options.free_axis, options.intervals.as_slice());
+        let counts = (turns, some_turn);
+        Self::of_options(free_axis, intervals, counts, arguments.degrees)
+    }
+
+    /// As `--free-axis` and `--interval` say of a target that turns or not, beside others of which some may.
+    pub(crate) fn of_options(
+        free_axis: Option<FreeAxis>,
+        intervals: &[Interval],
+        (turns, some_turn): (bool, bool),
+        degrees: bool,
+    ) -> Outcome<Self> {
+        let only_turning = match free_axis {
             _ if some_turn => None,
-            _ if options.intervals.iter().any(Interval::turns) => Some("--interval of a turn"),
+            _ if intervals.iter().any(Interval::turns) => Some("--interval of a turn"),
             free_axis => free_axis.map(|_| "--free-axis"),
         };
         if let Some(option) = only_turning {
@@ -52,18 +65,14 @@ impl Room {
                 "{option} is for targets with an orientation (x,y,z,qw,qx,qy,qz)"
             ));
         }
-        let goal = match options.free_axis {
+        let goal = match free_axis {
             _ if !turns => Goal::position(),
             Some(axis) => Goal::free_about(axis.into()),
             None => Goal::pose(),
         };
         let counts = |interval: &&Interval| turns || !interval.turns();
-        let intervals = options.intervals.iter().filter(counts);
-        Ok(Self::within(
-            goal.half_widths(),
-            intervals,
-            arguments.degrees,
-        ))
+        let intervals = intervals.iter().filter(counts);
+        Ok(Self::within(goal.half_widths(), intervals, degrees))
     }
 
     fn within<'i>(
@@ -93,7 +102,7 @@ impl Room {
     }
 
     /// Where to stand for a target, the room about it even.
-    pub(super) fn middle(&self, target: Placement<f64>) -> Placement<f64> {
+    pub(crate) fn middle(&self, target: Placement<f64>) -> Placement<f64> {
         self.shift.map_or(target, |shift| target * shift)
     }
 }

@@ -21,6 +21,7 @@ mod many_targets;
 mod mjcf;
 mod motion_capture;
 mod pages;
+mod path;
 mod posed_mesh;
 mod robot_files;
 mod robots;

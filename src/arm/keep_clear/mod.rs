@@ -2,6 +2,7 @@
 
 mod least_deep;
 mod search;
+mod several;
 mod way;
 
 use super::arm::Arm;

@@ -1,0 +1,144 @@
+//! `kinopt path`: a Cartesian path of an arm, with the fewest reconfigurations.
+
+mod arguments;
+mod report;
+mod rows_file;
+
+use std::time::Instant;
+
+use kinopt::arm::{Arm, Base};
+use kinopt::motion::path::{CartesianPath, PathSolver};
+use kinopt::spatial::Placement;
+
+pub(crate) use arguments::Arguments;
+use report::Report;
+
+use crate::failure::{Failure, Outcome};
+use crate::frame_name::BareName;
+use crate::joint_columns::JointColumns;
+use crate::loaded_model::LoadedModel;
+use crate::number_list::Numbers;
+use crate::output;
+use crate::solve::held;
+use crate::solve::room::Room;
+
+pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
+    let mut loaded = LoadedModel::read(&arguments.robot, &arguments.model_options)?;
+    if loaded.robot.is_none() {
+        return Err(usage!("{}: path is for robots", loaded.file));
+    }
+    if arguments.chain.holds() {
+        let rest = loaded.rest();
+        let held = arguments.chain.held(&loaded, &rest, arguments.degrees)?;
+        loaded.held = Some(Box::new(held));
+    }
+    let loaded = &loaded;
+    let (path, columns_read) = CartesianPath::read(&arguments.path, arguments.order.into())?;
+    let file = arguments.path.display();
+    let turns = columns_read.quaternion.is_some() && !arguments.position_only;
+    let room = Room::of_options(
+        arguments.free_axis,
+        &arguments.intervals,
+        (turns, turns),
+        arguments.degrees,
+    )?;
+    let (arm, columns) = arm(arguments, loaded, room)?;
+    let path = placed(arguments, path, room)?.with_course(arguments.course.into());
+    let one_each = |option, given: &Option<Numbers>, degrees| {
+        let each = |given| columns.one_each(loaded, option, given, degrees);
+        given.as_ref().map(each).transpose()
+    };
+    let mut solver = PathSolver::new(&arm)
+        .with_max_step(arguments.max_step())
+        .with_times_kept(arguments.keep_times)
+        .with_samples(arguments.samples);
+    let weights = one_each("--joint-weights", &arguments.joint_weights, false)?;
+    if let Some(weights) = &weights {
+        solver = solver.with_joint_weights(weights);
+    }
+    if let Some(start) = one_each("--start", &arguments.start, arguments.degrees)? {
+        solver = solver.with_start(&start);
+    }
+    if let Some(end) = one_each("--end", &arguments.end, arguments.degrees)? {
+        solver = solver.with_end(&end);
+    }
+    let started = Instant::now();
+    let solution = solver.solve(&path)?;
+    let report = Report {
+        loaded,
+        arm: &arm,
+        path: &path,
+        solution: &solution,
+        milliseconds: 1e3 * started.elapsed().as_secs_f64(),
+        columns_read: &columns_read,
+    };
+    if let Some(out) = &arguments.out {
+        rows_file::write(out, &report)?;
+    }
+    output::message(&format!(
+        "{file}: {} points; {columns_read}",
+        path.points().len()
+    ));
+    output::result(json, || report.document(), || report.text())?;
+    if let Some(out) = &arguments.out {
+        output::message(&format!("wrote {}", out.display()));
+    }
+    match arguments.fail_on_miss && !solution.missed.is_empty() {
+        true => Err(Failure::Missed(format!(
+            "{} of {} points are missed",
+            solution.missed.len(),
+            path.points().len()
+        ))),
+        false => Ok(()),
+    }
+}
+
+/// The arm from the base to the tip, and whose numbers its joints are.
+fn arm(arguments: &Arguments, loaded: &LoadedModel, room: Room) -> Outcome<(Arm, JointColumns)> {
+    let Some(robot) = loaded.robot.as_deref() else {
+        return Err(usage!("{}: path is for robots", loaded.file));
+    };
+    let frame = |name| loaded.frame(name, BareName::Tail);
+    let base = arguments.base.as_deref().map(frame).transpose()?;
+    let tip = match (&arguments.tip, loaded.tip_links().as_slice()) {
+        (Some(tip), _) => frame(tip)?,
+        (None, [only]) => frame(only)?,
+        (None, tips) => {
+            return Err(usage!(
+                "--tip: the robot has several tips, so it must be said which: {}",
+                tips.join(", ")
+            ));
+        }
+    };
+    let tolerance = arguments.tolerance.unwrap_or(1e-6);
+    let builder = Arm::builder(robot, base.map_or(Base::World, Base::from), tip)
+        .with_tool(arguments.chain.tool.unwrap_or_else(Placement::identity))
+        .with_goal(room.goal)
+        .with_position_tolerance(tolerance)
+        .with_orientation_tolerance(tolerance);
+    let builder = held(builder, loaded);
+    let joints = builder.joints()?;
+    let coordinates = joints.iter().filter_map(|&id| loaded.model.coordinate(id));
+    let columns = loaded.columns_of(coordinates.collect());
+    let srdf = arguments.chain.srdf.as_ref();
+    let arm = builder.build()?;
+    let arm = arguments
+        .obstacles
+        .keep_clear(arm, robot, srdf, &loaded.rest())?;
+    Ok((arm, columns))
+}
+
+/// The path where it is to be, the room about its points even.
+fn placed(arguments: &Arguments, path: CartesianPath, room: Room) -> Outcome<CartesianPath> {
+    let path = match &arguments.at {
+        Some(at) => path.moved(at),
+        None => path,
+    };
+    let points = path.points().iter().map(|point| room.middle(*point));
+    let points: Vec<Placement<f64>> = points.collect();
+    let moved = CartesianPath::new(points)?;
+    Ok(match path.times() {
+        Some(times) => moved.with_times(times)?,
+        None => moved,
+    })
+}

@@ -1,0 +1,212 @@
+//! What is told of a path.
+
+use kinopt::Arm;
+use kinopt::motion::path::{CartesianPath, CsvColumns, MissReason, Missed, PathSolution};
+use serde::Serialize;
+
+use crate::loaded_model::LoadedModel;
+use crate::table;
+
+/// How many places of a kind are told to people.
+const TOLD: usize = 10;
+
+/// A solved path.
+pub(super) struct Report<'a> {
+    pub(super) loaded: &'a LoadedModel,
+    pub(super) arm: &'a Arm,
+    pub(super) path: &'a CartesianPath,
+    pub(super) solution: &'a PathSolution,
+    pub(super) milliseconds: f64,
+    pub(super) columns_read: &'a CsvColumns,
+}
+
+#[derive(Serialize)]
+pub(super) struct Document<'a> {
+    joints: Vec<&'a str>,
+    q: Vec<Vec<f64>>,
+    points: usize,
+    read_as: String,
+    entry: usize,
+    reconfigurations: usize,
+    reconfigured_at: Vec<Step<'a>>,
+    length: f64,
+    largest_deviation: f64,
+    largest_deviation_at: usize,
+    largest_turn: f64,
+    largest_turn_at: usize,
+    reached: bool,
+    missed: Vec<Miss>,
+    blocked: Vec<Block<'a>>,
+    milliseconds: f64,
+}
+
+#[derive(Serialize)]
+struct Step<'a> {
+    index: usize,
+    joint: &'a str,
+    distance: f64,
+    length: f64,
+}
+
+#[derive(Serialize)]
+struct Miss {
+    index: usize,
+    position_error: f64,
+    orientation_error: f64,
+    reason: String,
+}
+
+#[derive(Serialize)]
+struct Block<'a> {
+    index: usize,
+    first: &'a str,
+    second: &'a str,
+    distance: f64,
+}
+
+impl<'a> Report<'a> {
+    /// The model's configuration for every row, the joints that are not the arm's at rest.
+    pub(super) fn rows(&self) -> impl Iterator<Item = Vec<f64>> + '_ {
+        let rest = self.loaded.rest();
+        self.solution.rows().map(move |row| {
+            let mut q = rest.clone();
+            // Both lengths are the arm's own.
+            let _ = self.arm.configuration(row, &mut q);
+            q
+        })
+    }
+
+    /// When each row is, seconds.
+    pub(super) fn times(&self) -> Option<&[f64]> {
+        let own = self.path.times()?;
+        (own.len() == self.solution.rows().len()).then_some(own)
+    }
+
+    pub(super) fn document(&self) -> Document<'a> {
+        let solution = self.solution;
+        let deviation = solution.largest_deviation;
+        let joints: Vec<&str> = self.arm.joints().collect();
+        let steps = solution.reconfigurations.iter().map(|step| Step {
+            index: step.index,
+            joint: joints.get(step.joint).copied().unwrap_or_default(),
+            distance: step.distance,
+            length: step.length,
+        });
+        let missed = solution.missed.iter().map(|missed| Miss {
+            index: missed.index,
+            position_error: missed.position_error,
+            orientation_error: missed.orientation_error,
+            reason: reason(missed),
+        });
+        let blocked = solution.blocked.iter().map(|blocked| Block {
+            index: blocked.index,
+            first: &blocked.by.first,
+            second: &blocked.by.second,
+            distance: blocked.by.distance,
+        });
+        Document {
+            joints: self.loaded.joint_names(),
+            q: self.rows().collect(),
+            points: self.path.points().len(),
+            read_as: self.columns_read.to_string(),
+            entry: solution.entry,
+            reconfigurations: solution.reconfigurations.len(),
+            reconfigured_at: steps.collect(),
+            length: solution.length,
+            largest_deviation: deviation.metres,
+            largest_deviation_at: deviation.metres_at,
+            largest_turn: deviation.radians,
+            largest_turn_at: deviation.radians_at,
+            reached: solution.missed.is_empty(),
+            missed: missed.collect(),
+            blocked: blocked.collect(),
+            milliseconds: self.milliseconds,
+        }
+    }
+
+    pub(super) fn text(&self) -> String {
+        let solution = self.solution;
+        let (points, deviation) = (self.path.points().len(), solution.largest_deviation);
+        let reached = solution.rows().len() - solution.missed.len();
+        let mut told = vec![
+            (
+                "path",
+                format!(
+                    "{reached} of {} rows reached, {points} points given",
+                    solution.rows().len()
+                ),
+            ),
+            ("branches", self.branches()),
+            ("length", format!("{:.4} of joint motion", solution.length)),
+            (
+                "deviation",
+                format!(
+                    "at most {:.3e} m (before row {}) and {:.3e} rad (before row {}) between rows",
+                    deviation.metres, deviation.metres_at, deviation.radians, deviation.radians_at
+                ),
+            ),
+        ];
+        if solution.entry > 0 {
+            told.push(("entry", format!("begun at point {}", solution.entry)));
+        }
+        told.push(("time", format!("{:.1} ms", self.milliseconds)));
+        let mut text = table::lines(told);
+        let joints: Vec<&str> = self.arm.joints().collect();
+        let steps = solution.reconfigurations.iter().map(|step| {
+            let joint = joints.get(step.joint).copied().unwrap_or_default();
+            format!(
+                "  to row {}: {joint} moves by {:.3} rad",
+                step.index, step.distance
+            )
+        });
+        add(&mut text, "reconfigurations", steps.collect());
+        let missed = solution.missed.iter().map(|missed| {
+            let (metres, radians) = (missed.position_error, missed.orientation_error);
+            let why = reason(missed);
+            format!(
+                "  row {}: by {metres:.3e} m and {radians:.3e} rad, {why}",
+                missed.index
+            )
+        });
+        add(&mut text, "missed", missed.collect());
+        let blocked = solution.blocked.iter().map(|step| {
+            let (first, second) = (&step.by.first, &step.by.second);
+            format!("  to row {}: {first} and {second}", step.index)
+        });
+        add(&mut text, "not surely free", blocked.collect());
+        text
+    }
+
+    fn branches(&self) -> String {
+        match self.solution.reconfigurations.len() {
+            0 => "one from end to end: no reconfiguration".to_owned(),
+            1 => "1 reconfiguration".to_owned(),
+            count => format!("{count} reconfigurations"),
+        }
+    }
+}
+
+fn add(text: &mut String, name: &str, lines: Vec<String>) {
+    if lines.is_empty() {
+        return;
+    }
+    text.push_str(name);
+    text.push('\n');
+    for line in lines.iter().take(TOLD) {
+        text.push_str(line);
+        text.push('\n');
+    }
+    if lines.len() > TOLD {
+        text.push_str(&format!("  and {} more\n", lines.len() - TOLD));
+    }
+}
+
+fn reason(missed: &Missed) -> String {
+    match &missed.reason {
+        MissReason::BeyondReach { distance, reach } => format!(
+            "beyond reach: {distance:.4} m from where the chain begins, which is {reach:.4} m long"
+        ),
+        MissReason::Touches(pair) => format!("{} and {} touch there", pair.first, pair.second),
+        _ => "no configuration within the limits was found".to_owned(),
+    }
+}

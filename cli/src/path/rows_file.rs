@@ -1,0 +1,43 @@
+//! `--out`: the rows as a table, or all that is told as JSON.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use super::report::Report;
+use crate::failure::Outcome;
+
+pub(super) fn write(path: &Path, report: &Report<'_>) -> Outcome<()> {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    let text = match extension {
+        Some("csv") => table(report),
+        Some("json") => serde_json::to_string(&report.document())? + "\n",
+        _ => {
+            return Err(usage!(
+                "--out {}: a path is written as .csv or .json",
+                path.display()
+            ));
+        }
+    };
+    std::fs::write(path, text)
+        .map_err(|error| failure!("{}: cannot be written: {error}", path.display()))
+}
+
+fn table(report: &Report<'_>) -> String {
+    let times = report.times();
+    let mut names = report.loaded.joint_names();
+    if times.is_some() {
+        names.insert(0, "time");
+    }
+    let mut text = names.join(",") + "\n";
+    for (row, q) in report.rows().enumerate() {
+        let time = times.and_then(|times| times.get(row));
+        let numbers = time.into_iter().chain(&q);
+        for (place, number) in numbers.enumerate() {
+            let apart = if place > 0 { "," } else { "" };
+            // Into a string nothing fails.
+            let _ = write!(text, "{apart}{number}");
+        }
+        text.push('\n');
+    }
+    text
+}

@@ -1,0 +1,96 @@
+//! Promise: `path` solves a table of points, tells how it was read, how often the arm lets go and how far the tool strays, and writes the rows.
+
+use crate::forked_rig::*;
+use serde_json::{Value, json};
+
+const PANDA: &str = "../models/franka_panda.urdf";
+const SEAM: &str = "../models/paths/pipe_seam.csv";
+
+#[test]
+fn a_seam_is_gone_in_one_piece() {
+    let told = answer!("path {PANDA} {SEAM} --tip tool");
+    has(
+        &told,
+        json!({"reconfigurations": 0, "reconfigured_at": [], "points": 121, "entry": 0, "reached": true, "missed": [], "blocked": []}),
+    );
+    let rows = list(&told["q"]);
+    assert_eq!(rows.len(), 121);
+    assert_eq!(list(&rows[0]).len(), list(&told["joints"]).len());
+    assert!(told["length"].as_f64().unwrap() > 0.5);
+    let deviation = told["largest_deviation"].as_f64().unwrap();
+    assert!(deviation > 0.0 && deviation < 1e-4, "{deviation}");
+    // The last row stands at the last point of the table.
+    let q: Vec<String> = list(&rows[120]).iter().map(Value::to_string).collect();
+    let placed = answer!("fk {PANDA} --q {} --frame tool", q.join(","));
+    let position = list(&placed["frames"]["tool"]["position"]);
+    for (given, wanted) in position.iter().zip([0.48, 0.103923048, 0.36]) {
+        assert!((given.as_f64().unwrap() - wanted).abs() < 2e-6);
+    }
+    let text = text!("path {PANDA} {SEAM} --tip tool");
+    assert!(
+        text.contains("no reconfiguration") && text.contains("121 of 121"),
+        "{text}"
+    );
+}
+
+#[test]
+fn how_the_table_was_read_is_told() {
+    let run = kinopt!("path {PANDA} {SEAM} --tip tool --json");
+    let told = String::from_utf8(run.stderr).unwrap();
+    assert!(
+        told.contains("121 points; x, y, z from columns 2, 3, 4"),
+        "{told}"
+    );
+    assert!(told.contains("times from column 1"), "{told}");
+}
+
+#[test]
+fn rows_are_written_as_a_table() {
+    let folder = Folder::new("path-rows");
+    let file = folder.file("rows.csv");
+    text!("path {PANDA} {SEAM} --tip tool --free-axis z --out {file}");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines.len(), 122);
+    assert!(lines[0].starts_with("time,"), "{}", lines[0]);
+    let numbers = |line: &str| line.split(',').filter(|n| n.parse::<f64>().is_ok()).count();
+    assert!(
+        lines[1..]
+            .iter()
+            .all(|line| numbers(line) == lines[0].split(',').count())
+    );
+}
+
+#[test]
+fn courses_and_misses() {
+    let folder = Folder::new("path-courses");
+    // A square in the air, closed.
+    let square = "x,y,z,qw,qx,qy,qz\n0,0,0,0,1,0,0\n0,0.05,0,0,1,0,0\n0,0.05,0.05,0,1,0,0\n0,0,0.05,0,1,0,0\n";
+    let path = folder.text("square.csv", square);
+    let told = answer!("path {PANDA} {path} --tip tool --at 0.45,0,0.3 --course any-start");
+    assert_eq!(list(&told["q"]).len(), 5);
+    let told = answer!("path {PANDA} {path} --tip tool --at 0.45,0,0.3 --course cyclic");
+    assert_eq!(
+        (list(&told["q"]).len(), &told["reconfigurations"]),
+        (4, &json!(0))
+    );
+    let told = answer!("path {PANDA} {path} --tip tool --at 5,0,0.3");
+    assert_eq!(list(&told["missed"]).len(), 4);
+    let reason = told["missed"][0]["reason"].as_str().unwrap();
+    assert!(reason.contains("beyond reach"), "{reason}");
+    let run = kinopt!("path {PANDA} {path} --tip tool --at 5,0,0.3 --fail-on-miss");
+    assert_eq!(run.status.code(), Some(3));
+}
+
+#[test]
+fn what_is_wrong_is_named() {
+    let folder = Folder::new("path-wrong");
+    let bad = folder.text("bad.csv", "x,y,z\n1,2,3\n1,2,here\n");
+    refused!("path {PANDA} {bad} --tip tool" => 1, "line 3");
+    refused!("path {PANDA} {SEAM} --tip hook" => 1, "hook");
+    refused!("path {PANDA} {SEAM}" => 2, "--tip");
+    refused!("path {PANDA} {SEAM} --tip tool --start 0,0,0" => 2, "--start");
+    refused!("path {PANDA} {SEAM} --tip tool --start 0,0,0,-1,0,1,0" => 1, "start");
+    refused!("path {PANDA} {SEAM} --tip tool --samples 1" => 1, "samples");
+    refused!("path {PANDA} {SEAM} --tip tool --out rows.txt" => 2, ".csv");
+}

@@ -1,0 +1,227 @@
+//! What whole paths are made of: many configurations carried on to their next targets at once, attempts at one
+//! target, and the freedom that it leaves.
+
+use super::QueryError;
+use super::arm::Arm;
+use super::lanes_or_core::Query;
+use crate::lanes::{Prefer, Work};
+use crate::model::Source;
+use crate::spatial::Placement;
+
+pub(crate) use crate::lanes::PoseOutcome;
+
+/// Where configurations came to: one after another, and what each is.
+#[derive(Debug, Default)]
+pub(crate) struct Ends {
+    pub(crate) q: Vec<f64>,
+    pub(crate) outcomes: Vec<PoseOutcome>,
+}
+
+/// A joint of the chain, base to tip, as a bound on the tool's motion needs it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ChainMotion {
+    pub(crate) slides: bool,
+    /// Its value is ratio × the arm's joint `variable` + offset.
+    pub(crate) variable: usize,
+    pub(crate) ratio: f64,
+    pub(crate) offset: f64,
+    /// Length of the constant way from it to the next joint, or to the tool, metres.
+    pub(crate) way_after: f64,
+}
+
+impl Arm {
+    /// Goes on from each start to its target by the start's own attempt alone.
+    pub(crate) fn continue_all(
+        &self,
+        targets: &[Placement<f64>],
+        starts: &[f64],
+        ends: &mut Ends,
+    ) -> Result<(), QueryError> {
+        let n = self.joint_count();
+        ends.q.clear();
+        ends.q.resize(targets.len() * n, 0.0);
+        ends.outcomes.clear();
+        ends.outcomes.resize(targets.len(), PoseOutcome::default());
+        let Some(lanes) = &self.lanes else {
+            let each = targets.iter().zip(starts.chunks_exact(n));
+            let ends = ends.q.chunks_exact_mut(n).zip(&mut ends.outcomes);
+            for ((target, start), (q, outcome)) in each.zip(ends) {
+                self.attempts_alone(target, start, 0, 1, |end, told| {
+                    q.copy_from_slice(end);
+                    *outcome = *told;
+                })?;
+            }
+            return Ok(());
+        };
+        lanes.run(Work {
+            targets,
+            starts,
+            search: Prefer::Start,
+            attempts_from: None,
+            attempts: 1,
+            q: &mut ends.q,
+            outcomes: &mut ends.outcomes,
+        });
+        Ok(())
+    }
+
+    /// Attempts `first`, `first + 1`, … at one target.
+    pub(crate) fn attempt_several(
+        &self,
+        target: &Placement<f64>,
+        start: &[f64],
+        first: u32,
+        count: u32,
+        ends: &mut Ends,
+    ) -> Result<(), QueryError> {
+        ends.q.clear();
+        ends.outcomes.clear();
+        let (q, outcomes) = (&mut ends.q, &mut ends.outcomes);
+        if let Some(lanes) = &self.lanes {
+            q.resize(count as usize * self.joint_count(), 0.0);
+            outcomes.resize(count as usize, PoseOutcome::default());
+            lanes.run(Work {
+                targets: std::slice::from_ref(target),
+                starts: start,
+                search: Prefer::Start,
+                attempts_from: Some(first),
+                attempts: 1,
+                q,
+                outcomes,
+            });
+            return Ok(());
+        }
+        self.attempts_alone(target, start, first, count, |end, told| {
+            q.extend_from_slice(end);
+            outcomes.push(*told);
+        })
+    }
+
+    /// The same by the core's engine, one after another.
+    fn attempts_alone(
+        &self,
+        target: &Placement<f64>,
+        start: &[f64],
+        first: u32,
+        count: u32,
+        mut take: impl FnMut(&[f64], &PoseOutcome),
+    ) -> Result<(), QueryError> {
+        let query = Query {
+            target,
+            start,
+            deadline: None,
+        };
+        self.with_workspace(|workspace| {
+            workspace.aim(target);
+            self.bound_by_limits(workspace);
+            workspace.start.copy_from_slice(start);
+            workspace.found.clear();
+            workspace.outcomes.clear();
+            self.attempts_by_core(workspace, &query, first, count);
+            for place in 0..workspace.outcomes.len() {
+                take(workspace.found_at(place), &workspace.outcomes[place]);
+            }
+        })
+    }
+
+    getters! {
+        /// What a radian or metre of each joint counts as, radians.
+        pub(crate) fn scales(&self) -> &[f64] = &self.scale;
+        /// The velocity limit of each joint, infinite for none, radians or metres a second.
+        pub(crate) fn joint_speeds(&self) -> &[f64] = &self.velocity_limits;
+        /// Whether a target leaves freedom.
+        pub(crate) fn is_redundant(&self) -> bool = self.has_freedom();
+        /// What of a pose counts.
+        pub(crate) fn goal(&self) -> crate::task::Goal = self.options.goal;
+    }
+
+    /// Which joints slide.
+    pub(crate) fn slides(&self) -> Vec<bool> {
+        let (model, map) = (&self.serial.model, &self.serial.map);
+        let joint = |&c: &usize| &model.joints()[model.moving_joints()[c].index()];
+        map.leaders()
+            .iter()
+            .map(|c| joint(c).kind.slides())
+            .collect()
+    }
+
+    /// How far two poses are apart, radians, metres counted as the arm counts them.
+    pub(crate) fn apart(&self, a: &Placement<f64>, b: &Placement<f64>) -> f64 {
+        self.pose_distance(a, b)
+    }
+
+    /// The errors at a configuration against a target: metres, radians, and whether both are within tolerance.
+    pub(crate) fn errors_at(
+        &self,
+        target: &Placement<f64>,
+        q: &[f64],
+    ) -> Result<(f64, f64, bool), QueryError> {
+        self.with_workspace(|workspace| {
+            workspace.aim(target);
+            let errors = workspace.judge(q);
+            (errors.position, errors.orientation, errors.reached)
+        })
+    }
+
+    /// The distance of a target from the chain's begin and the chain's reach, metres, where it is certainly too far.
+    pub(crate) fn falls_short(&self, target: &Placement<f64>) -> Option<(f64, f64)> {
+        if !self.options.goal.is_exact_in_position() {
+            return None;
+        }
+        let anchor = self.names.anchors.first().and_then(Option::as_ref)?;
+        let tolerance = self.options.position_tolerance;
+        anchor.falls_short_of(
+            target.translation,
+            crate::spatial::Vector3::zero(),
+            tolerance,
+        )
+    }
+
+    /// Writes what each joint does to the goal's residual at q, six rows a joint, in the arm's weights.
+    pub(crate) fn write_slopes(
+        &self,
+        target: &Placement<f64>,
+        q: &[f64],
+        slopes: &mut [f64],
+    ) -> Result<(), QueryError> {
+        if let (Some(lanes), true) = (&self.lanes, self.options.goal.is_full_pose()) {
+            lanes.write_twists(q, self.options.metres_per_radian, slopes);
+            return Ok(());
+        }
+        self.with_workspace(|workspace| {
+            workspace.aim(target);
+            workspace.linearise(q);
+            slopes.copy_from_slice(workspace.jacobian.as_slice());
+        })
+    }
+
+    /// The joints of the chain, base to tip.
+    pub(crate) fn chain_motions(&self) -> Vec<ChainMotion> {
+        let (model, map) = (&self.serial.model, &self.serial.map);
+        let way = |id: crate::model::JointId| {
+            let placement = &model.joints()[id.index()].parent_from_joint;
+            placement.translation.norm()
+        };
+        let ids = model.moving_joints();
+        let tool = &model.frames()[self.serial.tool.index()].joint_from_frame;
+        let joints = ids.iter().zip(map.sources()).enumerate();
+        let motions = joints.filter_map(|(place, (id, source))| match *source {
+            Source::Variable {
+                variable,
+                ratio,
+                offset,
+            } => Some(ChainMotion {
+                slides: model.joints()[id.index()].kind.slides(),
+                variable,
+                ratio,
+                offset,
+                way_after: match ids.get(place + 1) {
+                    Some(&next) => way(next),
+                    None => tool.translation.norm(),
+                },
+            }),
+            Source::Constant(_) | Source::Rotation { .. } => None,
+        });
+        motions.collect()
+    }
+}

@@ -1,0 +1,56 @@
+//! Many configurations at once, and ways between two: what whole paths ask.
+
+use crate::arm::QueryError;
+use crate::arm::arm::Arm;
+use crate::collision::in_lanes::CHECKED;
+use crate::search::Collision;
+
+impl Arm {
+    /// Which configurations are free: surely by their spheres, or where `by_shapes` also by the exact check. All are where
+    /// the arm has nothing to keep clear of.
+    pub(crate) fn are_free(
+        &self,
+        q: &[f64],
+        by_shapes: bool,
+        free: &mut Vec<bool>,
+    ) -> Result<(), QueryError> {
+        let n = self.joint_count();
+        free.clear();
+        let Some(kept) = &self.collisions else {
+            free.resize(q.len() / n, true);
+            return Ok(());
+        };
+        self.with_workspace(|workspace| {
+            let mut taken = workspace.clear_room.take();
+            let room = taken.get_or_insert_with(|| kept.room());
+            for several in q.chunks(CHECKED * n) {
+                let sure = kept.surely_free(self, room, several)?;
+                for (place, q) in several.chunks_exact(n).enumerate() {
+                    let is_free = sure >> place & 1 != 0
+                        || by_shapes && !kept.spheres_decide() && kept.is_free(self, room, q)?;
+                    free.push(is_free);
+                }
+            }
+            workspace.clear_room = taken;
+            Ok(())
+        })?
+    }
+
+    /// What is in the way from one configuration to another, on which all joints move evenly.
+    pub(crate) fn in_the_way(
+        &self,
+        from: &[f64],
+        to: &[f64],
+    ) -> Result<Option<Collision>, QueryError> {
+        let Some(kept) = &self.collisions else {
+            return Ok(None);
+        };
+        self.with_workspace(|workspace| {
+            let mut taken = workspace.clear_room.take();
+            let room = taken.get_or_insert_with(|| kept.room());
+            let blocked = kept.blocked(self, room, from, to);
+            workspace.clear_room = taken;
+            blocked
+        })?
+    }
+}

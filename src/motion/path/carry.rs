@@ -1,0 +1,253 @@
+//! Carries the configurations of a station on to the next, or back.
+//!
+//! Each goes on as it came, which leads straight through places where branches meet, or where that fails from where it stands; and
+//! where the step is long and both come too far, in small parts along the path.
+
+use super::knots::{NEAR, between};
+use super::layers::{Growth, Layer};
+use crate::arm::{Ends, QueryError};
+use crate::spatial::Placement;
+
+/// The share of the last motion that a step begins with.
+const MOMENTUM: f64 = 0.9;
+/// Parts of a step at most.
+const MOST_PARTS: f64 = 10_000.0;
+
+/// Room for it.
+#[derive(Debug, Default)]
+pub(super) struct Carrier {
+    /// How the configurations that were carried last came there: the layer's first, or on the way back its last.
+    motions: Vec<f64>,
+    stand: Vec<f64>,
+    starts: Vec<f64>,
+    targets: Vec<Placement<f64>>,
+    ends: Ends,
+    again: Ends,
+    limits: Vec<f64>,
+    /// What the configurations carried came to, if to anything, and whether in parts.
+    came: Vec<Option<bool>>,
+    free: Vec<bool>,
+    failed: Vec<usize>,
+}
+
+impl Carrier {
+    /// Forgets how configurations came.
+    pub(super) fn forget(&mut self) {
+        self.motions.clear();
+    }
+
+    /// Carries all of the layer before on to a station.
+    pub(super) fn on(
+        &mut self,
+        growth: &Growth<'_>,
+        layers: &mut [Layer],
+        to: usize,
+    ) -> Result<(), QueryError> {
+        let n = growth.width();
+        let (before, after) = layers.split_at_mut(to);
+        let (from, layer) = (&before[to - 1], &mut after[0]);
+        let carried = self.motions.len() / n;
+        self.follow(growth, &from.q, (to - 1, to), 0..carried)?;
+        let mut motions = Vec::with_capacity(self.stand.len());
+        for place in 0..self.came.len() {
+            let Some(in_parts) = self.came[place] else {
+                continue;
+            };
+            let q = &self.ends.q[place * n..(place + 1) * n];
+            let known = layer.find(q, &growth.merging);
+            let most = growth.most - growth.most / 4;
+            let own = match known {
+                Some(own) => own,
+                None if layer.count(n) < most => {
+                    layer.take(q);
+                    let stand = &self.stand[place * n..(place + 1) * n];
+                    motions.extend(q.iter().zip(stand).map(|(a, b)| a - b));
+                    layer.count(n) - 1
+                }
+                None => continue,
+            };
+            if in_parts || known.is_some() {
+                layer.link(own, place);
+            }
+        }
+        self.motions = motions;
+        Ok(())
+    }
+
+    /// Carries those of the layer after, from `first` on, back to a station.
+    pub(super) fn back(
+        &mut self,
+        growth: &Growth<'_>,
+        layers: &mut [Layer],
+        to: usize,
+        first: usize,
+    ) -> Result<(), QueryError> {
+        let n = growth.width();
+        let (before, after) = layers.split_at_mut(to + 1);
+        let (layer, from) = (&mut before[to], &mut after[0]);
+        let newcomers = from.q.get(first * n..).unwrap_or(&[]);
+        let count = newcomers.len() / n;
+        let carried = count.saturating_sub(self.motions.len() / n)..count;
+        self.follow(growth, newcomers, (to + 1, to), carried)?;
+        let mut motions = Vec::with_capacity(self.stand.len());
+        for place in 0..self.came.len() {
+            let Some(in_parts) = self.came[place] else {
+                continue;
+            };
+            let q = &self.ends.q[place * n..(place + 1) * n];
+            let known = layer.find(q, &growth.merging);
+            let own = match known {
+                Some(own) => own,
+                None if layer.count(n) < growth.most => {
+                    layer.take(q);
+                    let stand = &self.stand[place * n..(place + 1) * n];
+                    motions.extend(q.iter().zip(stand).map(|(a, b)| a - b));
+                    layer.count(n) - 1
+                }
+                None => continue,
+            };
+            if in_parts || known.is_some() {
+                from.link(first + place, own);
+            }
+        }
+        self.motions = motions;
+        Ok(())
+    }
+
+    /// Where each configuration comes to at the next station, into `ends` and `came`; those of `moving` know how they came.
+    fn follow(
+        &mut self,
+        growth: &Growth<'_>,
+        from: &[f32],
+        (station_from, station_to): (usize, usize),
+        moving: std::ops::Range<usize>,
+    ) -> Result<(), QueryError> {
+        let (knots, n) = (growth.knots, growth.width());
+        let ends = [knots.stations[station_from], knots.stations[station_to]];
+        let (low, high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+        let arm = growth.arms.of(knots.tool(ends[1]));
+        self.stand.clear();
+        self.stand.extend(from.iter().map(|q| f64::from(*q)));
+        self.came.clear();
+        self.came.resize(from.len() / n, None);
+        if from.is_empty() {
+            return Ok(());
+        }
+        growth.bounds.write(knots, low, high, &mut self.limits);
+        self.starts.clear();
+        self.starts.extend_from_slice(&self.stand);
+        let starts = self.starts[moving.start * n..].iter_mut();
+        for (q, by) in starts.zip(&self.motions) {
+            *q += MOMENTUM * by;
+        }
+        let target = knots.targets[ends[1]];
+        self.targets.clear();
+        self.targets.resize(self.came.len(), target);
+        arm.continue_all(&self.targets, &self.starts, &mut self.ends)?;
+        self.take_near(n, false);
+        self.failed.clear();
+        let failed = moving.filter(|place| self.came[*place].is_none());
+        self.failed.extend(failed);
+        if !self.failed.is_empty() {
+            self.stand_failed(n);
+            arm.continue_all(
+                &self.targets[..self.failed.len()],
+                &self.starts,
+                &mut self.again,
+            )?;
+            self.put_back(n);
+            self.take_near(n, false);
+        }
+        let long = knots.way[high] - knots.way[low];
+        if high == low + 1 && long > NEAR && knots.is_led_to(high) {
+            self.failed.clear();
+            let failed = (0..self.came.len()).filter(|place| self.came[*place].is_none());
+            self.failed.extend(failed);
+            self.follow_in_parts(growth, ends, long)?;
+        }
+        growth.note_free(ends[1], &self.ends.q, false, &mut self.free)?;
+        for (came, free) in self.came.iter_mut().zip(&self.free) {
+            *came = came.filter(|_| *free);
+        }
+        Ok(())
+    }
+
+    /// Takes those ends that reach and are near to where they began.
+    fn take_near(&mut self, n: usize, in_parts: bool) {
+        for (place, outcome) in self.ends.outcomes.iter().enumerate() {
+            if self.came[place].is_some() || !outcome.reached {
+                continue;
+            }
+            let all = place * n..(place + 1) * n;
+            let moves = self.ends.q[all.clone()].iter().zip(&self.stand[all]);
+            let mut moves = moves.zip(&self.limits);
+            if moves.all(|((a, b), most)| (a - b).abs() <= *most) {
+                self.came[place] = Some(in_parts);
+            }
+        }
+    }
+
+    /// Those that failed begin from where they stand.
+    fn stand_failed(&mut self, n: usize) {
+        self.starts.clear();
+        for &place in &self.failed {
+            let stand = &self.stand[place * n..(place + 1) * n];
+            self.starts.extend_from_slice(stand);
+        }
+    }
+
+    fn put_back(&mut self, n: usize) {
+        let ends = self.again.q.chunks_exact(n).zip(&self.again.outcomes);
+        for ((q, outcome), &place) in ends.zip(&self.failed) {
+            self.ends.q[place * n..(place + 1) * n].copy_from_slice(q);
+            self.ends.outcomes[place] = *outcome;
+        }
+    }
+
+    /// Follows those that failed in parts of a long step, all of them together.
+    fn follow_in_parts(
+        &mut self,
+        growth: &Growth<'_>,
+        ends: [usize; 2],
+        long: f64,
+    ) -> Result<(), QueryError> {
+        let (knots, n) = (growth.knots, growth.width());
+        let arm = growth.arms.of(knots.tool(ends[1]));
+        let parts = (long / NEAR).ceil().min(MOST_PARTS) as usize;
+        let [from, to] = ends.map(|end| knots.targets[end]);
+        self.stand_failed(n);
+        for part in 1..=parts {
+            if self.failed.is_empty() {
+                return Ok(());
+            }
+            let share = part as f64 / parts as f64;
+            let target = match part == parts {
+                true => to,
+                false => between(&from, &to, share),
+            };
+            self.targets.clear();
+            self.targets.resize(self.failed.len(), target);
+            arm.continue_all(&self.targets, &self.starts, &mut self.again)?;
+            // Those that reach with no long move go on.
+            let (mut left, mut place) = (Vec::new(), 0);
+            self.failed.retain(|_| {
+                let all = place * n..(place + 1) * n;
+                let q = &self.again.q[all.clone()];
+                let moves = q.iter().zip(&self.starts[all]);
+                let near = growth.bounds.allow_part(moves);
+                let stays = self.again.outcomes[place].reached && near;
+                if stays {
+                    left.extend_from_slice(q);
+                }
+                place += 1;
+                stays
+            });
+            self.starts = left;
+        }
+        for (q, &place) in self.starts.chunks_exact(n).zip(&self.failed) {
+            self.ends.q[place * n..(place + 1) * n].copy_from_slice(q);
+            self.came[place] = Some(true);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,84 @@
+//! Paths that are gone round and round: which configurations of the last station are those of the first.
+
+use std::f64::consts::TAU;
+
+use super::PathError;
+use super::layers::{Growth, Layer};
+use crate::arm::Ends;
+
+/// Configurations of the first station that are tried.
+const MOST_STARTS: usize = 16;
+
+impl Growth<'_> {
+    /// The pairs of configurations of the first and the last station that are the same, but for whole turns of joints without
+    /// limits; those that the last one lacks are added to it.
+    pub(super) fn close(&self, layers: &mut [Layer]) -> Vec<(usize, usize)> {
+        let n = self.middle.len();
+        let Some((first, last)) = layers.split_first_mut() else {
+            return Vec::new();
+        };
+        let Some(last) = last.last_mut() else {
+            return vec![(0, 0)];
+        };
+        let mut pairs = Vec::new();
+        for (place, q) in first.q.chunks_exact(n).take(MOST_STARTS).enumerate() {
+            let before = pairs.len();
+            for (end, other) in last.q.chunks_exact(n).enumerate() {
+                let same = other.iter().zip(q).enumerate().all(|(joint, (a, b))| {
+                    let turned = f64::from(a - b) - self.turns(joint, f64::from(a - b));
+                    turned.abs() as f32 <= self.merging[joint]
+                });
+                if same {
+                    pairs.push((place, end));
+                }
+            }
+            if pairs.len() == before {
+                pairs.push((place, last.count(n)));
+                last.q.extend_from_slice(q);
+            }
+        }
+        pairs
+    }
+
+    /// The first station's configuration as solved, and the same at the end, by as many whole turns on as were gone.
+    pub(super) fn closing_ends(
+        &self,
+        layers: &[Layer],
+        first: usize,
+        last: usize,
+    ) -> Result<(Vec<f64>, Vec<f64>), PathError> {
+        let n = self.middle.len();
+        let at = |layer: Option<&Layer>, place: usize| -> Vec<f64> {
+            let row = layer.and_then(|layer| layer.q.get(place * n..(place + 1) * n));
+            row.map_or(self.middle.clone(), |row| {
+                row.iter().map(|q| f64::from(*q)).collect()
+            })
+        };
+        let (begin, end) = (at(layers.first(), first), at(layers.last(), last));
+        let start = match self.start {
+            Some(start) => start.to_vec(),
+            None => {
+                let mut ends = Ends::default();
+                let arm = self.arms.of(self.knots.tool(0));
+                arm.continue_all(&self.knots.targets[..1], &begin, &mut ends)?;
+                ends.q
+            }
+        };
+        let moves = begin.iter().zip(&end).enumerate();
+        let turns = moves.map(|(joint, (a, b))| self.turns(joint, b - a));
+        let end = start.iter().zip(turns).map(|(q, turn)| q + turn).collect();
+        Ok((start, end))
+    }
+
+    /// The whole turns in an angle of a joint without limits.
+    fn turns(&self, joint: usize, angle: f64) -> f64 {
+        let mut limits = self.arms.own().limits();
+        let free = limits.nth(joint).is_some_and(|limits| {
+            limits.lower == f64::NEG_INFINITY && limits.upper == f64::INFINITY
+        });
+        match free && !self.slides[joint] {
+            true => TAU * (angle / TAU).round(),
+            false => 0.0,
+        }
+    }
+}

@@ -1,0 +1,272 @@
+//! Paths from tables: CSV with a header or without.
+
+use std::fmt;
+use std::path::Path;
+
+use super::{CartesianPath, PathError};
+use crate::file::{Place, ReadError, ReadProblem, read_with};
+use crate::spatial::{Placement, Quaternion, Vector3};
+
+/// Longer files are not read.
+const LENGTH_LIMIT: u64 = 1 << 30;
+/// A quaternion may be longer or shorter than 1 by so much, as rounded numbers make it; it is then made 1.
+const LENGTH_TOLERANCE: f64 = 1e-3;
+
+/// Which order quaternions are in where no header says it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum QuaternionOrder {
+    /// w, x, y, z. The default.
+    #[default]
+    WFirst,
+    /// x, y, z, w.
+    WLast,
+}
+
+/// What the columns of a table were taken for, counted from 0. Its text says it to people.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct CsvColumns {
+    /// x, y and z, metres.
+    pub position: [usize; 3],
+    /// w, x, y and z; none where the table has positions alone, and all orientations are the base's.
+    pub quaternion: Option<[usize; 4]>,
+    /// Seconds; none where the table has no times.
+    pub time: Option<usize>,
+    /// Whether a header named them.
+    pub by_name: bool,
+}
+
+impl fmt::Display for CsvColumns {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let one = |column: usize| column + 1;
+        let [x, y, z] = self.position.map(one);
+        write!(f, "x, y, z from columns {x}, {y}, {z}")?;
+        match self.quaternion {
+            Some(columns) => {
+                let [w, x, y, z] = columns.map(one);
+                write!(f, "; quaternion w, x, y, z from columns {w}, {x}, {y}, {z}")?;
+            }
+            None => write!(f, "; no orientation")?,
+        }
+        match self.time {
+            Some(time) => write!(f, "; times from column {}", one(time))?,
+            None => write!(f, "; no times")?,
+        }
+        let how = match self.by_name {
+            true => " (as the header names them)",
+            false => " (by their number)",
+        };
+        f.write_str(how)
+    }
+}
+
+impl CartesianPath {
+    /// Reads a table of points: `x, y, z` in metres and a quaternion, with a `time` in seconds or without, in the order that a header
+    /// names (`x`, `pos_x`, `target-POS_X`, `qw`, `rot_w`, `target-ROT_W`, `time`, `t`, …). Without such names seven columns
+    /// are x, y, z and a quaternion in the `order` given, eight the same after a time or a number of the row (numbers that count by one, or do not rise, are
+    /// the row's), three x, y, z alone and four those after a time. Columns are parted by commas, semicolons, tabs or blanks.
+    ///
+    /// # Errors
+    /// A file that cannot be read, another number of columns, what is no number, a quaternion whose length is not 1 to 0.001; with the line.
+    pub fn read(
+        path: impl AsRef<Path>,
+        order: QuaternionOrder,
+    ) -> Result<(Self, CsvColumns), ReadError> {
+        read_with(path.as_ref(), LENGTH_LIMIT, |bytes, name| {
+            Self::from_csv(bytes, name, order)
+        })
+    }
+
+    /// As [`read`](Self::read), from bytes; `name` is for messages.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn from_csv(
+        bytes: &[u8],
+        name: &str,
+        order: QuaternionOrder,
+    ) -> Result<(Self, CsvColumns), ReadError> {
+        let malformed = |place: Place, problem: String| ReadError::malformed(name, place, problem);
+        let text = std::str::from_utf8(bytes)
+            .map_err(|error| malformed(Place::Byte(error.valid_up_to()), "is not UTF-8".into()))?;
+        let lines = text.trim_start_matches('\u{feff}').lines().enumerate();
+        let mut lines = lines
+            .map(|(number, line)| (number + 1, line.trim()))
+            .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'))
+            .peekable();
+        let Some(&(first, head)) = lines.peek() else {
+            return Err(malformed(Place::File, "has no points".into()));
+        };
+        let fields: Vec<&str> = split(head).collect();
+        let is_header = fields.iter().any(|field| field.parse::<f64>().is_err());
+        let columns = match is_header {
+            true => CsvColumns::named(&fields),
+            false => None,
+        };
+        let columns = match columns {
+            Some(columns) => columns,
+            None => CsvColumns::counted(fields.len(), order)
+                .map_err(|problem| malformed(Place::Line(first), problem))?,
+        };
+        if is_header {
+            lines.next();
+        }
+        let mut table = Table::default();
+        let mut row = Vec::with_capacity(fields.len());
+        for (number, line) in lines {
+            row.clear();
+            for field in split(line) {
+                let value = field.parse::<f64>().ok().filter(|value| value.is_finite());
+                row.push(value.ok_or_else(|| {
+                    malformed(
+                        Place::Line(number),
+                        format!("`{field}` is not a finite number"),
+                    )
+                })?);
+            }
+            if row.len() != fields.len() {
+                let problem = format!(
+                    "has {} columns, the first line has {}",
+                    row.len(),
+                    fields.len()
+                );
+                return Err(malformed(Place::Line(number), problem));
+            }
+            table
+                .take(&row, &columns)
+                .map_err(|problem| malformed(Place::Line(number), problem))?;
+        }
+        if table.points.is_empty() {
+            return Err(malformed(Place::File, "has no points".into()));
+        }
+        table.finish(columns).map_err(|error| {
+            ReadError::new(name, Place::File, ReadProblem::Invalid(Box::new(error)))
+        })
+    }
+}
+
+/// What has been read.
+#[derive(Default)]
+struct Table {
+    points: Vec<Placement<f64>>,
+    times: Vec<f64>,
+}
+
+impl Table {
+    fn take(&mut self, row: &[f64], columns: &CsvColumns) -> Result<(), String> {
+        let [x, y, z] = columns.position.map(|column| row[column]);
+        let translation = Vector3::new(x, y, z);
+        let point = match columns.quaternion {
+            None => Placement::translation(translation),
+            Some(columns) => {
+                let [w, x, y, z] = columns.map(|column| row[column]);
+                let v = Vector3::new(x, y, z);
+                let length = (w * w + v.norm_squared()).sqrt();
+                if (length - 1.0).abs() > LENGTH_TOLERANCE {
+                    return Err(format!("its quaternion has length {length}: 1 is needed"));
+                }
+                let unit = Quaternion {
+                    w: w / length,
+                    v: v * length.recip(),
+                };
+                Placement::new(unit.to_matrix(), translation)
+            }
+        };
+        self.points.push(point);
+        self.times.extend(columns.time.map(|column| row[column]));
+        Ok(())
+    }
+
+    fn finish(self, mut columns: CsvColumns) -> Result<(CartesianPath, CsvColumns), PathError> {
+        let path = CartesianPath::new(self.points)?;
+        let rises = self.times.windows(2).all(|pair| pair[0] < pair[1]);
+        let counts = self.times.windows(2).all(|pair| pair[1] - pair[0] == 1.0);
+        if columns.time.is_none() || !columns.by_name && (counts || !rises) {
+            columns.time = None;
+            return Ok((path, columns));
+        }
+        Ok((path.with_times(self.times)?, columns))
+    }
+}
+
+fn split(line: &str) -> impl Iterator<Item = &str> {
+    let parted = |c: char| matches!(c, ',' | ';' | '\t');
+    let by_signs = line.contains(parted);
+    let parts = line.split(move |c: char| match by_signs {
+        true => parted(c),
+        false => c.is_whitespace(),
+    });
+    parts
+        .map(|field| field.trim().trim_matches('"'))
+        .filter(move |field| by_signs || !field.is_empty())
+}
+
+impl CsvColumns {
+    /// By a header's names, if it has those of a position.
+    fn named(header: &[&str]) -> Option<Self> {
+        let names: Vec<String> = header.iter().map(|name| plain(name)).collect();
+        let find = |known: &[&str]| names.iter().position(|name| known.contains(&name.as_str()));
+        let position = |axis: &str| {
+            find(&[
+                axis,
+                &format!("p{axis}"),
+                &format!("pos{axis}"),
+                &format!("position{axis}"),
+            ])
+        };
+        let quaternion = |axis: &str| {
+            let forms = ["q", "rot", "quat", "quaternion", "orientation", "o", "r"];
+            let forms = forms.map(|form| format!("{form}{axis}"));
+            let mut known: Vec<&str> = forms.iter().map(String::as_str).collect();
+            known.extend((axis == "w").then_some("w"));
+            find(&known)
+        };
+        let [Some(x), Some(y), Some(z)] = ["x", "y", "z"].map(position) else {
+            return None;
+        };
+        let quaternion = match ["w", "x", "y", "z"].map(quaternion) {
+            [Some(w), Some(x), Some(y), Some(z)] => Some([w, x, y, z]),
+            [None, None, None, None] => None,
+            _ => return None,
+        };
+        Some(Self {
+            position: [x, y, z],
+            quaternion,
+            time: find(&["time", "t", "times", "timestamp", "seconds", "s"]),
+            by_name: true,
+        })
+    }
+
+    /// By how many there are.
+    fn counted(count: usize, order: QuaternionOrder) -> Result<Self, String> {
+        let (first, turns) = match count {
+            3 => (0, false),
+            4 => (1, false),
+            7 => (0, true),
+            8 => (1, true),
+            _ => {
+                return Err(format!(
+                    "has {count} columns without names that are known: 7 (x, y, z and a quaternion), 8 (a time before them), \
+                     3 (x, y, z) or 4 are understood, or a header with x, y, z, qw, qx, qy, qz and perhaps time"
+                ));
+            }
+        };
+        let turn = match order {
+            QuaternionOrder::WFirst => [3, 4, 5, 6],
+            QuaternionOrder::WLast => [6, 3, 4, 5],
+        };
+        Ok(Self {
+            position: [first, first + 1, first + 2],
+            quaternion: turns.then_some(turn.map(|column| first + column)),
+            time: (first == 1).then_some(0),
+            by_name: false,
+        })
+    }
+}
+
+/// A column's name in small letters and digits alone, without what it is a part of: `target-POS_X` is `posx`.
+fn plain(name: &str) -> String {
+    let last = name.rsplit(['-', '/', ':']).next().unwrap_or(name);
+    let letters = last.chars().filter(char::is_ascii_alphanumeric);
+    letters.map(|c| c.to_ascii_lowercase()).collect()
+}

@@ -1,0 +1,220 @@
+//! How far the tool is from the path at most between two configurations, a bound and not samples.
+//!
+//! While all joints move evenly, the tool's place is a curve x(t) whose second derivative is at most
+//! Σₖ |Δₖ| rₖ (|Δₖ| + 2 Σ_{j<k} |Δⱼ|), with rₖ the length of the chain from joint k to the tool: every second derivative of a chain is
+//! one cross product with the axis nearer to the base of the other's lever (Siciliano et al. 2009, "Robotics", eq. 3.30, differentiated
+//! once more). A curve is off the chord between two of its places by an eighth of that, times the squared time between them.
+//! So what is measured at a few places bounds all places between, and the more places the closer. Orientations likewise, by the
+//! vector part of the relative quaternion. The room that a goal leaves is convex: what is within it at both ends is within it between.
+
+use super::PathError;
+use super::cartesian_path::CartesianPath;
+use super::knots::between;
+use super::solution::Deviation;
+use super::tools::Tools;
+use crate::arm::{Arm, ChainMotion};
+use crate::scalar::elementary;
+use crate::spatial::{Placement, Quaternion, Vector3};
+
+/// Places at which one step is measured at most.
+const MOST_PLACES: usize = 1024;
+/// A bound may be above what is measured by this share.
+const SLACK: f64 = 0.02;
+
+/// A step of the tool that the path leads.
+pub(super) struct LedStep<'a> {
+    /// The row that it leads to.
+    pub(super) row: usize,
+    /// The points of the path at both ends.
+    pub(super) points: [usize; 2],
+    pub(super) q: [&'a [f64]; 2],
+}
+
+/// The largest deviation of all steps.
+pub(super) fn largest(
+    tools: &Tools<'_>,
+    path: &CartesianPath,
+    steps: &[LedStep<'_>],
+) -> Result<Deviation, PathError> {
+    let mut motions: Vec<(usize, Vec<ChainMotion>)> = Vec::new();
+    let mut bounded = Vec::with_capacity(steps.len());
+    for (place, step) in steps.iter().enumerate() {
+        let tool = path.tools.get(step.points[1]).copied().unwrap_or(0);
+        if !motions.iter().any(|(known, _)| *known == tool) {
+            motions.push((tool, tools.of(tool).chain_motions()));
+        }
+        let own = motions.iter().find(|(known, _)| *known == tool);
+        let own = own.map_or(&[][..], |(_, motions)| motions);
+        let curve = Curve::new(tools.of(tool), path, step, own)?;
+        let bounds = curve.bounds(1)?;
+        bounded.push((place, curve, bounds));
+    }
+    let mut largest = Deviation::default();
+    // The worst by their first bounds come first; the others need no closer look.
+    bounded.sort_by(|a, b| b.2[0].total_cmp(&a.2[0]).then(a.0.cmp(&b.0)));
+    for (place, curve, bounds) in &bounded {
+        if bounds[0] <= largest.metres {
+            break;
+        }
+        let metres = curve.close_bound(0)?;
+        if metres > largest.metres {
+            (largest.metres, largest.metres_at) = (metres, steps[*place].row);
+        }
+    }
+    bounded.sort_by(|a, b| b.2[1].total_cmp(&a.2[1]).then(a.0.cmp(&b.0)));
+    for (place, curve, bounds) in &bounded {
+        if bounds[1] <= largest.radians {
+            break;
+        }
+        let radians = curve.close_bound(1)?;
+        if radians > largest.radians {
+            (largest.radians, largest.radians_at) = (radians, steps[*place].row);
+        }
+    }
+    Ok(largest)
+}
+
+/// The tool's way from one row to the next, and what bounds it.
+struct Curve<'a> {
+    arm: &'a Arm,
+    targets: [Placement<f64>; 2],
+    q: [&'a [f64]; 2],
+    /// Second derivatives of the distance, metres, and of the vector part.
+    bends: [f64; 2],
+    /// How far the vector part moves at most.
+    turns: f64,
+    /// What a curve's chord leaves out, metres.
+    bulge: f64,
+}
+
+impl<'a> Curve<'a> {
+    fn new(
+        arm: &'a Arm,
+        path: &CartesianPath,
+        step: &LedStep<'a>,
+        motions: &[ChainMotion],
+    ) -> Result<Self, PathError> {
+        let targets = step.points.map(|point| path.points[point]);
+        let [from, to] = step.q;
+        let (mut lever, mut bend, mut speed) = (0.0, 0.0, 0.0);
+        let (mut turn, mut turn_bend) = (0.0, 0.0);
+        let moved = |motion: &ChainMotion| {
+            (motion.ratio * (to[motion.variable] - from[motion.variable])).abs()
+        };
+        for (place, motion) in motions.iter().enumerate().rev() {
+            lever += motion.way_after;
+            let own = moved(motion);
+            let before = motions[..place].iter().filter(|before| !before.slides);
+            let before: f64 = before.map(moved).sum();
+            if motion.slides {
+                bend += 2.0 * own * before;
+                speed += own;
+                let value = |q: &[f64]| (motion.ratio * q[motion.variable] + motion.offset).abs();
+                lever += value(from).max(value(to));
+            } else {
+                bend += own * lever * (own + 2.0 * before);
+                speed += own * lever;
+                turn_bend += own * before;
+                turn += own;
+            }
+        }
+        let way = targets[1].translation - targets[0].translation;
+        let relative = targets[0].rotation.transpose() * targets[1].rotation;
+        let path_turn = Quaternion::from_matrix(&relative).log().norm();
+        if arm.goal().has_room() {
+            // In the target's own turning axes.
+            let reach = arm.base_from_tool(from)?.translation - targets[0].translation;
+            let reach = reach.norm() + speed + way.norm();
+            bend += path_turn * (2.0 * (speed + way.norm()) + path_turn * reach);
+        }
+        Ok(Self {
+            arm,
+            targets,
+            q: step.q,
+            bends: [
+                bend,
+                0.5 * turn_bend + 0.25 * (turn + path_turn) * (turn + path_turn),
+            ],
+            turns: 0.5 * (turn + path_turn),
+            bulge: path.bulges.get(step.points[1]).copied().unwrap_or(0.0),
+        })
+    }
+
+    /// Bounds by so many even parts, metres and radians.
+    fn bounds(&self, parts: usize) -> Result<[f64; 2], PathError> {
+        let (measured, bound) = self.measure(parts)?;
+        let _ = measured;
+        Ok(bound)
+    }
+
+    /// A bound that is close to what is measured.
+    fn close_bound(&self, which: usize) -> Result<f64, PathError> {
+        let mut parts = 2;
+        let mut best = f64::INFINITY;
+        loop {
+            let (measured, bound) = self.measure(parts)?;
+            best = best.min(bound[which]);
+            let close = bound[which] <= measured[which] * (1.0 + SLACK) + 1e-9;
+            if close || parts >= MOST_PLACES {
+                return Ok(best);
+            }
+            parts *= 2;
+        }
+    }
+
+    /// The largest that is found at the ends of so many parts, and what nothing between exceeds; metres and radians.
+    fn measure(&self, parts: usize) -> Result<([f64; 2], [f64; 2]), PathError> {
+        let [from, to] = self.q;
+        let bands = self.arm.goal().bands();
+        let mut q = vec![0.0; from.len()];
+        let mut largest = [0.0_f64; 2];
+        let mut last: Option<Quaternion<f64>> = None;
+        let mut sure = true;
+        for place in 0..=parts {
+            let share = place as f64 / parts as f64;
+            for (q, (a, b)) in q.iter_mut().zip(from.iter().zip(to)) {
+                *q = a + share * (b - a);
+            }
+            let tool = self.arm.base_from_tool(&q)?;
+            let target = between(&self.targets[0], &self.targets[1], share);
+            let away = tool.translation - target.translation;
+            let metres = match bands[..3] == [0.0; 3] {
+                true => away.norm(),
+                false => beyond(target.rotation.transpose() * away, &bands[..3]),
+            };
+            let relative = target.rotation.transpose() * tool.rotation;
+            let relative = Quaternion::from_matrix(&relative);
+            let chord = beyond(relative.v * 2.0, &bands[3..]);
+            largest = [largest[0].max(metres), largest[1].max(chord)];
+            if let Some(last) = last {
+                // A part over which the sign of the quaternion is not known.
+                sure &= self.turns / (parts as f64) < 1.0
+                    && last.w * relative.w + last.v.dot(relative.v) > 0.0;
+            }
+            last = Some(relative);
+        }
+        let rest = 1.0 / (8.0 * (parts * parts) as f64);
+        let angle = |chord: f64| 2.0 * elementary::asin((0.5 * chord).min(1.0));
+        let chord = largest[1] + 2.0 * self.bends[1] * rest;
+        let free = bands[3..].iter().all(|band| *band == f64::INFINITY);
+        let radians = match sure || free {
+            true => angle(chord),
+            false => std::f64::consts::PI,
+        };
+        let metres = largest[0] + self.bends[0] * rest + self.bulge;
+        Ok((
+            [largest[0] + self.bulge, angle(largest[1])],
+            [metres, if free { 0.0 } else { radians }],
+        ))
+    }
+}
+
+/// How far a vector is beyond half widths.
+fn beyond(vector: Vector3<f64>, bands: &[f64]) -> f64 {
+    let parts = vector.to_array();
+    let squares = parts.iter().zip(bands).map(|(part, band)| {
+        let beyond = (part.abs() - band).max(0.0);
+        beyond * beyond
+    });
+    squares.sum::<f64>().sqrt()
+}

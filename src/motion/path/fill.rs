@@ -1,0 +1,149 @@
+//! From the configurations chosen at stations to one at every knot.
+
+use super::PathError;
+use super::graph::Chosen;
+use super::layers::{Growth, Layer};
+use crate::arm::Ends;
+
+/// A configuration for every knot.
+#[derive(Clone, Debug)]
+pub(super) struct Way {
+    pub(super) q: Vec<f64>,
+    /// Whether the step to a knot stays on its branch.
+    pub(super) joined: Vec<bool>,
+    /// How far joints may move in the step to a knot, as a multiple of the bound: more than 1 where a long step was followed in parts.
+    pub(super) allowance: Vec<f64>,
+    /// Whether a knot's target is reached (and free, as far as its configuration was found to be).
+    pub(super) reached: Vec<bool>,
+}
+
+impl Way {
+    pub(super) fn row(&self, knot: usize, n: usize) -> &[f64] {
+        &self.q[knot * n..(knot + 1) * n]
+    }
+}
+
+/// The way through what was chosen.
+pub(super) fn fill(
+    growth: &Growth<'_>,
+    layers: &[Layer],
+    chosen: &Chosen,
+) -> Result<Way, PathError> {
+    let (knots, n) = (growth.knots, growth.middle.len());
+    let mut way = Way {
+        q: guess(growth, layers, chosen),
+        joined: vec![true; knots.len()],
+        allowance: vec![1.0; knots.len()],
+        reached: vec![true; knots.len()],
+    };
+    for (station, joined) in chosen.joined.iter().enumerate() {
+        way.joined[knots.stations[station]] = *joined;
+    }
+    let mut ends = Ends::default();
+    let tool = |knot: usize| knots.tool(knot);
+    growth
+        .arms
+        .continue_all(tool, &knots.targets, &way.q, &mut ends)?;
+    for (knot, outcome) in ends.outcomes.iter().enumerate() {
+        way.reached[knot] = outcome.reached;
+        // A miss stays where its neighbours are, unless that is a station's own.
+        if outcome.reached {
+            let end = &ends.q[knot * n..(knot + 1) * n];
+            way.q[knot * n..(knot + 1) * n].copy_from_slice(end);
+        }
+    }
+    keep_ends(growth, &mut way);
+    for (station, layer) in layers.iter().enumerate().skip(1) {
+        let knot = knots.stations[station];
+        let alone = knot == knots.stations[station - 1] + 1;
+        let (place, before) = (chosen.places[station], chosen.places[station - 1]);
+        if alone && layer.is_linked(place as usize, before as usize) {
+            let (from, to) = (way.row(knot - 1, n), way.row(knot, n));
+            let excess = growth.bounds.excess(knots, knot, from, to);
+            way.allowance[knot] = (1.05 * excess).max(1.0);
+        }
+    }
+    mend(growth, &mut way)?;
+    Ok(way)
+}
+
+/// Between stations that are joined, where even motion would be; before a reconfiguration, where the branch stands.
+fn guess(growth: &Growth<'_>, layers: &[Layer], chosen: &Chosen) -> Vec<f64> {
+    let (knots, n) = (growth.knots, growth.middle.len());
+    let at = |station: usize| {
+        let place = chosen.places[station] as usize;
+        &layers[station].q[place * n..(place + 1) * n]
+    };
+    let mut q = Vec::with_capacity(knots.len() * n);
+    q.extend(at(0).iter().map(|q| f64::from(*q)));
+    for (station, ends) in knots.stations.windows(2).enumerate() {
+        let (from, to) = (at(station), at(station + 1));
+        let length = knots.way[ends[1]] - knots.way[ends[0]];
+        for knot in ends[0] + 1..=ends[1] {
+            let share = match (chosen.joined[station + 1], length > 0.0) {
+                _ if knot == ends[1] => 1.0,
+                (true, true) => (knots.way[knot] - knots.way[ends[0]]) / length,
+                _ => 0.0,
+            };
+            let moves = from.iter().zip(to);
+            q.extend(moves.map(|(a, b)| {
+                let (a, b) = (f64::from(*a), f64::from(*b));
+                a + share * (b - a)
+            }));
+        }
+    }
+    let limits: Vec<_> = growth.arms.own().limits().collect();
+    for row in q.chunks_exact_mut(n) {
+        for (value, limits) in row.iter_mut().zip(&limits) {
+            *value = limits.clamp(*value);
+        }
+    }
+    q
+}
+
+/// Ends that were given stay as they were given.
+pub(super) fn keep_ends(growth: &Growth<'_>, way: &mut Way) {
+    let n = growth.middle.len();
+    if let Some(start) = growth.start {
+        way.q[..n].copy_from_slice(start);
+        way.reached[0] = true;
+    }
+    if let Some(end) = growth.end {
+        let last = way.reached.len() - 1;
+        way.q[last * n..].copy_from_slice(end);
+        way.reached[last] = true;
+    }
+}
+
+/// Steps that are too long are tried once more, each from where the last one ended.
+fn mend(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
+    let (knots, n) = (growth.knots, growth.middle.len());
+    let mut ends = Ends::default();
+    for knot in 1..knots.len() {
+        let (before, after) = way.q.split_at_mut(knot * n);
+        let (from, to) = (&before[(knot - 1) * n..], &mut after[..n]);
+        let excess = growth.bounds.excess(knots, knot, from, to);
+        let allowed = excess <= way.allowance[knot] + 1e-9;
+        if allowed && way.reached[knot] {
+            way.joined[knot] = true;
+            continue;
+        }
+        let fixed = knot + 1 == knots.len() && growth.end.is_some();
+        if !fixed {
+            let arm = growth.arms.of(knots.tool(knot));
+            let target = std::slice::from_ref(&knots.targets[knot]);
+            arm.continue_all(target, from, &mut ends)?;
+            let reached = ends.outcomes.first().is_some_and(|outcome| outcome.reached);
+            let follows = growth.bounds.allow(knots, knot, from, &ends.q);
+            // A branch is left where it was to be left, but not earlier than that.
+            let leaves = !way.joined[knot] && knots.stations.binary_search(&knot).is_ok();
+            if reached && !leaves && (follows || !way.reached[knot]) {
+                to.copy_from_slice(&ends.q);
+                way.reached[knot] = true;
+            }
+        }
+        let excess = growth.bounds.excess(knots, knot, from, to);
+        way.joined[knot] = excess <= way.allowance[knot] + 1e-9;
+    }
+    Ok(())
+}

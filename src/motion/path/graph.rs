@@ -1,0 +1,142 @@
+//! The way through the layers with the fewest reconfigurations, and of those the shortest: dynamic programming
+//! over edges that are never written down. Two configurations of neighbouring stations are joined if no joint moves further
+//! than it may; any others are joined by a reconfiguration.
+
+use super::layers::{Growth, Layer};
+
+/// What it costs to come to a configuration: reconfigurations first.
+type Cost = (u32, f64);
+const NEVER: Cost = (u32::MAX, f64::INFINITY);
+
+/// The configurations chosen, one a station, and what they cost.
+#[derive(Clone, Debug)]
+pub(super) struct Chosen {
+    pub(super) places: Vec<u32>,
+    /// Whether the step to a station is no reconfiguration.
+    pub(super) joined: Vec<bool>,
+    pub(super) cost: Cost,
+}
+
+/// Which configurations of the first and the last station count; all, if none is said.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Between {
+    pub(super) first: Option<usize>,
+    pub(super) last: Option<usize>,
+}
+
+/// The way with the fewest reconfigurations. `weights` weigh the joints, `closed` joints each may be gone without.
+pub(super) fn fewest_reconfigurations(
+    growth: &Growth<'_>,
+    layers: &[Layer],
+    weights: &[f64],
+    between: Between,
+) -> Chosen {
+    let n = weights.len();
+    let weights: Vec<f32> = weights.iter().map(|weight| *weight as f32).collect();
+    let counts = |at: usize| layers[at].count(n);
+    let mut costs: Vec<Cost> = vec![(0, 0.0); counts(0)];
+    if let Some(first) = between.first {
+        for (place, cost) in costs.iter_mut().enumerate() {
+            if place != first {
+                *cost = NEVER;
+            }
+        }
+    }
+    let mut from: Vec<Vec<u16>> = Vec::with_capacity(layers.len());
+    from.push(Vec::new());
+    let mut limits = Vec::new();
+    for to in 1..layers.len() {
+        let stations = &growth.knots.stations;
+        let knots = (stations[to - 1], stations[to]);
+        growth
+            .bounds
+            .write(growth.knots, knots.0, knots.1, &mut limits);
+        let limits: Vec<f32> = limits
+            .iter()
+            .map(|limit| *limit as f32 * 1.000_01)
+            .collect();
+        let step = Step {
+            layer: &layers[to],
+            from: &layers[to - 1].q,
+            costs: &costs,
+            limits: &limits,
+            weights: &weights,
+        };
+        let ends = layers[to].q.chunks_exact(n).enumerate();
+        let ends = ends.map(|(place, q)| step.best_to(place, q));
+        let (next, places): (Vec<Cost>, Vec<u16>) = ends.unzip();
+        costs = next;
+        from.push(places);
+    }
+    let last = match between.last {
+        Some(last) => last,
+        None => {
+            let places = 0..costs.len();
+            let best = places.min_by(|a, b| order(&costs[*a], &costs[*b]));
+            best.unwrap_or(0)
+        }
+    };
+    let mut chosen = Chosen {
+        places: vec![0; layers.len()],
+        joined: vec![true; layers.len()],
+        cost: costs.get(last).copied().unwrap_or(NEVER),
+    };
+    let mut place = last;
+    for at in (0..layers.len()).rev() {
+        chosen.places[at] = place as u32;
+        if let Some(&before) = from[at].get(place) {
+            place = usize::from(before & !JUMPED);
+            chosen.joined[at] = before & JUMPED == 0;
+        }
+    }
+    chosen
+}
+
+/// Set in a place before where the step from it is a reconfiguration.
+const JUMPED: u16 = 1 << 15;
+
+/// One step from station to station.
+struct Step<'a> {
+    layer: &'a Layer,
+    from: &'a [f32],
+    costs: &'a [Cost],
+    limits: &'a [f32],
+    weights: &'a [f32],
+}
+
+impl Step<'_> {
+    /// What the best way to a configuration costs, and where it comes from.
+    fn best_to(&self, own: usize, q: &[f32]) -> (Cost, u16) {
+        let n = q.len();
+        let mut best = (NEVER, 0);
+        for (place, (from, cost)) in self.from.chunks_exact(n).zip(self.costs).enumerate() {
+            let mut moves = from.iter().zip(q).zip(self.limits);
+            let near = moves.all(|((a, b), most)| (a - b).abs() <= *most);
+            let joined = near || self.layer.is_linked(own, place);
+            let reconfigurations = match joined {
+                true => cost.0,
+                false => cost.0.saturating_add(1),
+            };
+            // Its length is worth knowing only then.
+            if reconfigurations > best.0.0 || *cost == NEVER {
+                continue;
+            }
+            let length = cost.1 + f64::from(self.length(from, q));
+            if reconfigurations < best.0.0 || length < best.0.1 {
+                let jumped = if joined { 0 } else { JUMPED };
+                best = ((reconfigurations, length), place as u16 | jumped);
+            }
+        }
+        best
+    }
+
+    fn length(&self, a: &[f32], b: &[f32]) -> f32 {
+        let parts = a.iter().zip(b).zip(self.weights);
+        let squares = parts.map(|((a, b), weight)| (weight * (a - b)) * (weight * (a - b)));
+        squares.sum::<f32>().sqrt()
+    }
+}
+
+fn order(a: &Cost, b: &Cost) -> std::cmp::Ordering {
+    a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+}

@@ -1,0 +1,296 @@
+//! Distinct solutions at every station of a path, grown along it.
+//!
+//! At a station stand those of the last one, carried on (each on its own branch, or its own place in the null space), and now and
+//! then new ones. What begins at a station is carried back as well, so that every branch is known as far as it goes.
+
+use std::f64::consts::TAU;
+
+use super::PathError;
+use super::carry::Carrier;
+use super::knots::Knots;
+use super::step_bounds::StepBounds;
+use super::tools::Tools;
+use crate::arm::{Ends, QueryError};
+
+/// Configurations nearer to each other than this are one, radians (of every joint).
+const MERGING: f32 = 0.03;
+/// Attempts at the first station, and at the others where few branches are known.
+const FIRST_ATTEMPTS: u32 = 96;
+const ATTEMPTS: u32 = 8;
+/// Stations from one such look to the next.
+const LOOKS: usize = 4;
+/// Attempts at a station where nothing is known.
+const LAST_ATTEMPTS: u32 = 200;
+/// A joint so near to its limit, radians, is turned over as well where a whole turn fits.
+const NEAR_LIMIT: f64 = 0.4;
+
+/// Said of a configuration that was not followed from any before it in parts of a step.
+pub(super) const UNLINKED: u16 = u16::MAX;
+
+/// The configurations of one station. Single precision is enough to go on from.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Layer {
+    pub(super) q: Vec<f32>,
+    /// The configuration of the last station that each was followed from (or to) in parts, or whose like it was taken for; empty where none was.
+    pub(super) links: Vec<u16>,
+    /// Whether none was found that reaches the target and is free; then the nearest that was found is here.
+    pub(super) missed: bool,
+}
+
+/// What is grown, and how far.
+#[derive(Debug)]
+pub(super) struct Growth<'a> {
+    pub(super) arms: &'a Tools<'a>,
+    pub(super) knots: &'a Knots,
+    pub(super) bounds: &'a StepBounds,
+    /// Most configurations of a station, of which a quarter is for those that are carried back.
+    pub(super) most: usize,
+    /// Where the path begins and ends, if that is given.
+    pub(super) start: Option<&'a [f64]>,
+    pub(super) end: Option<&'a [f64]>,
+    /// What joints that turn without end count from, how near one configuration may be to another by joint, and which joints slide.
+    pub(super) middle: Vec<f64>,
+    pub(super) merging: Vec<f32>,
+    pub(super) slides: Vec<bool>,
+}
+
+/// Room for looks at a station.
+#[derive(Debug, Default)]
+struct Room {
+    ends: Ends,
+    reached: Vec<f64>,
+    free: Vec<bool>,
+}
+
+impl<'a> Growth<'a> {
+    /// Merging distances by joint, and the middle of the limits.
+    pub(super) fn new(
+        arms: &'a Tools<'a>,
+        knots: &'a Knots,
+        bounds: &'a StepBounds,
+        most: usize,
+    ) -> Self {
+        let arm = arms.own();
+        let middle = arm.limits().map(|limits| {
+            let middle = 0.5 * (limits.lower + limits.upper);
+            if middle.is_finite() { middle } else { 0.0 }
+        });
+        Self {
+            arms,
+            knots,
+            bounds,
+            most,
+            start: None,
+            end: None,
+            middle: middle.collect(),
+            merging: (arm.scales().iter())
+                .map(|scale| MERGING / *scale as f32)
+                .collect(),
+            slides: arm.slides(),
+        }
+    }
+
+    /// One layer a station.
+    pub(super) fn layers(&self) -> Result<Vec<Layer>, PathError> {
+        let stations = &self.knots.stations;
+        let mut room = Room::default();
+        let mut carrier = Carrier::default();
+        let mut layers: Vec<Layer> = vec![Layer::default(); stations.len()];
+        // How many of a layer came from the one before.
+        let mut carried = vec![0_usize; stations.len()];
+        match self.start {
+            Some(start) => layers[0].take(start),
+            None => self.look(&mut layers[0], stations[0], FIRST_ATTEMPTS, 0, &mut room)?,
+        }
+        self.make_do(&mut layers, 0, &mut room)?;
+        for to in 1..layers.len() {
+            if let (Some(end), true) = (self.end, to + 1 == stations.len()) {
+                layers[to].take(end);
+                continue;
+            }
+            carrier.on(self, &mut layers, to)?;
+            let layer = &mut layers[to];
+            carried[to] = layer.count(self.width());
+            self.turn_over(layer, stations[to], &mut room)?;
+            if to % LOOKS == 0 && carried[to] < self.most / 2 || carried[to] == 0 {
+                let first = 1 + ATTEMPTS * (to / LOOKS) as u32 % 128;
+                self.look(layer, stations[to], ATTEMPTS, first, &mut room)?;
+            }
+            self.make_do(&mut layers, to, &mut room)?;
+        }
+        carrier.forget();
+        let first = usize::from(self.start.is_some());
+        for to in (first..layers.len().saturating_sub(1)).rev() {
+            // What came from before was there already.
+            match layers[to].missed || layers[to + 1].missed {
+                true => carrier.forget(),
+                false => carrier.back(self, &mut layers, to, carried[to + 1])?,
+            }
+        }
+        Ok(layers)
+    }
+
+    pub(super) fn width(&self) -> usize {
+        self.middle.len()
+    }
+
+    /// Adds what stands near a limit with that joint a whole turn back: where the joint would wind itself up.
+    fn turn_over(&self, layer: &mut Layer, knot: usize, room: &mut Room) -> Result<(), QueryError> {
+        let n = self.width();
+        room.reached.clear();
+        for (joint, limits) in self.arms.own().limits().enumerate() {
+            let finite = limits.lower.is_finite() && limits.upper.is_finite();
+            if !finite || limits.upper - limits.lower <= TAU || self.slides[joint] {
+                continue;
+            }
+            for row in layer.q.chunks_exact(n) {
+                let value = f64::from(row[joint]);
+                let turned = if limits.upper - value < NEAR_LIMIT {
+                    value - TAU
+                } else if value - limits.lower < NEAR_LIMIT {
+                    value + TAU
+                } else {
+                    continue;
+                };
+                let first = room.reached.len();
+                room.reached.extend(row.iter().map(|q| f64::from(*q)));
+                room.reached[first + joint] = limits.clamp(turned);
+            }
+        }
+        self.add(layer, knot, self.most, false, room)
+    }
+
+    /// Looks for configurations at a station by attempts of its own.
+    fn look(
+        &self,
+        layer: &mut Layer,
+        knot: usize,
+        attempts: u32,
+        first: u32,
+        room: &mut Room,
+    ) -> Result<(), QueryError> {
+        let n = self.width();
+        let arm = self.arms.of(self.knots.tool(knot));
+        // Joints without limits come out near to those known.
+        let near: Vec<f64> = match layer.q.get(..n) {
+            Some(known) => known.iter().map(|q| f64::from(*q)).collect(),
+            None => self.start.map_or(self.middle.clone(), <[f64]>::to_vec),
+        };
+        let target = self.knots.targets[knot];
+        arm.attempt_several(&target, &near, first, attempts, &mut room.ends)?;
+        room.reached.clear();
+        let ends = room.ends.q.chunks_exact(n).zip(&room.ends.outcomes);
+        for (q, _) in ends.filter(|(_, outcome)| outcome.reached) {
+            room.reached.extend_from_slice(q);
+        }
+        self.add(layer, knot, self.most - self.most / 4, false, room)
+    }
+
+    /// Adds the room's configurations that are free and not there yet.
+    fn add(
+        &self,
+        layer: &mut Layer,
+        knot: usize,
+        most: usize,
+        by_shapes: bool,
+        room: &mut Room,
+    ) -> Result<(), QueryError> {
+        let n = self.width();
+        self.note_free(knot, &room.reached, by_shapes, &mut room.free)?;
+        for (q, free) in room.reached.chunks_exact(n).zip(&room.free) {
+            if *free && layer.count(n) < most && layer.find(q, &self.merging).is_none() {
+                layer.take(q);
+            }
+        }
+        Ok(())
+    }
+
+    /// Which configurations are free.
+    pub(super) fn note_free(
+        &self,
+        knot: usize,
+        q: &[f64],
+        by_shapes: bool,
+        free: &mut Vec<bool>,
+    ) -> Result<(), QueryError> {
+        #[cfg(feature = "collision")]
+        {
+            let arm = self.arms.of(self.knots.tool(knot));
+            arm.are_free(q, by_shapes, free)
+        }
+        #[cfg(not(feature = "collision"))]
+        {
+            let _ = (knot, by_shapes);
+            free.clear();
+            free.resize(q.len() / self.width(), true);
+            Ok(())
+        }
+    }
+
+    /// Where nothing was found looks harder, and then makes do with what is nearest.
+    fn make_do(&self, layers: &mut [Layer], at: usize, room: &mut Room) -> Result<(), QueryError> {
+        let n = self.width();
+        let knot = self.knots.stations[at];
+        if layers[at].q.len() >= n {
+            return Ok(());
+        }
+        let arm = self.arms.of(self.knots.tool(knot));
+        let target = self.knots.targets[knot];
+        if arm.falls_short(&target).is_none() {
+            let layer = &mut layers[at];
+            self.look(layer, knot, LAST_ATTEMPTS, 0, room)?;
+            if layer.q.is_empty() {
+                // Spheres may be wider than the shapes.
+                self.add(layer, knot, self.most, true, room)?;
+            }
+            if layer.q.len() >= n {
+                return Ok(());
+            }
+        }
+        let before = at.checked_sub(1).map(|before| &layers[before].q[..n]);
+        let near: Vec<f64> = match before {
+            Some(before) => before.iter().map(|q| f64::from(*q)).collect(),
+            None => self.middle.clone(),
+        };
+        arm.continue_all(&[target], &near, &mut room.ends)?;
+        let nearest = std::mem::take(&mut room.ends.q);
+        layers[at].take(&nearest);
+        layers[at].missed = true;
+        Ok(())
+    }
+}
+
+impl Layer {
+    pub(super) fn count(&self, n: usize) -> usize {
+        self.q.len() / n
+    }
+
+    pub(super) fn take(&mut self, q: &[f64]) {
+        self.q.extend(q.iter().map(|q| *q as f32));
+    }
+
+    /// The place of a configuration that is as good as this one.
+    pub(super) fn find(&self, q: &[f64], merging: &[f32]) -> Option<usize> {
+        let near = |other: &[f32]| {
+            let mut moves = other.iter().zip(q).zip(merging);
+            moves.all(|((a, b), most)| (a - *b as f32).abs() <= *most)
+        };
+        self.q.chunks_exact(q.len()).position(near)
+    }
+
+    /// Notes that a configuration was followed from one before.
+    pub(super) fn link(&mut self, place: usize, before: usize) {
+        if self.links.len() <= place {
+            self.links.resize(place + 1, UNLINKED);
+        }
+        if self.links[place] == UNLINKED {
+            self.links[place] = u16::try_from(before).unwrap_or(UNLINKED);
+        }
+    }
+
+    /// Whether a configuration was followed from one before.
+    pub(super) fn is_linked(&self, place: usize, before: usize) -> bool {
+        let link = self.links.get(place).copied().unwrap_or(UNLINKED);
+        link != UNLINKED && usize::from(link) == before
+    }
+}

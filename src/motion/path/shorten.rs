@@ -1,0 +1,198 @@
+//! The freedom that the targets leave is spent on a short way: all knots at once.
+//!
+//! Every configuration moves along the null space of its own target, q + N z, so that Σ wᵢ |q(i+1) − q(i)|² becomes least, which is a
+//! block-tridiagonal system in z; with wᵢ one over the length of a step its minimum is the shortest way (Weiszfeld's method). Then
+//! each is brought back onto its target, and the round is kept if the way has become shorter, no joint leaves its limits, no
+//! step grows longer than it may, and nothing touches.
+
+use super::PathError;
+use super::basis::NullSpace;
+use super::fill::Way;
+use super::layers::Growth;
+use super::tridiagonal::Tridiagonal;
+use crate::arm::Ends;
+use crate::spatial::Placement;
+
+/// The longest move of a joint in one round, radians.
+const LONGEST_MOVE: f64 = 0.25;
+/// A step's weight counts it as no shorter than this share of the mean.
+const SHORTEST_SHARE: f64 = 0.1;
+/// A round that shortens the way by less than this share is the last.
+const WORTH_WHILE: f64 = 1e-3;
+
+/// Rounds over some of the knots, in order.
+pub(super) struct Shortening<'a, 'b> {
+    pub(super) growth: &'a Growth<'b>,
+    pub(super) weights: &'a [f64],
+    /// Most rounds.
+    pub(super) rounds: usize,
+}
+
+/// What one round works with.
+#[derive(Default)]
+struct Room {
+    null_space: NullSpace,
+    slopes: Vec<f64>,
+    trial: Vec<f64>,
+    ends: Ends,
+    #[cfg(feature = "collision")]
+    free: Vec<bool>,
+    system: Tridiagonal,
+    /// Knots that stay where they are.
+    held: Vec<bool>,
+    /// Whether a knot's last move failed.
+    failed: Vec<bool>,
+}
+
+impl Shortening<'_, '_> {
+    /// Shortens a way.
+    pub(super) fn run(&self, way: &mut Way) -> Result<(), PathError> {
+        let arm = self.growth.arms.own();
+        if !arm.is_redundant() || way.reached.len() < 2 {
+            return Ok(());
+        }
+        let mut room = Room {
+            failed: vec![false; way.reached.len()],
+            ..Room::default()
+        };
+        let mut length = self.length(&way.q);
+        let mut share = 1.0;
+        for _ in 0..self.rounds {
+            self.aim(way, &mut room)?;
+            let Some(shorter) = self.step(way, share, length, &mut room)? else {
+                share *= 0.5;
+                if share < 0.2 {
+                    break;
+                }
+                continue;
+            };
+            let gained = length - shorter;
+            length = shorter;
+            if gained < WORTH_WHILE * length {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    fn length(&self, q: &[f64]) -> f64 {
+        let n = self.weights.len();
+        let rows = q.chunks_exact(n).zip(q.chunks_exact(n).skip(1));
+        rows.map(|(a, b)| step_length(a, b, self.weights)).sum()
+    }
+
+    /// Solves for where all knots would go.
+    fn aim(&self, way: &Way, room: &mut Room) -> Result<(), PathError> {
+        let (knots, n) = (self.growth.knots, self.weights.len());
+        let arm = self.growth.arms.own();
+        let count = way.reached.len();
+        room.held.clear();
+        room.held.extend(way.reached.iter().map(|reached| !reached));
+        room.held[0] |= self.growth.start.is_some();
+        room.held[count - 1] |= self.growth.end.is_some();
+        room.slopes.resize(6 * n, 0.0);
+        let mean = self.length(&way.q) / (count - 1) as f64;
+        room.system.begin(n, self.weights);
+        for knot in 0..count {
+            let q = way.row(knot, n);
+            let mut directions: &[f64] = &[];
+            if !room.held[knot] && !room.failed[knot] {
+                let arm = self.growth.arms.of(knots.tool(knot));
+                arm.write_slopes(&knots.targets[knot], q, &mut room.slopes)?;
+                room.null_space.of(&room.slopes, arm.scales());
+                directions = &room.null_space.directions;
+            }
+            let weight = match knot {
+                0 => 0.0,
+                _ => {
+                    let length = step_length(way.row(knot - 1, n), q, self.weights);
+                    length.max(SHORTEST_SHARE * mean).max(1e-9).recip()
+                }
+            };
+            room.system.push(q, directions, weight);
+        }
+        let limits: Vec<(f64, f64)> = arm.limits().map(|l| (l.lower, l.upper)).collect();
+        room.system.solve(&way.q, &limits);
+        Ok(())
+    }
+
+    /// Goes a share of the way there and back onto the targets; the length if that is a better way, which is then taken.
+    fn step(
+        &self,
+        way: &mut Way,
+        share: f64,
+        length: f64,
+        room: &mut Room,
+    ) -> Result<Option<f64>, PathError> {
+        let (knots, n) = (self.growth.knots, self.weights.len());
+        let scales = self.growth.arms.own().scales();
+        let moves = room.system.moves();
+        let longest = moves.chunks_exact(n).flat_map(|row| row.iter().zip(scales));
+        let longest = longest.fold(0.0, |most: f64, (by, scale)| most.max((by * scale).abs()));
+        let share = share * (LONGEST_MOVE / longest.max(1e-12)).min(1.0);
+        room.trial.clear();
+        room.trial
+            .extend(way.q.iter().zip(moves).map(|(q, by)| q + share * by));
+        let limits = self.growth.arms.own().limits();
+        for (joint, limits) in limits.enumerate() {
+            for row in room.trial.chunks_exact_mut(n) {
+                row[joint] = limits.clamp(row[joint]);
+            }
+        }
+        let targets: &[Placement<f64>] = &knots.targets;
+        let tool = |knot: usize| knots.tool(knot);
+        let arms = self.growth.arms;
+        arms.continue_all(tool, targets, &room.trial, &mut room.ends)?;
+        let ends = &mut room.ends;
+        #[cfg(feature = "collision")]
+        arms.own().are_free(&ends.q, false, &mut room.free)?;
+        for (knot, outcome) in ends.outcomes.iter().enumerate() {
+            #[cfg(feature = "collision")]
+            let free = room.free[knot];
+            #[cfg(not(feature = "collision"))]
+            let free = true;
+            let fails = !outcome.reached || !free;
+            room.failed[knot] = fails && !room.held[knot];
+            if fails || room.held[knot] {
+                ends.q[knot * n..(knot + 1) * n].copy_from_slice(way.row(knot, n));
+            }
+        }
+        // A step that has become too long is taken back with its neighbours.
+        let mut settled = false;
+        for _ in 0..8 {
+            settled = true;
+            for knot in 1..way.reached.len() {
+                let (from, to) = (
+                    &ends.q[(knot - 1) * n..knot * n],
+                    &ends.q[knot * n..(knot + 1) * n],
+                );
+                let excess = self.growth.bounds.excess(knots, knot, from, to);
+                if way.joined[knot] && excess > way.allowance[knot] + 1e-9 {
+                    settled = false;
+                    let both = (knot - 1) * n..(knot + 1) * n;
+                    if ends.q[both.clone()] == way.q[both.clone()] {
+                        return Ok(None);
+                    }
+                    ends.q[both.clone()].copy_from_slice(&way.q[both]);
+                    room.failed[knot] = true;
+                }
+            }
+            if settled {
+                break;
+            }
+        }
+        let shorter = self.length(&ends.q);
+        if !settled || shorter >= length {
+            return Ok(None);
+        }
+        std::mem::swap(&mut way.q, &mut ends.q);
+        Ok(Some(shorter))
+    }
+}
+
+/// The root of the sum of (weight · difference)².
+pub(super) fn step_length(a: &[f64], b: &[f64], weights: &[f64]) -> f64 {
+    let parts = a.iter().zip(b).zip(weights);
+    let squares = parts.map(|((a, b), weight)| (weight * (a - b)) * (weight * (a - b)));
+    squares.sum::<f64>().sqrt()
+}

@@ -1,0 +1,101 @@
+//! Paths along curves.
+//!
+//! Positions follow the cubic Hermite segments of a Catmull-Rom spline over key times (Catmull & Rom 1974): the tangent at a
+//! key is the way between its neighbours over the time between them, one-sided at the ends. Orientations turn evenly from key to key.
+
+use super::{CartesianPath, PathError};
+use crate::spatial::{Placement, Quaternion, Vector3, rotation_exp};
+
+impl CartesianPath {
+    /// A curve through keys (`base_from_tool`), in so many even steps from key to key, at least 1; the keys are among its points. How
+    /// far the curve is from the straight steps counts in the [deviation](super::PathSolution::largest_deviation). Key times are
+    /// even where none are given; given ones become the points' times.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new) and [`with_times`](Self::with_times), of the keys.
+    pub fn spline(
+        keys: impl Into<Vec<Placement<f64>>>,
+        key_times: Option<&[f64]>,
+        steps: usize,
+    ) -> Result<Self, PathError> {
+        let mut keyed = Self::new(keys)?;
+        if let Some(times) = key_times {
+            keyed = keyed.with_times(times)?;
+        }
+        let steps = steps.max(1);
+        let keys = &keyed.points;
+        let time = |k: usize| match key_times {
+            Some(times) => times[k],
+            None => k as f64,
+        };
+        let tangent = |k: usize| {
+            let (before, after) = (k.saturating_sub(1), (k + 1).min(keys.len() - 1));
+            let way = keys[after].translation - keys[before].translation;
+            way * (time(after) - time(before)).recip()
+        };
+        let mut path = Self {
+            points: vec![keys[0]],
+            times: key_times
+                .map(|times| times[..1].to_vec())
+                .unwrap_or_default(),
+            tools: Vec::new(),
+            bulges: vec![0.0],
+            course: keyed.course,
+        };
+        for k in 1..keys.len() {
+            let (from, to) = (&keys[k - 1], &keys[k]);
+            let length = time(k) - time(k - 1);
+            let segment = Segment {
+                ends: [from.translation, to.translation],
+                tangents: [tangent(k - 1) * length, tangent(k) * length],
+            };
+            let turn = Quaternion::from_matrix(&(from.rotation.transpose() * to.rotation)).log();
+            for step in 1..=steps {
+                let share = step as f64 / steps as f64;
+                let point = Placement::new(
+                    from.rotation * rotation_exp(turn * share),
+                    segment.at(share),
+                );
+                path.points.push(match step == steps {
+                    true => *to,
+                    false => point.made_rigid(),
+                });
+                let before = (step - 1) as f64 / steps as f64;
+                path.bulges.push(segment.bulge(before, share));
+                if key_times.is_some() {
+                    path.times.push(time(k - 1) + share * length);
+                }
+            }
+        }
+        Ok(path)
+    }
+}
+
+/// A cubic from end to end, with its tangents by the share of the way.
+struct Segment {
+    ends: [Vector3<f64>; 2],
+    tangents: [Vector3<f64>; 2],
+}
+
+impl Segment {
+    fn at(&self, t: f64) -> Vector3<f64> {
+        let ([p, q], [m, n]) = (self.ends, self.tangents);
+        let (t2, t3) = (t * t, t * t * t);
+        p * (2.0 * t3 - 3.0 * t2 + 1.0)
+            + m * (t3 - 2.0 * t2 + t)
+            + q * (3.0 * t2 - 2.0 * t3)
+            + n * (t3 - t2)
+    }
+
+    fn curvature(&self, t: f64) -> Vector3<f64> {
+        let ([p, q], [m, n]) = (self.ends, self.tangents);
+        (p - q) * (12.0 * t - 6.0) + m * (6.0 * t - 4.0) + n * (6.0 * t - 2.0)
+    }
+
+    /// How far the curve is at most from the straight way between two of its places: the second derivative is linear, so that it is
+    /// longest at an end, and a chord is off by an eighth of it times the squared length.
+    fn bulge(&self, from: f64, to: f64) -> f64 {
+        let longest = self.curvature(from).norm().max(self.curvature(to).norm());
+        0.125 * (to - from) * (to - from) * longest
+    }
+}

@@ -1,0 +1,78 @@
+//! How far joints may move from one knot to the next, and from one station to the next.
+
+use super::knots::Knots;
+use crate::arm::Arm;
+
+/// The longest move from station to station, radians: configurations farther apart count as of different branches.
+const STATION_STEP: f64 = 0.3;
+/// The longest move in a part of a long step, as a share of a step's.
+const PART: f64 = 0.5;
+
+/// Bounds of the moves of joints.
+#[derive(Debug)]
+pub(super) struct StepBounds {
+    /// Of a step, for each joint, radians or metres.
+    max_step: Vec<f64>,
+    /// The same between stations.
+    station_step: Vec<f64>,
+    /// Radians or metres a second; empty where times do not count.
+    speeds: Vec<f64>,
+}
+
+impl StepBounds {
+    /// `max_step` is in radians, a slide's by the metres that weigh as much.
+    pub(super) fn new(arm: &Arm, max_step: f64, speeds: Vec<f64>) -> Self {
+        let per_joint = |radians: f64| arm.scales().iter().map(|scale| radians / scale).collect();
+        Self {
+            max_step: per_joint(max_step),
+            station_step: per_joint(max_step.max(STATION_STEP)),
+            speeds,
+        }
+    }
+
+    /// Writes how far each joint may move from one knot to a later one.
+    pub(super) fn write(&self, knots: &Knots, from: usize, to: usize, limits: &mut Vec<f64>) {
+        limits.clear();
+        let steps = (to - from) as f64;
+        let joints = self.max_step.iter().zip(&self.station_step);
+        limits.extend(joints.map(|(step, station)| (steps * step).min(*station)));
+        if let (false, Some(time)) = (self.speeds.is_empty(), time(knots, from, to)) {
+            for (limit, speed) in limits.iter_mut().zip(&self.speeds) {
+                *limit = limit.min(time * speed);
+            }
+        }
+    }
+
+    /// Whether no joint moves further from one knot to the next than it may.
+    pub(super) fn allow(&self, knots: &Knots, to: usize, q_from: &[f64], q_to: &[f64]) -> bool {
+        self.excess(knots, to, q_from, q_to) <= 1.0 + 1e-9
+    }
+
+    /// How far the joints move from one knot to the next, as a multiple of what they may.
+    pub(super) fn excess(&self, knots: &Knots, to: usize, q_from: &[f64], q_to: &[f64]) -> f64 {
+        let time = match self.speeds.is_empty() {
+            true => None,
+            false => time(knots, to - 1, to),
+        };
+        let mut excess = 0.0_f64;
+        let moves = q_from.iter().zip(q_to).zip(&self.max_step).enumerate();
+        for (joint, ((a, b), most)) in moves {
+            let most = match time {
+                Some(time) => most.min(time * self.speeds[joint]),
+                None => *most,
+            };
+            excess = excess.max((a - b).abs() / most);
+        }
+        excess
+    }
+
+    /// Whether no joint moves further than it may in a part of a long step.
+    pub(super) fn allow_part<'q>(&self, moves: impl Iterator<Item = (&'q f64, &'q f64)>) -> bool {
+        let mut moves = moves.zip(&self.max_step);
+        moves.all(|((a, b), most)| (a - b).abs() <= PART * most)
+    }
+}
+
+fn time(knots: &Knots, from: usize, to: usize) -> Option<f64> {
+    Some(knots.times.get(to)? - knots.times.get(from)?)
+}

@@ -1,0 +1,174 @@
+//! Promise: the largest deviation is a bound: no place between two points is farther from the path, by kinematics of nalgebra's, and
+//! it is not much more than what is found there. A spline's bound holds against the curve itself.
+
+use kinopt::Arm;
+use kinopt::arm::{Axis, Goal};
+use kinopt::motion::path::{CartesianPath, PathSolution, PathSolver};
+use kinopt::spatial::{Placement, Vector3};
+use nalgebra::{Isometry3, Translation3};
+use support::arms::{Random, apart, base_from_tip, robot, within_limits};
+
+/// Straight pieces from pose to pose, of so many points.
+fn path(arm: &Arm, random: &mut Random, points: usize) -> Vec<Placement<f64>> {
+    let near = |q: &[f64], random: &mut Random| -> Vec<f64> {
+        let moves = q.iter().zip(arm.limits());
+        moves
+            .map(|(q, limits)| limits.clamp(q + 0.4 * (random.unit() - 0.5)))
+            .collect()
+    };
+    let q = random.configuration(arm);
+    let q: Vec<f64> = q.iter().map(|q| 0.5 * q).collect();
+    let ends = [
+        arm.base_from_tool(&q),
+        arm.base_from_tool(&near(&q, random)),
+    ];
+    let [from, to] = ends.map(|end| Isometry3::from(&end.unwrap()));
+    (0..points)
+        .map(|k| {
+            let share = k as f64 / (points - 1) as f64;
+            let at = from.translation.vector.lerp(&to.translation.vector, share);
+            let turned = from.rotation.slerp(&to.rotation, share);
+            Placement::from(&Isometry3::from_parts(Translation3::from(at), turned))
+        })
+        .collect()
+}
+
+/// The farthest that is found between the rows, metres and radians.
+fn sampled(
+    name: &str,
+    (base, tip): (&str, &str),
+    arm: &Arm,
+    points: &[Placement<f64>],
+    solution: &PathSolution,
+) -> (f64, f64) {
+    let robot = robot(name);
+    let rows: Vec<&[f64]> = solution.rows().collect();
+    let mut farthest = (0.0_f64, 0.0_f64);
+    for (rows, ends) in rows.windows(2).zip(points.windows(2)) {
+        let [from, to] = [&ends[0], &ends[1]].map(Isometry3::from);
+        for k in 0..=40 {
+            let share = f64::from(k) / 40.0;
+            let q: Vec<f64> = rows[0]
+                .iter()
+                .zip(rows[1])
+                .map(|(a, b)| a + share * (b - a))
+                .collect();
+            let at = base_from_tip(robot.model(), arm, &q, base, tip);
+            let wanted = Isometry3::from_parts(
+                Translation3::from(from.translation.vector.lerp(&to.translation.vector, share)),
+                from.rotation.slerp(&to.rotation, share),
+            );
+            let (metres, radians) = apart(&at, &wanted);
+            farthest = (farthest.0.max(metres), farthest.1.max(radians));
+        }
+    }
+    farthest
+}
+
+#[test]
+fn nothing_between_the_points_is_farther_and_the_bound_is_close() {
+    let mut random = Random(5);
+    for (name, base, tip) in [
+        ("universal_ur5e", "base", "flange"),
+        ("franka_panda", "base", "flange"),
+        ("adept_cobra_s600", "base", "flange"),
+    ] {
+        let arm = Arm::new(&robot(name), base, tip).unwrap();
+        for points in [3, 9, 40] {
+            let path = path(&arm, &mut random, points);
+            let reachable = path.iter().all(|point| {
+                arm.solve(*point, &vec![0.1; arm.joint_count()])
+                    .unwrap()
+                    .reached
+            });
+            if !reachable {
+                continue;
+            }
+            let given = CartesianPath::new(path.clone()).unwrap();
+            let solution = PathSolver::new(&arm).solve(&given).unwrap();
+            assert!(solution.missed.is_empty(), "{name}: {:?}", solution.missed);
+            assert!(solution.rows().all(|q| within_limits(&arm, q)));
+            if !solution.reconfigurations.is_empty() {
+                continue;
+            }
+            let found = sampled(name, (base, tip), &arm, &path, &solution);
+            let told = solution.largest_deviation;
+            let text = format!("{name}, {points} points: {found:?}, {told:?}");
+            assert!(
+                found.0 <= told.metres + 1e-9 && found.1 <= told.radians + 1e-7,
+                "{text}"
+            );
+            assert!(told.metres <= 1.3 * found.0 + 1e-8, "{text}");
+            assert!(told.radians <= 1.6 * found.1 + 1e-6, "{text}");
+        }
+    }
+}
+
+#[test]
+fn what_the_goal_leaves_free_does_not_count() {
+    let robot = robot("universal_ur5e");
+    let arm = Arm::new(&robot, "base", "flange").unwrap();
+    let arm = arm.with_goal(Goal::free_about(Axis::Z)).unwrap();
+    let begin = arm
+        .base_from_tool(&[0.3, -1.2, 1.4, -1.6, -1.5, 0.4])
+        .unwrap();
+    let along = |k: u32| begin.translation + Vector3::new(0.0, 0.002 * f64::from(k), 0.0);
+    let points: Vec<_> = (0..60)
+        .map(|k| Placement::new(begin.rotation, along(k)))
+        .collect();
+    let path = CartesianPath::new(points.clone()).unwrap();
+    let solution = PathSolver::new(&arm).solve(&path).unwrap();
+    assert!(solution.is_whole());
+    let exact = Arm::new(&robot, "base", "flange").unwrap();
+    let turned = solution.rows().zip(&points).map(|(q, point)| {
+        let at = Isometry3::from(&exact.base_from_tool(q).unwrap());
+        apart(&at, &Isometry3::from(point)).1
+    });
+    // The tool turns about its axis by far more than it deviates.
+    assert!(turned.fold(0.0, f64::max) > 1e-3);
+    assert!(solution.largest_deviation.radians < 1e-4);
+    assert!(solution.largest_deviation.metres < 1e-4);
+}
+
+#[test]
+fn a_spline_is_bounded_against_its_curve() {
+    let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
+    let begin = arm
+        .base_from_tool(&[0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8])
+        .unwrap();
+    let corners = [[0.0, 0.0], [0.1, 0.0], [0.1, 0.1], [0.2, 0.15]];
+    let keys: Vec<_> = corners
+        .iter()
+        .map(|[y, z]| {
+            Placement::new(
+                begin.rotation,
+                begin.translation + Vector3::new(0.0, *y, *z),
+            )
+        })
+        .collect();
+    let times = [0.0, 1.0, 1.5, 3.0];
+    let coarse = CartesianPath::spline(keys.clone(), Some(&times), 12).unwrap();
+    let fine = CartesianPath::spline(keys, Some(&times), 12 * 20).unwrap();
+    assert_eq!(coarse.points().len(), 37);
+    assert_eq!(coarse.times().unwrap()[36], 3.0);
+    let solution = PathSolver::new(&arm).solve(&coarse).unwrap();
+    assert!(solution.is_whole());
+    let rows: Vec<&[f64]> = solution.rows().collect();
+    let mut farthest = 0.0_f64;
+    for (place, point) in fine.points().iter().enumerate() {
+        let (row, share) = (place / 20, (place % 20) as f64 / 20.0);
+        let (from, to) = (rows[row], rows[(row + 1).min(36)]);
+        let q: Vec<f64> = from
+            .iter()
+            .zip(to)
+            .map(|(a, b)| a + share * (b - a))
+            .collect();
+        let at = arm.base_from_tool(&q).unwrap();
+        farthest = farthest.max((at.translation - point.translation).norm());
+    }
+    let told = solution.largest_deviation.metres;
+    assert!(
+        farthest <= told + 1e-9 && told <= 4.0 * farthest,
+        "{farthest} {told}"
+    );
+}

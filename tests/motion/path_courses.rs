@@ -1,0 +1,165 @@
+//! Promise: cyclic paths come back to the configuration that they begin with; paths that may be entered anywhere are entered where
+//! that saves a reconfiguration; ends that are given are kept bit for bit; points may be for different tools.
+
+use std::f64::consts::TAU;
+
+use kinopt::Arm;
+use kinopt::motion::path::{CartesianPath, Course, PathError, PathSolver};
+use kinopt::spatial::{Placement, Vector3, rotation_exp};
+use support::arms::robot;
+
+fn circle(begin: &Placement<f64>, radius: f64, points: u32) -> Vec<Placement<f64>> {
+    let point = |k: u32| {
+        let (sin, cos) = (TAU * f64::from(k) / f64::from(points)).sin_cos();
+        let by = Vector3::new(0.0, radius * sin, radius * (1.0 - cos));
+        Placement::new(begin.rotation, begin.translation + by)
+    };
+    (0..points).map(point).collect()
+}
+
+fn longest(a: &[f64], b: &[f64]) -> f64 {
+    let moves = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+    moves.fold(0.0, f64::max)
+}
+
+#[test]
+fn a_cyclic_path_ends_where_it_begins() {
+    for (name, q) in [
+        ("franka_panda", vec![0.3, -0.4, 0.5, -2.0, 0.2, 1.6, 0.8]),
+        ("universal_ur5e", vec![0.3, -1.2, 1.4, -1.6, -1.5, 0.0]),
+    ] {
+        let arm = Arm::new(&robot(name), "base", "flange").unwrap();
+        let points = circle(&arm.base_from_tool(&q).unwrap(), 0.04, 100);
+        let path = CartesianPath::new(points)
+            .unwrap()
+            .with_course(Course::Cyclic);
+        let solution = PathSolver::new(&arm).solve(&path).unwrap();
+        assert!(
+            solution.is_whole(),
+            "{name}: {:?} {:?}",
+            solution.reconfigurations,
+            solution.missed
+        );
+        let rows: Vec<&[f64]> = solution.rows().collect();
+        assert_eq!(rows.len(), 100);
+        assert!(longest(rows[99], rows[0]) < 0.1, "{name}");
+        let from_there = PathSolver::new(&arm).with_start(&q).solve(&path).unwrap();
+        assert_eq!(from_there.rows().next().unwrap(), q);
+        assert!(from_there.is_whole(), "{name}");
+    }
+}
+
+/// A tool that turns once round itself while it goes round comes back a turn on: an arm whose last joint has limits takes that back.
+#[test]
+fn a_turn_that_is_left_is_told() {
+    let q = [0.3, -1.2, 1.4, -1.6, -1.5, 0.0];
+    let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
+    let begin = arm.base_from_tool(&q).unwrap();
+    let turn = |k: u32| {
+        let angle = TAU * f64::from(k) / 100.0;
+        let turned = begin.rotation * rotation_exp(Vector3::new(0.0, 0.0, angle));
+        Placement::new(turned, begin.translation)
+    };
+    let points: Vec<_> = (0..100).map(turn).collect();
+    let path = CartesianPath::new(points).unwrap();
+    let cyclic = path.clone().with_course(Course::Cyclic);
+    let solution = PathSolver::new(&arm).solve(&cyclic).unwrap();
+    assert_eq!(solution.reconfigurations.len(), 1);
+    let anywhere = path.with_course(Course::AnyStart);
+    let solution = PathSolver::new(&arm).solve(&anywhere).unwrap();
+    assert!(solution.is_whole());
+    assert_eq!(solution.rows().len(), 101);
+}
+
+/// From a quarter before to a turn and three quarters after and back again: begun at its first point the last joint is wound up too far
+/// in the middle, begun at the right place it is not.
+#[test]
+fn a_closed_path_is_entered_where_that_is_best() {
+    let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
+    // The last joint of a Panda turns by 5.8 rad in all, and the tool round by 6.28.
+    let begin = arm
+        .base_from_tool(&[0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8])
+        .unwrap();
+    let turn = |k: u32| {
+        let angle = TAU * f64::from(k) / 120.0;
+        let turned = begin.rotation * rotation_exp(Vector3::new(0.0, 0.0, angle));
+        Placement::new(turned, begin.translation)
+    };
+    let points: Vec<_> = (0..120).map(turn).collect();
+    let open = CartesianPath::new(points.clone()).unwrap();
+    let anywhere = open.clone().with_course(Course::AnyStart);
+    let [first, best] = [open, anywhere].map(|path| PathSolver::new(&arm).solve(&path).unwrap());
+    assert!(best.reconfigurations.len() <= first.reconfigurations.len());
+    assert!(best.entry < 120 && best.missed.is_empty());
+    let rows: Vec<&[f64]> = best.rows().collect();
+    for (row, q) in rows.iter().enumerate() {
+        let at = arm.base_from_tool(q).unwrap();
+        let point = &points[(best.entry + row) % 120];
+        assert!((at.translation - point.translation).norm() < 1.1e-6);
+    }
+}
+
+#[test]
+fn given_ends_are_kept() {
+    let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
+    let (start, end) = (
+        [0.3, -0.4, 0.5, -2.0, 0.2, 1.6, 0.8],
+        [0.5, -0.2, 0.3, -1.8, 0.1, 1.7, 0.6],
+    );
+    let ends = [start, end].map(|q| arm.base_from_tool(&q).unwrap());
+    let path = CartesianPath::spline(ends.to_vec(), None, 60).unwrap();
+    let solver = PathSolver::new(&arm).with_start(&start).with_end(&end);
+    let solution = solver.solve(&path).unwrap();
+    assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
+    let rows: Vec<&[f64]> = solution.rows().collect();
+    assert_eq!((rows[0], rows[60]), (&start[..], &end[..]));
+    let elsewhere = PathSolver::new(&arm).with_start(&end).solve(&path);
+    assert!(matches!(
+        elsewhere,
+        Err(PathError::End { which: "start", .. })
+    ));
+}
+
+#[test]
+fn points_for_two_tools() {
+    let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
+    let drill = arm
+        .with_tool(Placement::translation(Vector3::new(0.0, 0.1, 0.05)))
+        .unwrap();
+    let q = [0.3, -1.2, 1.4, -1.6, -1.5, 0.0];
+    let begin = arm.base_from_tool(&q).unwrap();
+    let points: Vec<_> = (0..40)
+        .map(|k| {
+            let by = Vector3::new(0.0, 0.003 * f64::from(k), 0.0);
+            Placement::new(begin.rotation, begin.translation + by)
+        })
+        .collect();
+    let tools: Vec<usize> = (0..40).map(|k| usize::from(k >= 20)).collect();
+    let path = CartesianPath::new(points.clone()).unwrap();
+    let path = path.with_tools(tools.clone()).unwrap();
+    let alone = PathSolver::new(&arm).solve(&path);
+    assert!(matches!(
+        alone,
+        Err(PathError::Tool {
+            index: 20,
+            tool: 1,
+            tools: 1
+        })
+    ));
+    let solution = PathSolver::new(&arm)
+        .with_tools([&drill])
+        .solve(&path)
+        .unwrap();
+    assert!(solution.missed.is_empty());
+    for ((q, point), tool) in solution.rows().zip(&points).zip(&tools) {
+        let at = [&arm, &drill][*tool].base_from_tool(q).unwrap();
+        assert!((at.translation - point.translation).norm() < 1.1e-6);
+    }
+    // The change of tools is the only long step.
+    assert!(
+        solution
+            .reconfigurations
+            .iter()
+            .all(|told| told.index == 20)
+    );
+}

@@ -1,0 +1,83 @@
+//! Promise: tables of points are read as their headers say, or by the number of their columns, and it is told how; what is wrong in one is
+//! an error with its line.
+
+use kinopt::motion::path::{CartesianPath, CsvColumns, QuaternionOrder};
+
+fn read(text: &str) -> Result<(CartesianPath, CsvColumns), String> {
+    let read = CartesianPath::from_csv(text.as_bytes(), "path.csv", QuaternionOrder::WFirst);
+    read.map_err(|error| error.to_string())
+}
+
+#[test]
+fn headers_name_the_columns() {
+    for header in [
+        "time,x,y,z,qx,qy,qz,qw",
+        "time,target-POS_X,target-POS_Y,target-POS_Z,target-ROT_X,target-ROT_Y,target-ROT_Z,target-ROT_W",
+        "t;pos_x;pos_y;pos_z;quat_x;quat_y;quat_z;quat_w",
+        "T X Y Z QX QY QZ QW",
+    ] {
+        let apart = header.chars().find(|c| ",; ".contains(*c)).unwrap();
+        let row = |t: &str| format!("{t},1,2,3,0,0,0.6,0.8").replace(',', &apart.to_string());
+        let text = format!("{header}\n{}\n\n# a remark\n{}\n", row("0"), row("0.5"));
+        let (path, columns) = read(&text).unwrap();
+        assert!(columns.by_name, "{header}");
+        assert_eq!(columns.quaternion, Some([7, 4, 5, 6]));
+        assert_eq!(path.times().unwrap(), [0.0, 0.5]);
+        let point = path.points()[1];
+        assert_eq!(point.translation.to_array(), [1.0, 2.0, 3.0]);
+        // A turn about z: cos = 0.8² − 0.6².
+        assert!(
+            (point.rotation.x.x - 0.28).abs() < 1e-15 && (point.rotation.x.y - 0.96).abs() < 1e-15
+        );
+        assert_eq!(
+            columns.to_string(),
+            "x, y, z from columns 2, 3, 4; quaternion w, x, y, z from columns 8, 5, 6, 7; times from column 1 (as the header names them)"
+        );
+    }
+}
+
+#[test]
+fn without_names_the_number_of_columns_says() {
+    let (path, columns) = read("1,2,3,1,0,0,0\n1,2,4,1,0,0,0").unwrap();
+    assert_eq!(
+        (path.points().len(), columns.quaternion),
+        (2, Some([3, 4, 5, 6]))
+    );
+    // Numbers of rows are no times.
+    let (path, columns) = read(",0,1,2,3,4,5,6\n0,1,2,3,1,0,0,0\n1,1,2,4,1,0,0,0").unwrap();
+    assert_eq!(
+        (path.times(), columns.time, columns.by_name),
+        (None, None, false)
+    );
+    let (path, _) = read("0,1,2,3,1,0,0,0\n0.25,1,2,4,1,0,0,0").unwrap();
+    assert_eq!(path.times().unwrap(), [0.0, 0.25]);
+    let (path, columns) = read("1 2 3\n1 2 4").unwrap();
+    assert_eq!((path.points().len(), columns.quaternion), (2, None));
+    let text = b"1,2,3,0,0,0.6,0.8";
+    let (path, _) = CartesianPath::from_csv(text, "p", QuaternionOrder::WLast).unwrap();
+    assert!((path.points()[0].rotation.x.x - 0.28).abs() < 1e-15);
+}
+
+#[test]
+fn what_is_wrong_is_told_with_its_line() {
+    for (text, says) in [
+        ("", "path.csv: has no points"),
+        ("x,y,z\n", "has no points"),
+        ("1,2,3,4,5\n", "line 1: has 5 columns"),
+        ("1,2,3\n1,2,x\n", "line 2: `x` is not a finite number"),
+        ("1,2,3\n1,2,nan\n", "line 2: `nan` is not a finite number"),
+        (
+            "1,2,3\n1,2\n",
+            "line 2: has 2 columns, the first line has 3",
+        ),
+        ("1,2,3,0,0,0,2\n", "line 1: its quaternion has length 2"),
+        ("time,x,y,z\n1,0,0,0\n0,0,0,0\n", "times rise"),
+    ] {
+        let error = read(text).unwrap_err();
+        assert!(error.contains(says), "{text:?}: {error}");
+    }
+    let error = CartesianPath::from_csv(&[0xff], "path.csv", QuaternionOrder::WFirst);
+    assert!(error.unwrap_err().to_string().contains("UTF-8"));
+    let error = CartesianPath::read("/no/such/path.csv", QuaternionOrder::WFirst);
+    assert!(error.unwrap_err().to_string().contains("/no/such/path.csv"));
+}

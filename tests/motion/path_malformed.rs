@@ -1,0 +1,51 @@
+//! Promise: what is wrong with a path, or with what is asked of it, is an error that names it.
+
+use kinopt::Arm;
+use kinopt::motion::path::{CartesianPath, Course, PathError, PathSolver};
+use kinopt::spatial::{Placement, Vector3};
+use support::arms::robot;
+
+fn point(x: f64) -> Placement<f64> {
+    Placement::translation(Vector3::new(x, 0.0, 0.5))
+}
+
+#[test]
+fn points_and_lists() {
+    assert_eq!(CartesianPath::new(Vec::new()), Err(PathError::Empty));
+    let bad = CartesianPath::new(vec![point(0.4), point(f64::NAN)]);
+    assert!(matches!(bad, Err(PathError::Point { index: 1, .. })));
+    let path = CartesianPath::new(vec![point(0.4), point(0.41)]).unwrap();
+    let times = path.clone().with_times(vec![0.0]);
+    assert_eq!(
+        times.unwrap_err().to_string(),
+        "times has 1 entries, the path has 2 points"
+    );
+    let times = path.clone().with_times(vec![0.0, 0.0]);
+    assert!(times.unwrap_err().to_string().contains("point 1"));
+    let times = path.clone().with_times(vec![0.0, f64::NAN]);
+    assert!(matches!(times, Err(PathError::Time { index: 1, .. })));
+    assert!(matches!(
+        path.with_tools(vec![0]),
+        Err(PathError::Count { .. })
+    ));
+}
+
+#[test]
+fn options() {
+    let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
+    let path = CartesianPath::new(vec![point(0.4), point(0.41)]).unwrap();
+    let first = arm.joints().next().unwrap();
+    let solver = || PathSolver::new(&arm);
+    let error = |solver: PathSolver<'_>| solver.solve(&path).unwrap_err().to_string();
+    assert!(error(solver().with_max_step(0.0)).contains("max_step"));
+    assert!(error(solver().with_samples(0)).contains("samples"));
+    assert!(error(solver().with_joint_weights(&[1.0])).contains(first));
+    assert!(error(solver().with_joint_weights(&[0.0; 6])).contains("joint_weights"));
+    assert!(error(solver().with_start(&[f64::NAN; 6])).contains(first));
+    assert!(error(solver().with_start(&[0.0; 6])).contains("start"));
+    assert!(error(solver().with_end(&[0.0; 6])).contains("end"));
+    assert!(error(solver().with_times_kept(true)).contains("times"));
+    let cyclic = path.clone().with_course(Course::Cyclic);
+    let with_end = solver().with_end(&[0.0; 6]).solve(&cyclic);
+    assert!(matches!(with_end, Err(PathError::Conflict(_))));
+}

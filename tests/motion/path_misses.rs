@@ -1,0 +1,66 @@
+//! Promise: a point that cannot be reached is told with the reason, and the others are reached all the same.
+
+use kinopt::Arm;
+use kinopt::motion::path::{CartesianPath, MissReason, PathSolver};
+use kinopt::spatial::{Placement, Vector3};
+use support::arms::{robot, within_limits};
+
+#[test]
+fn a_path_that_leaves_the_workspace_says_where() {
+    for (name, q) in [
+        ("universal_ur5e", vec![0.3, -1.2, 1.4, -1.6, -1.5, 0.0]),
+        ("franka_panda", vec![0.3, -0.4, 0.5, -2.0, 0.2, 1.6, 0.8]),
+    ] {
+        let arm = Arm::new(&robot(name), "base", "flange").unwrap();
+        let begin = arm.base_from_tool(&q).unwrap();
+        // Out along x as far as two metres and back.
+        let points: Vec<_> = (0..=80)
+            .map(|k: i32| {
+                let out = 0.05 * f64::from(40 - (k - 40).abs());
+                Placement::new(
+                    begin.rotation,
+                    begin.translation + Vector3::new(out, 0.0, 0.0),
+                )
+            })
+            .collect();
+        let path = CartesianPath::new(points.clone()).unwrap();
+        let solution = PathSolver::new(&arm).solve(&path).unwrap();
+        assert_eq!(solution.rows().len(), 81);
+        let missed: Vec<usize> = solution.missed.iter().map(|missed| missed.index).collect();
+        assert!(
+            missed.contains(&40) && !missed.contains(&0) && !missed.contains(&80),
+            "{name}"
+        );
+        let farthest = solution
+            .missed
+            .iter()
+            .find(|missed| missed.index == 40)
+            .unwrap();
+        assert!(
+            matches!(farthest.reason, MissReason::BeyondReach { distance, reach } if distance > reach)
+        );
+        for (row, (q, point)) in solution.rows().zip(&points).enumerate() {
+            assert!(within_limits(&arm, q));
+            let away = (arm.base_from_tool(q).unwrap().translation - point.translation).norm();
+            match solution.missed.iter().find(|missed| missed.index == row) {
+                Some(told) => assert!((told.position_error - away).abs() < 1e-9),
+                None => assert!(away < 1.1e-6),
+            }
+        }
+    }
+}
+
+#[test]
+fn one_point_and_points_all_the_same() {
+    let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
+    let point = arm
+        .base_from_tool(&[0.3, -0.4, 0.5, -2.0, 0.2, 1.6, 0.8])
+        .unwrap();
+    for count in [1, 2, 50] {
+        let path = CartesianPath::new(vec![point; count]).unwrap();
+        let solution = PathSolver::new(&arm).solve(&path).unwrap();
+        assert!(solution.is_whole());
+        assert_eq!(solution.rows().len(), count);
+        assert!(solution.length < 1e-4);
+    }
+}

@@ -1,0 +1,137 @@
+//! Promise: a path has as few reconfigurations as it must, at the places that are told, and is short.
+
+use std::f64::consts::TAU;
+
+use kinopt::Arm;
+use kinopt::motion::path::{CartesianPath, PathSolver};
+use kinopt::spatial::{Placement, Vector3, rotation_exp};
+use support::arms::{distance, robot};
+
+/// The tool of a UR5e turns about itself on the spot.
+fn screw(arm: &Arm, turns: f64, points: u32) -> CartesianPath {
+    let begin = arm
+        .base_from_tool(&[0.3, -1.2, 1.4, -1.6, -1.5, 0.0])
+        .unwrap();
+    let point = |k: u32| {
+        let angle = TAU * turns * f64::from(k) / f64::from(points);
+        let turned = begin.rotation * rotation_exp(Vector3::new(0.0, 0.0, angle));
+        Placement::new(turned, begin.translation)
+    };
+    CartesianPath::new((0..=points).map(point).collect::<Vec<_>>()).unwrap()
+}
+
+/// The last joint turns twice at most, from −2π to 2π: so many turns take a break for every two that are begun after the first.
+#[test]
+fn a_joint_that_is_wound_up_is_turned_back_as_seldom_as_it_can() {
+    let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
+    for (turns, breaks) in [(0.9, 0), (1.9, 0), (2.5, 1), (3.9, 1), (4.5, 2)] {
+        let path = screw(&arm, turns, (turns * 80.0) as u32);
+        let solution = PathSolver::new(&arm).solve(&path).unwrap();
+        assert!(solution.missed.is_empty());
+        assert_eq!(solution.reconfigurations.len(), breaks, "{turns} turns");
+        for told in &solution.reconfigurations {
+            assert!(told.distance > 0.2);
+        }
+    }
+}
+
+#[test]
+fn what_is_told_is_what_the_rows_are() {
+    let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
+    let weights = [2.0, 2.0, 1.5, 1.0, 1.0, 0.5];
+    let path = screw(&arm, 2.5, 200);
+    let solver = PathSolver::new(&arm).with_joint_weights(&weights);
+    let solution = solver.solve(&path).unwrap();
+    let rows: Vec<&[f64]> = solution.rows().collect();
+    let mut length = 0.0;
+    for row in 1..rows.len() {
+        let squares = rows[row].iter().zip(rows[row - 1]).zip(&weights);
+        let squares = squares.map(|((a, b), w)| (w * (a - b)) * (w * (a - b)));
+        length += squares.sum::<f64>().sqrt();
+        let moves = rows[row].iter().zip(rows[row - 1]);
+        let longest = moves.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let told = solution.reconfigurations.iter().find(|r| r.index == row);
+        match told {
+            Some(told) => assert_eq!(told.distance, longest),
+            None => assert!(longest <= 0.2 + 1e-9),
+        }
+    }
+    assert!((length - solution.length).abs() < 1e-9);
+}
+
+/// The same question has the same answer, bit for bit.
+#[test]
+fn twice_the_same() {
+    let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
+    let begin = arm
+        .base_from_tool(&[0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8])
+        .unwrap();
+    let along = |k: u32| begin.translation + Vector3::new(0.0, 0.005 * f64::from(k), 0.0);
+    let points: Vec<_> = (0..80)
+        .map(|k| Placement::new(begin.rotation, along(k)))
+        .collect();
+    let path = CartesianPath::new(points).unwrap();
+    let solver = PathSolver::new(&arm);
+    assert_eq!(solver.solve(&path).unwrap(), solver.solve(&path).unwrap());
+}
+
+/// A redundant arm's way is no longer than that of a follower from the same start, nor than its own from there.
+#[test]
+fn it_is_shorter_than_following() {
+    let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
+    let q = [0.3, -0.4, 0.5, -2.0, 0.2, 1.6, 0.8];
+    let begin = arm.base_from_tool(&q).unwrap();
+    let along = |k: u32| {
+        let (sin, cos) = (0.05 * f64::from(k)).sin_cos();
+        begin.translation + Vector3::new(-0.05 * sin, 0.05 - 0.05 * cos, 0.0)
+    };
+    let points: Vec<_> = (0..120)
+        .map(|k| Placement::new(begin.rotation, along(k)))
+        .collect();
+    let track = arm.track(&points, &q).unwrap();
+    let rows = track.solutions.windows(2);
+    let followed: f64 = rows.map(|pair| distance(&pair[0].q, &pair[1].q)).sum();
+    let path = CartesianPath::new(points).unwrap();
+    let from_there = PathSolver::new(&arm).with_start(&q).solve(&path).unwrap();
+    let from_anywhere = PathSolver::new(&arm).solve(&path).unwrap();
+    for solution in [&from_there, &from_anywhere] {
+        assert!(
+            solution.is_whole(),
+            "{:?} {:?}",
+            solution.reconfigurations,
+            solution.missed
+        );
+    }
+    assert_eq!(from_there.rows().next().unwrap(), q);
+    assert!(
+        from_there.length < followed,
+        "{} {followed}",
+        from_there.length
+    );
+    assert!(from_anywhere.length <= from_there.length * (1.0 + 1e-6));
+}
+
+/// Points that are far apart are looked at in parts: the arm does not change its branch between them.
+#[test]
+fn coarse_paths_stay_on_their_branch() {
+    let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
+    let begin = arm
+        .base_from_tool(&[0.3, -1.2, 1.4, -1.6, -1.5, 0.0])
+        .unwrap();
+    let corners = [[0.0, 0.0], [0.25, 0.0], [0.25, 0.2], [0.0, 0.2]];
+    let points: Vec<_> = corners
+        .iter()
+        .map(|[y, z]| {
+            Placement::new(
+                begin.rotation,
+                begin.translation + Vector3::new(0.0, *y, *z),
+            )
+        })
+        .collect();
+    let path = CartesianPath::new(points).unwrap();
+    let solution = PathSolver::new(&arm).solve(&path).unwrap();
+    assert_eq!(solution.rows().len(), 4);
+    assert!(solution.is_whole());
+    // The joints' own way from corner to corner is off the straight one by millimetres, and that is told.
+    assert!(solution.largest_deviation.metres > 1e-3);
+}

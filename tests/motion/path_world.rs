@@ -1,0 +1,89 @@
+//! Promise: a path of an arm that keeps clear touches nothing at its points, and what is not surely free between them is told.
+
+use kinopt::Arm;
+use kinopt::collision::{Checker, CollisionModel, World};
+use kinopt::motion::path::{CartesianPath, MissReason, PathSolver};
+use kinopt::spatial::{Placement, Vector3};
+use support::arms::robot;
+
+const Q: [f64; 7] = [0.0, -0.3, 0.0, -2.0, 0.0, 1.9, 0.8];
+
+fn panda(world: &World) -> Arm {
+    let robot = robot("franka_panda");
+    let bodies = CollisionModel::of(&robot).unwrap();
+    let bodies = bodies.with_pairs_sampled(200, 1).unwrap();
+    let checker = Checker::new(bodies).with_world(world).unwrap();
+    let arm = Arm::new(&robot, "base", "flange").unwrap();
+    let rest = vec![0.0; robot.model().configuration_len()];
+    arm.with_checker(&checker, &rest).unwrap()
+}
+
+fn sideways(arm: &Arm, steps: u32) -> Vec<Placement<f64>> {
+    let begin = arm.base_from_tool(&Q).unwrap();
+    let along = |k: u32| Vector3::new(0.0, 0.3 * f64::from(k) / f64::from(steps) - 0.15, 0.0);
+    let point = |k: u32| Placement::new(begin.rotation, begin.translation + along(k));
+    (0..=steps).map(point).collect()
+}
+
+/// No sample between two configurations touches.
+fn is_free_between(arm: &Arm, from: &[f64], to: &[f64]) -> bool {
+    (0..=10).all(|k| {
+        let share = f64::from(k) / 10.0;
+        let moves = from.iter().zip(to);
+        let q: Vec<f64> = moves.map(|(a, b)| a + share * (b - a)).collect();
+        arm.collisions(&q).unwrap().is_empty()
+    })
+}
+
+#[test]
+fn it_goes_round_what_is_in_its_elbows_way() {
+    let alone = panda(&World::new());
+    let points = sideways(&alone, 60);
+    let path = CartesianPath::new(points).unwrap();
+    let plain = PathSolver::new(&alone).solve(&path).unwrap();
+    assert!(plain.is_whole());
+    // A ball where the elbow would be, for all of the path.
+    let mut world = World::new();
+    world
+        .add_sphere("ball", 0.08, Vector3::new(-0.25, 0.0, 0.65))
+        .unwrap();
+    let arm = panda(&world);
+    let solution = PathSolver::new(&arm).solve(&path).unwrap();
+    assert!(solution.missed.is_empty() && solution.blocked.is_empty());
+    let rows: Vec<&[f64]> = solution.rows().collect();
+    for (row, pair) in rows.windows(2).enumerate() {
+        let jumps = solution
+            .reconfigurations
+            .iter()
+            .any(|told| told.index == row + 1);
+        assert!(jumps || is_free_between(&arm, pair[0], pair[1]), "{row}");
+    }
+}
+
+#[test]
+fn what_cannot_be_free_is_told() {
+    let alone = panda(&World::new());
+    let points = sideways(&alone, 60);
+    let middle = points[30].translation;
+    let mut world = World::new();
+    world.add_sphere("stone", 0.02, middle).unwrap();
+    let arm = panda(&world);
+    let path = CartesianPath::new(points).unwrap();
+    let solution = PathSolver::new(&arm).solve(&path).unwrap();
+    let at_stone = solution
+        .missed
+        .iter()
+        .find(|missed| missed.index == 30)
+        .unwrap();
+    assert!(matches!(&at_stone.reason, MissReason::Touches(pair) if pair.second == "stone"));
+    assert!(
+        solution
+            .missed
+            .iter()
+            .all(|missed| missed.index.abs_diff(30) < 25)
+    );
+    for (row, q) in solution.rows().enumerate() {
+        let told = solution.missed.iter().any(|missed| missed.index == row);
+        assert_eq!(arm.collisions(q).unwrap().is_empty(), !told, "{row}");
+    }
+}

@@ -1,0 +1,101 @@
+//! Promise: a Cartesian path that a continuous motion of the joints gives is solved without a reconfiguration, told or untold; in a
+//! debug build a few of each arm, `KINOPT_CASES` asks for another number.
+
+use kinopt::Arm;
+use kinopt::motion::path::{CartesianPath, PathSolver};
+use kinopt::spatial::Placement;
+use nalgebra::Isometry3;
+use support::arms::{Random, apart, base_from_tip, robot, within_limits};
+use support::sample::{cases, few};
+
+/// Smooth in the joints through a few random configurations, so many points from one to the next.
+fn joints(arm: &Arm, random: &mut Random, steps: usize) -> Vec<Vec<f64>> {
+    let mut from = random.configuration(arm);
+    let mut rows = vec![from.clone()];
+    for _ in 0..2 {
+        let to = random.configuration(arm);
+        for k in 1..=steps {
+            let share = 0.5 - 0.5 * (std::f64::consts::PI * k as f64 / steps as f64).cos();
+            let between = |(a, b): (&f64, &f64)| a + share * (b - a);
+            rows.push(from.iter().zip(&to).map(between).collect());
+        }
+        from = to;
+    }
+    rows
+}
+
+fn longest(a: &[f64], b: &[f64]) -> f64 {
+    let moves = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+    moves.fold(0.0, f64::max)
+}
+
+/// How many of so many paths of an arm are solved with a jump.
+fn jumps(name: &str, base: &str, tip: &str, count: usize) -> usize {
+    let robot = robot(name);
+    let arm = Arm::builder(&robot, base, tip)
+        .with_atlas(!few())
+        .build()
+        .unwrap();
+    let mut random = Random(11);
+    let mut jumps = 0;
+    for case in 0..count {
+        let own = joints(&arm, &mut random, 150);
+        let points: Vec<Placement<f64>> =
+            own.iter().map(|q| arm.base_from_tool(q).unwrap()).collect();
+        let path = CartesianPath::new(points).unwrap();
+        let solution = PathSolver::new(&arm).solve(&path).unwrap();
+        assert!(
+            solution.missed.is_empty(),
+            "{name} {case}: {:?}",
+            solution.missed
+        );
+        let rows: Vec<&[f64]> = solution.rows().collect();
+        assert_eq!(rows.len(), own.len());
+        for (q, own) in rows.iter().zip(&own) {
+            assert!(within_limits(&arm, q));
+            let [at, wanted] =
+                [q, own.as_slice()].map(|q| base_from_tip(robot.model(), &arm, q, base, tip));
+            let (metres, radians) = apart(&Isometry3::from(at), &Isometry3::from(wanted));
+            assert!(metres <= 1.1e-6 && radians <= 1.1e-6);
+        }
+        let told: Vec<usize> = solution.reconfigurations.iter().map(|r| r.index).collect();
+        let untold = (1..rows.len())
+            .find(|&row| longest(rows[row - 1], rows[row]) > 0.2 + 1e-9 && !told.contains(&row));
+        assert_eq!(untold, None, "{name} {case}: {told:?}");
+        if !told.is_empty() {
+            eprintln!("{name} {case}: {:?}", solution.reconfigurations);
+        }
+        jumps += usize::from(!told.is_empty());
+    }
+    eprintln!("{name}: {jumps} of {count} with a jump");
+    jumps
+}
+
+#[test]
+fn six_joints() {
+    let count = cases(20, 1);
+    for name in ["universal_ur5e", "universal_ur10e"] {
+        assert!(
+            jumps(name, "base", "flange", count) * 200 <= count,
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn seven_joints() {
+    let count = cases(20, 1);
+    for name in ["franka_panda", "kuka_iiwa14"] {
+        assert!(
+            jumps(name, "base", "flange", count) * 200 <= count,
+            "{name}"
+        );
+    }
+    assert!(jumps("rethink_baxter", "torso", "left_tool", count) * 200 <= count);
+}
+
+#[test]
+fn four_joints_and_a_slide() {
+    let count = cases(20, 1);
+    assert!(jumps("adept_cobra_s600", "base", "flange", count) * 200 <= count);
+}
