@@ -75,6 +75,18 @@ def test_another_world_takes_the_same_arm(arm: kinopt.Arm) -> None:
     assert blocked.with_world(crate, margin=0.0).solve(target, Q).reached
 
 
+def test_many_configurations_are_checked_by_their_spheres(arm: kinopt.Arm) -> None:
+    q = np.random.default_rng(2).uniform(arm.lower, arm.upper, (100, 7))
+    clear = arm.clear_by_spheres(q)
+    assert clear.shape == (100,) and 0 < clear.sum() < 100
+    assert all(arm.collisions(one) == [] for one in q[clear])
+    with pytest.raises(InvalidValueError):
+        arm.clear_by_spheres(q[:, :6])
+    q[3, 2] = np.nan
+    with pytest.raises(InvalidValueError):
+        arm.clear_by_spheres(q)
+
+
 def test_paths_stop_before_they_touch(panda: kinopt.Robot) -> None:
     arm = kinopt.Arm(panda, "base", "flange", world=kinopt.World())
     begin = arm.base_from_tool(Q)

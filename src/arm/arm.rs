@@ -117,12 +117,7 @@ impl Arm {
     /// A configuration of the wrong length, or one that is not finite.
     pub fn base_from_tool(&self, q: &[f64]) -> Result<Placement<f64>, QueryError> {
         self.check_length("q", q.len(), self.joint_count())?;
-        if let Some(bad) = q.iter().position(|value| !value.is_finite()) {
-            return Err(QueryError::NotFinite {
-                joint: self.joint_name(bad),
-                value: q[bad],
-            });
-        }
+        self.check_finite(q)?;
         if let Some(chain) = &self.serial.chain {
             return Ok(chain.base_from_tip(q));
         }
@@ -215,6 +210,17 @@ impl Arm {
             expected,
             joints: self.joint_count(),
         })
+    }
+
+    /// Of one configuration, or of several one after another.
+    pub(super) fn check_finite(&self, q: &[f64]) -> Result<(), QueryError> {
+        match q.iter().position(|value| !value.is_finite()) {
+            None => Ok(()),
+            Some(bad) => Err(QueryError::NotFinite {
+                joint: self.joint_name(bad % self.joint_count()),
+                value: q[bad],
+            }),
+        }
     }
 
     fn joint_name(&self, joint: usize) -> String {

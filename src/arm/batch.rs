@@ -135,7 +135,7 @@ impl Arm {
         let n = self.joint_count();
         let mut q = vec![0.0; n * targets.len()];
         let mut outcomes = vec![PoseOutcome::default(); targets.len()];
-        let together = self.run_together(targets, starts, &mut q, &mut outcomes);
+        let together = self.run_together(targets, starts, &mut q, &mut outcomes)?;
         let answers = q.chunks(n).zip(&outcomes).zip(solutions);
         let queries = targets.iter().zip(starts.chunks(n));
         for ((target, start), ((q, outcome), solution)) in queries.zip(answers) {
@@ -150,20 +150,18 @@ impl Arm {
     }
 
     /// Answers questions by the engine's batch, if that can: it knows no clock, and no budget so small that a
-    /// question alone may make fewer attempts.
+    /// question alone may make fewer attempts. What touches something is not reached.
     fn run_together(
         &self,
         targets: &[Placement<f64>],
         starts: &[f64],
         q: &mut [f64],
         outcomes: &mut [PoseOutcome],
-    ) -> bool {
+    ) -> Result<bool, QueryError> {
         let options = &self.options;
         let plain = self.is_plain() && options.time_limit.is_none() && options.budget() >= QUICK;
-        #[cfg(feature = "collision")]
-        let plain = plain && !self.keeps_clear();
         let Some(lanes) = self.lanes.as_ref().filter(|_| plain) else {
-            return false;
+            return Ok(false);
         };
         lanes.run(Work {
             targets,
@@ -174,7 +172,9 @@ impl Arm {
             q,
             outcomes,
         });
-        true
+        #[cfg(feature = "collision")]
+        self.take_back_touching(q, outcomes)?;
+        Ok(true)
     }
 
     fn outcomes_of_chunk(
@@ -185,7 +185,7 @@ impl Arm {
         outcomes: &mut [PoseOutcome],
     ) -> Result<(), QueryError> {
         let n = self.joint_count();
-        let together = self.run_together(targets, starts, q, outcomes);
+        let together = self.run_together(targets, starts, q, outcomes)?;
         let mut solution = self.with_workspace(|workspace| std::mem::take(&mut workspace.spare))?;
         let queries = targets.iter().zip(starts.chunks(n));
         for ((target, start), (q, outcome)) in queries.zip(q.chunks_mut(n).zip(outcomes)) {

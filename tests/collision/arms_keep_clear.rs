@@ -195,6 +195,45 @@ fn the_same_question_has_the_same_answer() {
 }
 
 #[test]
+fn a_batch_answers_as_one_question_after_another() {
+    let mut random = Random::new(8);
+    let panda = panda(Search::Start).among(&cluttered(&mut random), 0.01);
+    let (mut targets, mut starts) = (Vec::new(), Vec::new());
+    for _ in 0..cases(300, 40) {
+        targets.push(panda.arm.base_from_tool(&panda.free(&mut random)).unwrap());
+        starts.extend(panda.drawn(&mut random));
+    }
+    let together = panda.arm.solve_batch(&targets, &starts).unwrap();
+    for ((target, start), batched) in targets.iter().zip(starts.chunks(7)).zip(together) {
+        let alone = panda.arm.solve(*target, start).unwrap();
+        assert_eq!((batched.q, batched.reached), (alone.q, alone.reached));
+    }
+}
+
+#[test]
+fn what_is_clear_by_its_spheres_touches_nothing() {
+    let mut random = Random::new(9);
+    let panda = panda(Search::Start).among(&cluttered(&mut random), 0.01);
+    let count = cases(1001, 101);
+    let q: Vec<f64> = (0..count).flat_map(|_| panda.drawn(&mut random)).collect();
+    let mut clear = vec![false; count];
+    panda.arm.clear_by_spheres(&q, &mut clear).unwrap();
+    for (place, (q, clear)) in q.chunks(7).zip(&clear).enumerate() {
+        // Its neighbours in the lanes say nothing about it.
+        let mut alone = [false];
+        panda.arm.clear_by_spheres(q, &mut alone).unwrap();
+        assert_eq!(alone, [*clear], "{place}");
+        assert!(!clear || panda.arm.collisions(q).unwrap().is_empty());
+    }
+    assert!(clear.iter().any(|clear| *clear));
+    let mut bad = q[..7].to_vec();
+    bad[3] = f64::NAN;
+    let refused = panda.arm.clear_by_spheres(&bad, &mut [true]);
+    assert!(refused.unwrap_err().to_string().contains("joint4"));
+    assert!(panda.arm.clear_by_spheres(&q[..6], &mut [true]).is_err());
+}
+
+#[test]
 fn a_tool_or_goal_keeps_what_the_arm_is_kept_clear_of() {
     let mut random = Random::new(21);
     let world = cluttered(&mut random);

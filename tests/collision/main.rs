@@ -9,6 +9,7 @@ mod coal;
 mod collision_models;
 mod convex_pieces;
 mod figures_of_capsules;
+mod free_paths_are_followed;
 mod hostile;
 mod identities;
 mod mesh_files;

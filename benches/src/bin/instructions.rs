@@ -25,7 +25,7 @@ const FEW: u64 = 5;
 const MANY: u64 = 25;
 
 /// The stages that are counted; the others only repeat what these show.
-const COUNTED: [&str; 34] = [
+const COUNTED: [&str; 37] = [
     "forward kinematics, 22 bones",
     "forward kinematics, 60 bones",
     "Jacobian, analytic, 22 bones",
@@ -35,6 +35,9 @@ const COUNTED: [&str; 34] = [
     "lane engine, first solutions of a batch",
     "arm of seven joints, track",
     "arm of seven joints, target out of reach",
+    "spheres of a Panda, itself alone",
+    "spheres of a Panda, 30 primitives",
+    "shapes of a Panda, 30 primitives",
     "solve near, arm of six joints",
     "derivative backward, arm of six joints",
     "derivative of an arm by its target, six joints",

@@ -8,6 +8,7 @@ mod geometric;
 mod kinematics;
 mod lanes;
 mod levels;
+mod obstacles;
 mod posing;
 mod solvers;
 
@@ -46,6 +47,7 @@ pub fn stages() -> Vec<Stage> {
         levels::stages(),
         lanes::stages(),
         arms::stages(),
+        obstacles::stages(),
         derivatives::stages(),
         geometric::stages(),
         posing::stages(),

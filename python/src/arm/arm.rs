@@ -261,6 +261,21 @@ impl Arm {
         Ok(pairs.into_iter().map(Collision::from).collect())
     }
 
+    /// Which configurations, shape (N, dof), are surely clear, shape (N,): the spheres that cover the links come nowhere nearer than the
+    /// margin. Eight are checked at once, far faster than by `collisions`; where the spheres stick out of the shapes, one that is not
+    /// clear by them may still be free. All are where the arm keeps clear of nothing.
+    ///
+    /// Raises `InvalidValueError` for another shape and for numbers that are not finite.
+    fn clear_by_spheres<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let (py, dof) = (q.py(), self.inner.joint_count());
+        let q = arrays::rows(q, "q", dof)?;
+        let q: &[f64] = &q;
+        let mut clear = vec![false; q.len() / dof];
+        py.detach(|| self.inner.clear_by_spheres(q, &mut clear))
+            .or_raise()?;
+        Ok(PyArray1::from_vec(py, clear))
+    }
+
     /// The tool's Jacobian: shape (6, dof) for `q` of shape (dof,), (N, 6, dof) for (N, dof).
     ///
     /// Rows are the velocity of the tool's origin (m/s), then its angular velocity (rad/s), both in the

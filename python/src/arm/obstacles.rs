@@ -4,17 +4,18 @@ use kinopt::collision::Checker;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::number;
+use crate::arrays::{self, number};
 use crate::collision::CollisionModel;
 use crate::error::{OrRaise, invalid};
 use crate::robot::Robot;
 use crate::world::World;
 
-/// The options `world` and `margin`.
+/// The options `world`, `margin` and `collision_model`, and where the joints that are not the arm's stand: `held`.
 pub(super) struct Obstacles {
     world: Option<kinopt::collision::World>,
     margin: Option<f64>,
     model: Option<kinopt::collision::CollisionModel>,
+    held: Option<Vec<f64>>,
 }
 
 impl Obstacles {
@@ -35,7 +36,9 @@ impl Obstacles {
                 "collision_model must be a kinopt.CollisionModel, not {value}"
             ))),
         });
+        let held = given("held")?.map(|value| arrays::copied(&value, "held"));
         Ok(Self {
+            held: held.transpose()?,
             model: model.transpose()?,
             world: world.transpose()?,
             margin: margin.transpose()?,
@@ -63,7 +66,8 @@ impl Obstacles {
         let world = self.world.clone().unwrap_or_default();
         let checker = checker.with_world(&world).or_raise()?;
         let checker = checker.with_margin(self.margin.unwrap_or(0.0)).or_raise()?;
-        let rest = checker.model().model().neutral();
+        let neutral = || checker.model().model().neutral();
+        let rest = self.held.clone().unwrap_or_else(neutral);
         arm.with_checker(&checker, &rest).or_raise()
     }
 }

@@ -1,5 +1,6 @@
 //! What an arm keeps clear of, compiled for its chain.
 
+mod by_spheres;
 mod least_deep;
 mod search;
 mod several;
@@ -293,9 +294,10 @@ impl InLanes {
         let pairs = pairs.filter(counts).collect();
         let obstacles = checker.world().obstacles();
         let solids = obstacles.map(|o| (&o.shape, base_from_world * o.placement));
+        let bodies = BodyChain::new(chain, q, bodies, pairs);
         Some(Self {
-            solids: Solids::new(solids),
-            bodies: BodyChain::new(chain, q, bodies, pairs),
+            solids: Solids::new(solids, &bodies.rooms(), checker.margin() + SLACK),
+            bodies,
         })
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::collision::Ball;
 use crate::lanes::{Chain, Links};
-use crate::spatial::Placement;
+use crate::spatial::{Placement, Vector3};
 
 /// What moves with one joint of a chain, or stands with its base.
 #[derive(Clone, Debug)]
@@ -19,6 +19,8 @@ pub(crate) struct Body {
 pub(crate) struct BodyChain {
     pub(super) links: Links,
     pub(super) bodies: Vec<Body>,
+    /// Where the spheres of each body begin among all.
+    pub(super) first_sphere: Vec<usize>,
     /// The bodies, by place, that are kept apart.
     pub(super) pairs: Vec<[usize; 2]>,
 }
@@ -40,10 +42,42 @@ impl BodyChain {
             }
             body
         });
+        let bodies: Vec<Body> = bodies.collect();
+        let mut first = 0;
+        let first_sphere = bodies.iter().map(|body| {
+            first += body.spheres.len();
+            first - body.spheres.len()
+        });
         Self {
-            bodies: bodies.collect(),
+            first_sphere: first_sphere.collect(),
+            bodies,
             links,
             pairs,
         }
+    }
+
+    /// Balls in the base's frame that the bounds of the bodies never leave, however the joints turn.
+    pub(crate) fn rooms(&self) -> Vec<Ball> {
+        let links = &self.links;
+        let middle = links.base_from_first.translation * links.metres_per_length;
+        // How far the origin after so many joints can be from there; a slide goes as far as it is told to.
+        let mut reach = vec![0.0];
+        for link in &links.links {
+            let way = Vector3::new(link.along_x, link.along_y, 0.0).norm();
+            let slides = if link.kind.turns() {
+                0.0
+            } else {
+                f64::INFINITY
+            };
+            reach.push(reach[reach.len() - 1] + way * links.metres_per_length + slides);
+        }
+        let room = |body: &Body| match body.joints {
+            0 => body.bound,
+            joints => Ball {
+                centre: middle,
+                radius: reach[joints] + body.bound.centre.norm() + body.bound.radius,
+            },
+        };
+        self.bodies.iter().map(room).collect()
     }
 }

@@ -1,6 +1,8 @@
 //! The check itself.
 
-use super::bodies::{Body, BodyChain};
+use std::ops::Range;
+
+use super::bodies::BodyChain;
 use super::solids::Solids;
 use crate::collision::Ball;
 use crate::lanes::lane::LaneScalar;
@@ -15,8 +17,14 @@ pub(crate) struct Room<V> {
     frames: Vec<Placement<V>>,
     /// The middles of the bodies' bounds.
     middles: Vec<Vector3<V>>,
+    /// The middles of all spheres, body by body, where they were asked for.
+    spheres: Vec<Vector3<V>>,
+    /// Whether a body's spheres are there.
+    placed: Vec<bool>,
     /// The solids that a body's bound is near.
-    near: Vec<u32>,
+    near_solids: Vec<u32>,
+    /// The spheres of a body, by place, that another's bound is near, and their radii.
+    near: Vec<(usize, f64)>,
 }
 
 impl<V> Default for Room<V> {
@@ -25,6 +33,9 @@ impl<V> Default for Room<V> {
             q: Vec::new(),
             frames: Vec::new(),
             middles: Vec::new(),
+            spheres: Vec::new(),
+            placed: Vec::new(),
+            near_solids: Vec::new(),
             near: Vec::new(),
         }
     }
@@ -43,18 +54,17 @@ pub(super) fn near<V: LaneScalar>(
     place(chain, room);
     let mut touched = 0;
     // Hands first, as they are where things are.
-    for (index, body) in chain.bodies.iter().enumerate().rev() {
-        touched |= near_solids(body, index, solids, margin, room);
+    for index in (0..chain.bodies.len()).rev() {
+        touched |= near_solids(chain, index, solids, margin, room);
         if touched == all {
             return touched;
         }
     }
     for &[a, b] in &chain.pairs {
-        let bodies = (&chain.bodies[a], &chain.bodies[b]);
         let middles = (room.middles[a], room.middles[b]);
-        let reach = bodies.0.bound.radius + bodies.1.bound.radius + margin;
+        let reach = chain.bodies[a].bound.radius + chain.bodies[b].bound.radius + margin;
         if within(middles, reach) & !touched != 0 {
-            touched |= near_each_other(bodies, margin, room, touched);
+            touched |= near_each_other(chain, [a, b], margin, room, touched);
             if touched == all {
                 return touched;
             }
@@ -90,27 +100,56 @@ fn place<V: LaneScalar>(chain: &BodyChain, room: &mut Room<V>) {
         let frame = &room.frames[body.joints];
         room.middles.push(at(frame, &body.bound));
     }
+    room.placed.clear();
+    room.placed.resize(chain.bodies.len(), false);
+    let count = chain.bodies.iter().map(|body| body.spheres.len()).sum();
+    room.spheres.resize(count, Vector3::zero());
+}
+
+/// Places the spheres of a body, once: where they are among all.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn place_spheres<V: LaneScalar>(
+    chain: &BodyChain,
+    index: usize,
+    room: &mut Room<V>,
+) -> Range<usize> {
+    let body = &chain.bodies[index];
+    let first = chain.first_sphere[index];
+    let range = first..first + body.spheres.len();
+    if !std::mem::replace(&mut room.placed[index], true) {
+        let frame = &room.frames[body.joints];
+        for (middle, sphere) in room.spheres[range.clone()].iter_mut().zip(&body.spheres) {
+            *middle = at(frame, sphere);
+        }
+    }
+    range
 }
 
 /// The lanes in which a body is near solids.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn near_solids<V: LaneScalar>(
-    body: &Body,
+    chain: &BodyChain,
     index: usize,
     solids: &Solids,
     margin: f64,
     room: &mut Room<V>,
 ) -> u32 {
-    solids.near(room.middles[index], &body.bound, margin, &mut room.near);
-    if room.near.is_empty() {
+    let body = &chain.bodies[index];
+    solids.near(
+        index,
+        room.middles[index],
+        &body.bound,
+        margin,
+        &mut room.near_solids,
+    );
+    if room.near_solids.is_empty() {
         return 0;
     }
-    let frame = &room.frames[body.joints];
+    let range = place_spheres(chain, index, room);
     let mut touched = 0;
-    for sphere in &body.spheres {
-        let centre = at(frame, sphere);
-        for &number in &room.near {
-            touched |= V::mask_bits(solids.is_near(number, centre, sphere.radius + margin));
+    for (&middle, sphere) in room.spheres[range].iter().zip(&body.spheres) {
+        for &number in &room.near_solids {
+            touched |= solids.near_one(number, middle, sphere.radius + margin);
         }
     }
     touched
@@ -119,22 +158,33 @@ fn near_solids<V: LaneScalar>(
 /// The lanes, beside those known already, in which two bodies are near each other.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn near_each_other<V: LaneScalar>(
-    (a, b): (&Body, &Body),
+    chain: &BodyChain,
+    [a, b]: [usize; 2],
     margin: f64,
-    room: &Room<V>,
+    room: &mut Room<V>,
     known: u32,
 ) -> u32 {
-    let (of_a, of_b) = (&room.frames[a.joints], &room.frames[b.joints]);
-    let bound = at(of_b, &b.bound);
+    // No closure: what is in one is compiled for any processor.
+    let of_a = place_spheres(chain, a, room);
+    let of_b = place_spheres(chain, b, room);
+    let (about_a, about_b) = (room.middles[a], room.middles[b]);
+    let (a, b) = (&chain.bodies[a], &chain.bodies[b]);
+    // Of either those that are near the other's bound.
+    room.near.clear();
+    for (place, ball) in of_b.zip(&b.spheres) {
+        let reach = ball.radius + margin + a.bound.radius;
+        if within((room.spheres[place], about_a), reach) & !known != 0 {
+            room.near.push((place, ball.radius));
+        }
+    }
     let mut touched = 0;
-    for sphere in &a.spheres {
-        let centre = at(of_a, sphere);
-        let reach = sphere.radius + margin;
-        if within((centre, bound), reach + b.bound.radius) & !known == 0 {
+    for (place, ball) in of_a.zip(&a.spheres) {
+        let (middle, reach) = (room.spheres[place], ball.radius + margin);
+        if within((middle, about_b), reach + b.bound.radius) & !known == 0 {
             continue;
         }
-        for other in &b.spheres {
-            touched |= within((centre, at(of_b, other)), reach + other.radius);
+        for &(other, radius) in &room.near {
+            touched |= within((middle, room.spheres[other]), reach + radius);
         }
     }
     touched

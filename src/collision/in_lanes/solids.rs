@@ -27,6 +27,8 @@ enum Solid {
 /// A solid in its place.
 #[derive(Clone, Debug)]
 struct Placed {
+    /// Around it, in the base.
+    bound: Ball,
     solid_from_base: Placement<f64>,
     solid: Solid,
 }
@@ -37,15 +39,27 @@ pub(crate) struct Solids {
     placed: Vec<Placed>,
     /// Over their boxes, where there are many.
     tree: Option<BoxTree>,
+    /// Those that each body can ever come near to, where there are few.
+    within_reach: Vec<Vec<u32>>,
 }
 
 impl Solids {
-    /// Shapes, each by where it stands in the chain's base.
-    pub(crate) fn new<'a>(shapes: impl IntoIterator<Item = (&'a Shape, Placement<f64>)>) -> Self {
+    /// Shapes, each by where it stands in the chain's base; balls that the bodies never leave, and how near to a solid they are not to
+    /// come, metres.
+    pub(crate) fn new<'a>(
+        shapes: impl IntoIterator<Item = (&'a Shape, Placement<f64>)>,
+        rooms: &[Ball],
+        margin: f64,
+    ) -> Self {
         let mut boxes: Vec<BoundingBox> = Vec::new();
         let placed = shapes.into_iter().map(|(shape, base_from_solid)| {
             boxes.push(shape.bounding_box().placed(&base_from_solid));
+            let own = shape.bounding_sphere();
             Placed {
+                bound: Ball {
+                    centre: base_from_solid.apply(own.centre),
+                    radius: own.radius,
+                },
                 solid_from_base: base_from_solid.inverse(),
                 solid: Solid::of(shape),
             }
@@ -53,13 +67,30 @@ impl Solids {
         let placed: Vec<Placed> = placed.collect();
         let tree =
             (placed.len() > LISTED).then(|| BoxTree::new(placed.len(), |index| boxes[index]));
-        Self { placed, tree }
+        let reached = |room: &Ball| {
+            let reach = room.radius + margin;
+            // A tree finds what is near by itself.
+            let listed = boxes.iter().filter(|_| tree.is_none());
+            let near = (0..).zip(listed);
+            let near = near.filter(|(_, solid)| {
+                let apart = solid.squared_distance(room.centre);
+                // Not a number about a half-space's corner at infinity.
+                !(apart > reach * reach)
+            });
+            near.map(|(number, _)| number).collect()
+        };
+        Self {
+            within_reach: rooms.iter().map(reached).collect(),
+            placed,
+            tree,
+        }
     }
 
-    /// Those that a ball in any lane comes nearer to than `margin`, by number.
+    /// Those that the ball about a body comes nearer to in any lane than `margin`, by number.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn near<V: LaneScalar>(
         &self,
+        body: usize,
         centre: Vector3<V>,
         ball: &Ball,
         margin: f64,
@@ -68,8 +99,8 @@ impl Solids {
         let reach = ball.radius + margin;
         found.clear();
         let Some(tree) = &self.tree else {
-            for number in 0..self.placed.len() as u32 {
-                if V::mask_bits(self.is_near(number, centre, reach)) != 0 {
+            for &number in &self.within_reach[body] {
+                if self.near_one(number, centre, reach) != 0 {
                     found.push(number);
                 }
             }
@@ -82,17 +113,38 @@ impl Solids {
         }
         found.sort_unstable();
         found.dedup();
-        found.retain(|number| V::mask_bits(self.is_near(*number, centre, reach)) != 0);
+        // No closure: what is in one is compiled for any processor.
+        let mut kept = 0;
+        for place in 0..found.len() {
+            let number = found[place];
+            if self.near_one(number, centre, reach) != 0 {
+                found[kept] = number;
+                kept += 1;
+            }
+        }
+        found.truncate(kept);
     }
 
-    /// The lanes in which a point is nearer than so far to a solid, or in it.
+    /// The lanes, bit by bit, in which a point is nearer than so far to a solid, or in it: by the ball around that first.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(super) fn is_near<V: LaneScalar>(
+    pub(super) fn near_one<V: LaneScalar>(
         &self,
         number: u32,
         point: Vector3<V>,
         reach: f64,
-    ) -> V::Mask {
+    ) -> u32 {
+        let bound = &self.placed[number as usize].bound;
+        let around = reach + bound.radius;
+        let away = point - Vector3::constant(bound.centre);
+        match V::mask_bits(away.norm_squared().less_than(V::constant(around * around))) {
+            0 => 0,
+            _ => V::mask_bits(self.is_near(number, point, reach)),
+        }
+    }
+
+    /// The lanes in which a point is nearer than so far to a solid, or in it.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn is_near<V: LaneScalar>(&self, number: u32, point: Vector3<V>, reach: f64) -> V::Mask {
         let c = V::constant;
         let placed = &self.placed[number as usize];
         let p = Placement::constant(&placed.solid_from_base).apply(point);

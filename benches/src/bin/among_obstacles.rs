@@ -1,0 +1,135 @@
+//! Times an arm's questions with and without a world, given by another program, so that other languages can be timed on the
+//! same ones in the same run.
+//!
+//! `among_obstacles < QUESTIONS`, JSON: `robot` and `srdf` (files), `base`, `tip`, `rounds`, `margin`, and
+//! `questions`, each with `world` (a file), `target` (sixteen numbers, rows first), `start` and `rest` (values of joints by name). Out comes JSON:
+//! for each question the fastest nanoseconds of a plain arm and of one with that world, whether it was reached and where it
+//! stands; and what a batch of a hundred questions in one world takes a pose.
+#![allow(clippy::print_stdout)]
+
+use std::error::Error;
+use std::hint::black_box;
+use std::time::Instant;
+
+use kinopt::Solution;
+use kinopt::arm::{Arm, PoseOutcome, Search};
+use kinopt::collision::{Checker, CollisionModel, World};
+use kinopt::robot::{Robot, Srdf};
+use kinopt::spatial::{Matrix3, Placement, Vector3};
+use serde_json::{Value, json};
+
+/// Questions of a batch.
+const BATCH: usize = 100;
+/// Worlds that batches are asked in.
+const WORLDS: usize = 7;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let asked: Value = serde_json::from_reader(std::io::stdin())?;
+    let text = |key: &str| asked[key].as_str().ok_or(format!("`{key}` is missing"));
+    let robot = Robot::read(text("robot")?)?;
+    let model = CollisionModel::of(&robot)?.with_srdf(&Srdf::read(text("srdf")?, &robot)?);
+    let checker = Checker::new(model).with_margin(asked["margin"].as_f64().unwrap_or(0.0))?;
+    let (base, tip) = (text("base")?, text("tip")?);
+    let plain = Arm::new(&robot, base, tip)?;
+    let rounds = asked["rounds"].as_u64().unwrap_or(5);
+    let questions = asked["questions"]
+        .as_array()
+        .ok_or("`questions` is missing")?;
+
+    let (mut answers, mut batches) = (Vec::new(), Vec::new());
+    for (index, question) in questions.iter().enumerate() {
+        let file = question["world"].as_str().ok_or("a question has a world")?;
+        let world = World::read(file)?;
+        let rest = rest(&robot, &question["rest"])?;
+        let checker = checker.clone().with_world(&world)?;
+        let clear = plain
+            .with_search(Search::Start)?
+            .with_checker(&checker, &rest)?;
+        let (target, start) = (
+            placement(&question["target"])?,
+            numbers(&question["start"])?,
+        );
+        let (mut without, mut among) = (Solution::default(), Solution::default());
+        let mut best = [u128::MAX; 2];
+        for _ in 0..rounds {
+            let arms = [(&plain, &mut without), (&clear, &mut among)];
+            for ((arm, solution), best) in arms.into_iter().zip(&mut best) {
+                let begun = Instant::now();
+                arm.solve_into(target, &start, black_box(solution))?;
+                *best = (*best).min(begun.elapsed().as_nanos());
+            }
+        }
+        answers.push(json!({
+            "plain": best[0] as u64, "clear": best[1] as u64, "plain_reached": without.reached,
+            "reached": among.reached, "q": among.q, "plain_q": without.q, "attempts": among.attempts,
+        }));
+        if index % questions.len().div_ceil(WORLDS).max(1) == 0 {
+            batches.push(batch(&plain, &clear, &start, rounds)?);
+        }
+    }
+    println!("{}", json!({ "answers": answers, "batches": batches }));
+    Ok(())
+}
+
+/// A hundred poses of free configurations in one world, nanoseconds a pose: plain, and clear of the world.
+fn batch(plain: &Arm, clear: &Arm, start: &[f64], rounds: u64) -> Result<Value, Box<dyn Error>> {
+    let mut random = kinopt_benches::Sequence::new(0.5);
+    let mut targets = Vec::new();
+    while targets.len() < BATCH {
+        let q = plain.limits().map(|joint| {
+            let (lower, upper) = (joint.lower.max(-7.0), joint.upper.min(7.0));
+            lower + (upper - lower) * random.unit()
+        });
+        let q: Vec<f64> = q.collect();
+        if clear.collisions(&q)?.is_empty() {
+            targets.push(clear.base_from_tool(&q)?);
+        }
+    }
+    let starts = start.repeat(BATCH);
+    let mut q = vec![0.0; starts.len()];
+    let mut outcomes = vec![PoseOutcome::default(); BATCH];
+    let mut time = |arm: &Arm| -> Result<(f64, usize), Box<dyn Error>> {
+        let mut best = f64::INFINITY;
+        for _ in 0..rounds {
+            let begun = Instant::now();
+            arm.solve_batch_into(&targets, &starts, &mut q, &mut outcomes)?;
+            best = best.min(begun.elapsed().as_nanos() as f64 / BATCH as f64);
+        }
+        Ok((best, outcomes.iter().filter(|one| one.reached).count()))
+    };
+    let ((plain, _), (clear, reached)) = (time(plain)?, time(clear)?);
+    Ok(json!({ "plain": plain, "clear": clear, "reached": reached, "asked": BATCH }))
+}
+
+/// A configuration of the whole robot: what is told, and zeros.
+fn rest(robot: &Robot, told: &Value) -> Result<Vec<f64>, Box<dyn Error>> {
+    let model = robot.model();
+    let mut q = model.neutral();
+    for (name, value) in told.as_object().into_iter().flatten() {
+        // Files tell joints that this description of the robot has fixed.
+        if let (Ok(joint), Some(value)) = (model.joint(name), value.as_f64())
+            && let Some(at) = model.coordinate(joint)
+        {
+            q[at] = value;
+        }
+    }
+    Ok(q)
+}
+
+fn numbers(value: &Value) -> Result<Vec<f64>, Box<dyn Error>> {
+    let list = value.as_array().ok_or("a list of numbers is missing")?;
+    let numbers = list
+        .iter()
+        .map(|value| value.as_f64().ok_or("not a number".into()));
+    numbers.collect()
+}
+
+fn placement(value: &Value) -> Result<Placement<f64>, Box<dyn Error>> {
+    let m = numbers(value)?;
+    if m.len() != 16 {
+        return Err("a target has sixteen numbers".into());
+    }
+    let column = |j: usize| Vector3::new(m[j], m[4 + j], m[8 + j]);
+    let rotation = Matrix3::from_columns(column(0), column(1), column(2));
+    Ok(Placement::new(rotation, column(3)))
+}

@@ -1,0 +1,152 @@
+//! Checks of a Panda against worlds of several sizes: by its spheres, eight configurations at once, and by its shapes.
+
+use std::error::Error;
+use std::hint::black_box;
+
+use kinopt::arm::Arm;
+use kinopt::collision::{Checker, World};
+use kinopt::robot::Robot;
+use kinopt::spatial::Vector3;
+
+use super::{Run, Stage};
+use crate::Sequence;
+
+/// Configurations that a run goes through.
+const CONFIGURATIONS: usize = 512;
+/// What stands around stands so far from the base, metres.
+const NEAREST: f64 = 0.35;
+
+pub(super) fn stages() -> Vec<Stage> {
+    let stage = |name, build| Stage {
+        name,
+        elements: CONFIGURATIONS as u64,
+        unit: "check",
+        build,
+    };
+    vec![
+        stage(
+            "spheres of a Panda, itself alone",
+            || spheres(&World::new()),
+        ),
+        stage("spheres of a Panda, 30 primitives", || {
+            spheres(&primitives(30)?)
+        }),
+        stage("spheres of a Panda, 100 primitives", || {
+            spheres(&primitives(100)?)
+        }),
+        stage("spheres of a Panda, 1000 primitives", || {
+            spheres(&primitives(1000)?)
+        }),
+        stage("spheres of a Panda, 10 000 primitives", || {
+            spheres(&primitives(10_000)?)
+        }),
+        stage("spheres of a Panda, 10 000 points", || {
+            spheres(&points(10_000)?)
+        }),
+        stage("spheres of a Panda, 100 000 points", || {
+            spheres(&points(100_000)?)
+        }),
+        stage("spheres of a Panda, 1 000 000 points", || {
+            spheres(&points(1_000_000)?)
+        }),
+        stage("shapes of a Panda, 30 primitives", || {
+            shapes(&primitives(30)?)
+        }),
+        stage("shapes of a Panda, 10 000 primitives", || {
+            shapes(&primitives(10_000)?)
+        }),
+    ]
+}
+
+/// An arm among what stands around it, and configurations that are drawn, two of three of which are free.
+fn panda(world: &World) -> Result<(Arm, Checker, Vec<f64>), Box<dyn Error>> {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/franka_panda.urdf");
+    let robot = Robot::read(file)?;
+    let checker = Checker::of(&robot)?.with_world(world)?;
+    let arm = Arm::builder(&robot, "base", "flange").build()?;
+    let arm = arm.with_checker(&checker, &robot.model().neutral())?;
+    let mut random = Sequence::new(0.25);
+    let (mut q, mut drawn) = (Vec::new(), Vec::new());
+    let mut touching = 0;
+    while q.len() < CONFIGURATIONS * arm.joint_count() {
+        drawn.clear();
+        drawn.extend(
+            arm.limits()
+                .map(|joint| joint.lower + (joint.upper - joint.lower) * random.unit()),
+        );
+        let free = arm.collisions(&drawn)?.is_empty();
+        // A crowded world leaves few free.
+        if free || touching < CONFIGURATIONS / 3 {
+            touching += usize::from(!free);
+            q.extend_from_slice(&drawn);
+        }
+    }
+    Ok((arm, checker, q))
+}
+
+/// So many boxes, cylinders and balls in a shell around the base, which take up about as much room however many they are.
+fn primitives(count: usize) -> Result<World, Box<dyn Error>> {
+    let mut random = Sequence::new(0.75);
+    let size = 0.4 / (count as f64).cbrt();
+    let mut world = World::new();
+    for index in 0..count {
+        let at = around(&mut random);
+        let name = format!("thing {index}");
+        let size = size * (0.5 + random.unit());
+        match index % 3 {
+            0 => world.add_box(&name, [size, size, 0.5 * size], at)?,
+            1 => world.add_cylinder(&name, 0.3 * size, size, at)?,
+            _ => world.add_sphere(&name, 0.5 * size, at)?,
+        };
+    }
+    Ok(world)
+}
+
+/// A cloud, as a camera sees it: points on a table and on a wall.
+fn points(count: usize) -> Result<World, Box<dyn Error>> {
+    let mut random = Sequence::new(0.75);
+    let points = (0..count).map(|index| {
+        let (u, v) = (random.unit(), random.unit());
+        match index % 2 {
+            0 => Vector3::new(0.4 + 0.6 * u, 1.6 * v - 0.8, 0.2),
+            _ => Vector3::new(0.9, 1.6 * u - 0.8, 0.2 + v),
+        }
+    });
+    let mut world = World::new();
+    let cloud = kinopt::collision::Shape::points(points.collect(), 0.005)?;
+    world.add("cloud", cloud, Vector3::zero())?;
+    Ok(world)
+}
+
+/// Somewhere within an arm's reach, but not where its base is.
+fn around(random: &mut Sequence) -> Vector3<f64> {
+    loop {
+        let [x, y] = [(); 2].map(|()| 2.0 * random.unit() - 1.0);
+        let at = Vector3::new(x, y, 1.2 * random.unit() - 0.2);
+        if (NEAREST..1.0).contains(&x.hypot(y)) {
+            return at;
+        }
+    }
+}
+
+fn spheres(world: &World) -> Result<Run, Box<dyn Error>> {
+    let (arm, _, q) = panda(world)?;
+    let mut clear = vec![false; CONFIGURATIONS];
+    arm.clear_by_spheres(&q, &mut clear)?;
+    Ok(Box::new(move || {
+        let _checked_once = arm.clear_by_spheres(&q, &mut clear);
+        black_box(&clear);
+    }))
+}
+
+fn shapes(world: &World) -> Result<Run, Box<dyn Error>> {
+    let (arm, checker, q) = panda(world)?;
+    let mut workspace = checker.workspace();
+    let mut whole = checker.model().model().neutral();
+    Ok(Box::new(move || {
+        for q in q.chunks(arm.joint_count()) {
+            let _right_length = arm.configuration(q, &mut whole);
+            let _finite = black_box(checker.is_free(&mut workspace, &whole));
+        }
+    }))
+}
