@@ -93,6 +93,7 @@ faults!(
     kinopt::kinematics::KinematicsError,
     kinopt::mesh::MeshError,
     kinopt::model::MassError,
+    kinopt::motion::path::PathError,
     kinopt::model::ModelError,
     kinopt::problem::ProblemError,
     kinopt::skinning::AutomaticWeightsError,

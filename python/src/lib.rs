@@ -23,6 +23,7 @@ mod loops;
 mod masses;
 mod mesh;
 mod model;
+mod path;
 mod pickling;
 mod placement;
 mod pool;
@@ -64,6 +65,8 @@ mod _kinopt {
     use super::mesh::TriangleMesh;
     #[pymodule_export]
     use super::model::{Frame, Joint, Model, ModelBuilder};
+    #[pymodule_export]
+    use super::path::{MissedPoint, PathSolution, Reconfiguration, solve_path};
     #[pymodule_export]
     use super::problem::{ParameterMap, Problem, SolutionDerivative};
     #[pymodule_export]

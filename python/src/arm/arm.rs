@@ -68,7 +68,7 @@ use crate::world::World;
 /// options out of range, and where nothing between base and tip can move.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Arm {
-    pub(super) inner: Arc<kinopt::Arm>,
+    pub(crate) inner: Arc<kinopt::Arm>,
     mechanism: Py<PyAny>,
     base: Option<String>,
     tip: String,

@@ -1,0 +1,440 @@
+//! Cartesian paths of arms, with the fewest reconfigurations.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use kinopt::motion::path::{CartesianPath, Course, MissReason, PathSolver, QuaternionOrder};
+use kinopt::spatial::{Placement, Quaternion, Vector3};
+use numpy::{PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyType;
+
+use crate::arm::Arm;
+use crate::arrays::{self, shape_text};
+use crate::error::{OrRaise, invalid};
+use crate::pickling;
+use crate::placement::placements;
+
+/// A step in which an arm leaves its branch.
+#[pyclass(frozen, get_all, module = "kinopt")]
+#[derive(Clone)]
+pub(crate) struct Reconfiguration {
+    /// The row of `q` that it leads to; 0 for the step that closes a cyclic path.
+    index: usize,
+    /// Name of the joint that moves furthest.
+    joint: String,
+    /// How far it moves, radians; a slide by the metres that weigh as much.
+    distance: f64,
+    /// Weighted joint length of the step.
+    length: f64,
+}
+
+#[pymethods]
+impl Reconfiguration {
+    fn __repr__(&self) -> String {
+        let Self {
+            index,
+            joint,
+            distance,
+            ..
+        } = self;
+        format!("Reconfiguration(to row {index}, {joint:?}, {distance:.3} rad)")
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let own = slf.get();
+        let parts = (own.index, own.joint.clone(), own.distance, own.length);
+        pickling::by_rebuild::<Self>(slf.py(), parts)
+    }
+
+    #[staticmethod]
+    fn _rebuild(index: usize, joint: String, distance: f64, length: f64) -> Self {
+        Self {
+            index,
+            joint,
+            distance,
+            length,
+        }
+    }
+}
+
+/// A point of a path that the tool does not reach.
+#[pyclass(frozen, get_all, module = "kinopt")]
+#[derive(Clone)]
+pub(crate) struct MissedPoint {
+    /// The row of `q`.
+    index: usize,
+    /// By how much, metres beyond what the goal leaves free.
+    position_error: f64,
+    /// And radians.
+    orientation_error: f64,
+    /// Why: beyond reach, touching, or not found.
+    reason: String,
+}
+
+#[pymethods]
+impl MissedPoint {
+    fn __repr__(&self) -> String {
+        format!("MissedPoint(row {}, {})", self.index, self.reason)
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let own = slf.get();
+        let errors = (own.position_error, own.orientation_error);
+        let parts = (own.index, errors.0, errors.1, own.reason.clone());
+        pickling::by_rebuild::<Self>(slf.py(), parts)
+    }
+
+    #[staticmethod]
+    fn _rebuild(index: usize, position_error: f64, orientation_error: f64, reason: String) -> Self {
+        Self {
+            index,
+            position_error,
+            orientation_error,
+            reason,
+        }
+    }
+}
+
+/// The lists of a solution, pickled.
+type Lists<'py> = (
+    Vec<Bound<'py, Reconfiguration>>,
+    Vec<Bound<'py, MissedPoint>>,
+    Vec<(usize, String, String, f64)>,
+);
+
+/// Joints for a whole path.
+#[pyclass(frozen, module = "kinopt")]
+pub(crate) struct PathSolution {
+    q: Vec<f64>,
+    /// Names of the joints, the columns of `q`.
+    #[pyo3(get)]
+    joint_names: Vec<String>,
+    /// Which point of the path the first row is for: 0 unless it may be entered anywhere.
+    #[pyo3(get)]
+    entry: usize,
+    /// The steps in which the arm leaves its branch, in order.
+    #[pyo3(get)]
+    reconfigured_at: Vec<Reconfiguration>,
+    /// Weighted joint length of all steps.
+    #[pyo3(get)]
+    length: f64,
+    /// How far the tool is from the path at most between two rows, metres: a bound, not a sample.
+    #[pyo3(get)]
+    largest_deviation: f64,
+    /// The row that the step leads to in which that is.
+    #[pyo3(get)]
+    largest_deviation_at: usize,
+    /// How far it is turned from the path at most, radians.
+    #[pyo3(get)]
+    largest_turn: f64,
+    /// The row that the step leads to in which that is.
+    #[pyo3(get)]
+    largest_turn_at: usize,
+    /// The points that are not reached, in order.
+    #[pyo3(get)]
+    missed: Vec<MissedPoint>,
+    /// The steps that are not surely free, of an arm with a world: (row that it leads to, first, second, distance).
+    #[pyo3(get)]
+    blocked: Vec<(usize, String, String, f64)>,
+    /// How a file was read; None of an array.
+    #[pyo3(get)]
+    read_as: Option<String>,
+}
+
+#[pymethods]
+impl PathSolution {
+    /// One configuration a point, shape (N, dof), in the order in which the path is gone.
+    #[getter]
+    fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let width = self.joint_names.len();
+        arrays::list(py, &self.q).reshape([self.q.len() / width.max(1), width])
+    }
+
+    /// How often the arm leaves its branch.
+    #[getter]
+    fn reconfigurations(&self) -> usize {
+        self.reconfigured_at.len()
+    }
+
+    /// Whether all points are reached on one branch, and all steps are free.
+    #[getter]
+    fn is_whole(&self) -> bool {
+        self.reconfigured_at.is_empty() && self.missed.is_empty() && self.blocked.is_empty()
+    }
+
+    fn __repr__(&self) -> String {
+        let rows = self.q.len() / self.joint_names.len().max(1);
+        format!(
+            "PathSolution({} of {rows} reached, {} reconfigurations, length {:.3})",
+            rows - self.missed.len(),
+            self.reconfigured_at.len(),
+            self.length
+        )
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let own = slf.get();
+        let deviation = (
+            own.largest_deviation,
+            own.largest_deviation_at,
+            own.largest_turn,
+            own.largest_turn_at,
+        );
+        let lists = (
+            own.reconfigured_at.clone(),
+            own.missed.clone(),
+            own.blocked.clone(),
+        );
+        let rest = (own.entry, own.length, own.read_as.clone());
+        let parts = (
+            own.q.clone(),
+            own.joint_names.clone(),
+            rest,
+            deviation,
+            lists,
+        );
+        pickling::by_rebuild::<Self>(slf.py(), parts)
+    }
+
+    #[classmethod]
+    fn _rebuild(
+        _class: &Bound<'_, PyType>,
+        q: Vec<f64>,
+        joint_names: Vec<String>,
+        rest: (usize, f64, Option<String>),
+        deviation: (f64, usize, f64, usize),
+        lists: Lists<'_>,
+    ) -> Self {
+        let (entry, length, read_as) = rest;
+        let (largest_deviation, largest_deviation_at, largest_turn, largest_turn_at) = deviation;
+        let (reconfigured_at, missed, blocked) = lists;
+        Self {
+            q,
+            joint_names,
+            entry,
+            reconfigured_at: reconfigured_at.iter().map(|r| r.get().clone()).collect(),
+            length,
+            largest_deviation,
+            largest_deviation_at,
+            largest_turn,
+            largest_turn_at,
+            missed: missed.iter().map(|m| m.get().clone()).collect(),
+            blocked,
+            read_as,
+        }
+    }
+}
+
+/// Joints for a whole path of an arm's tool, with the fewest reconfigurations, then the shortest: a `PathSolution`.
+///
+/// `path` is placements of shape (N, 4, 4) or a list of them, points of shape (N, 7) (x, y, z, then a quaternion w, x, y, z) or
+/// (N, 3), or a table's file, whose columns go by its header (`order`, "w-first" or "w-last", is that of quaternions without names).
+/// Between two points the tool goes straight and turns evenly. The arm says what counts of a point and what it keeps clear of.
+///
+/// `times`: seconds, shape (N,), where `keep_times` makes a step that a joint is too slow for a reconfiguration too. `course`: "open", "cyclic"
+/// (round and round, back in the same configuration) or "any-start" (round once from whichever point is best). `start` and `end`:
+/// configurations that stand at the ends. `joint_weights`: what a radian or metre of each joint weighs in lengths. `max_step`: the
+/// furthest that a joint moves on the same branch from point to point, radians. `samples`: configurations known of a place at most.
+/// `tools`: for `tool_of_points` (N,), which arm each point is for: 0 this one, 1 and so on those of `tools` (`arm.with_tool`).
+///
+/// Raises `InvalidValueError`, which names the point or option, and `FileError` or `InvalidFileError` of a file.
+#[pyfunction]
+#[pyo3(signature = (arm, path, *, times = None, keep_times = false, course = None, start = None, end = None, joint_weights = None,
+    max_step = 0.2, samples = 64, tools = None, tool_of_points = None, order = None))]
+#[expect(clippy::too_many_arguments, reason = "they are keywords")]
+pub(crate) fn solve_path(
+    py: Python<'_>,
+    arm: &Bound<'_, Arm>,
+    path: &Bound<'_, PyAny>,
+    times: Option<&Bound<'_, PyAny>>,
+    keep_times: bool,
+    course: Option<&Bound<'_, PyAny>>,
+    start: Option<&Bound<'_, PyAny>>,
+    end: Option<&Bound<'_, PyAny>>,
+    joint_weights: Option<&Bound<'_, PyAny>>,
+    max_step: f64,
+    samples: usize,
+    tools: Option<Vec<Bound<'_, Arm>>>,
+    tool_of_points: Option<Vec<usize>>,
+    order: Option<&Bound<'_, PyAny>>,
+) -> PyResult<PathSolution> {
+    let (mut path, read_as) = read(path, order)?;
+    if let Some(times) = times {
+        path = path
+            .with_times(arrays::copied(times, "times")?)
+            .or_raise()?;
+    }
+    if let Some(tools) = tool_of_points {
+        path = path.with_tools(tools).or_raise()?;
+    }
+    let courses = [
+        ("open", Course::Open),
+        ("cyclic", Course::Cyclic),
+        ("any-start", Course::AnyStart),
+    ];
+    let path = path.with_course(one_of(course, "course", courses)?);
+    let own = Arc::clone(&arm.get().inner);
+    let others = tools
+        .iter()
+        .flatten()
+        .map(|arm| Arc::clone(&arm.get().inner));
+    let others: Vec<_> = others.collect();
+    let numbers = |value: Option<&Bound<'_, PyAny>>, what: &str| {
+        value.map(|value| arrays::copied(value, what)).transpose()
+    };
+    let (start, end) = (numbers(start, "start")?, numbers(end, "end")?);
+    let weights = numbers(joint_weights, "joint_weights")?;
+    let solution = py.detach(|| {
+        let mut solver = PathSolver::new(&own)
+            .with_max_step(max_step)
+            .with_samples(samples)
+            .with_times_kept(keep_times)
+            .with_tools(others.iter().map(|arm| &**arm));
+        if let Some(start) = &start {
+            solver = solver.with_start(start);
+        }
+        if let Some(end) = &end {
+            solver = solver.with_end(end);
+        }
+        if let Some(weights) = &weights {
+            solver = solver.with_joint_weights(weights);
+        }
+        solver.solve(&path)
+    });
+    Ok(tell(&own, solution.or_raise()?, read_as))
+}
+
+fn tell(
+    arm: &kinopt::Arm,
+    solution: kinopt::motion::path::PathSolution,
+    read_as: Option<String>,
+) -> PathSolution {
+    let joint_names: Vec<String> = arm.joints().map(str::to_owned).collect();
+    let steps = solution
+        .reconfigurations
+        .iter()
+        .map(|step| Reconfiguration {
+            index: step.index,
+            joint: joint_names.get(step.joint).cloned().unwrap_or_default(),
+            distance: step.distance,
+            length: step.length,
+        });
+    let missed = solution.missed.iter().map(|missed| MissedPoint {
+        index: missed.index,
+        position_error: missed.position_error,
+        orientation_error: missed.orientation_error,
+        reason: match &missed.reason {
+            MissReason::BeyondReach { distance, reach } => {
+                format!("beyond reach: {distance:.4} m away, and the chain is {reach:.4} m long")
+            }
+            MissReason::Touches(pair) => format!("{} and {} touch there", pair.first, pair.second),
+            _ => "no configuration within the limits was found".to_owned(),
+        },
+    });
+    let blocked = solution.blocked.iter().map(|blocked| {
+        let by = &blocked.by;
+        (
+            blocked.index,
+            by.first.clone(),
+            by.second.clone(),
+            by.distance,
+        )
+    });
+    let deviation = solution.largest_deviation;
+    PathSolution {
+        reconfigured_at: steps.collect(),
+        missed: missed.collect(),
+        blocked: blocked.collect(),
+        entry: solution.entry,
+        length: solution.length,
+        largest_deviation: deviation.metres,
+        largest_deviation_at: deviation.metres_at,
+        largest_turn: deviation.radians,
+        largest_turn_at: deviation.radians_at,
+        q: solution.q,
+        joint_names,
+        read_as,
+    }
+}
+
+/// A path from placements, from points, or from a file, and how that was read.
+fn read(
+    path: &Bound<'_, PyAny>,
+    order: Option<&Bound<'_, PyAny>>,
+) -> PyResult<(CartesianPath, Option<String>)> {
+    let orders = [
+        ("w-first", QuaternionOrder::WFirst),
+        ("w-last", QuaternionOrder::WLast),
+    ];
+    let order = one_of(order, "order", orders)?;
+    if let Ok(file) = path.extract::<PathBuf>() {
+        let (path, columns) = CartesianPath::read(file, order).or_raise()?;
+        return Ok((path, Some(columns.to_string())));
+    }
+    let array = path.py().import("numpy")?.call_method1("asarray", (path,));
+    let shape = array.and_then(|array| array.getattr("shape")?.extract::<Vec<usize>>());
+    let points = match shape.as_deref() {
+        Ok([_, 3 | 7]) => {
+            let rows = arrays::convert::<f64>(path, "path")?;
+            let rows = rows.extract::<Vec<Vec<f64>>>()?;
+            let points = rows
+                .iter()
+                .enumerate()
+                .map(|(row, numbers)| point(row, numbers, order));
+            points.collect::<PyResult<Vec<_>>>()?
+        }
+        Ok(shape @ [_, _]) => {
+            return Err(invalid(format!(
+                "path has shape {}, expected (N, 4, 4), (N, 7) or (N, 3)",
+                shape_text(shape)
+            )));
+        }
+        _ => placements(path, "path")?.to_vec("point")?,
+    };
+    Ok((CartesianPath::new(points).or_raise()?, None))
+}
+
+/// What a word says; the first of all without one.
+fn one_of<const N: usize, T: Copy>(
+    given: Option<&Bound<'_, PyAny>>,
+    what: &str,
+    all: [(&str, T); N],
+) -> PyResult<T> {
+    let valid = all.map(|(word, _)| word);
+    let Some(given) = given else {
+        return Ok(all[0].1);
+    };
+    let word = arrays::word(given, what, &valid)?;
+    let found = all.iter().find(|(known, _)| *known == word);
+    found.map(|(_, value)| *value).ok_or_else(|| {
+        invalid(format!(
+            "{what} must be one of {}, not {word:?}",
+            valid.join(", ")
+        ))
+    })
+}
+
+fn point(row: usize, numbers: &[f64], order: QuaternionOrder) -> PyResult<Placement<f64>> {
+    let &[x, y, z, a, b, c, d] = numbers else {
+        let place = numbers.first_chunk().copied().unwrap_or([f64::NAN; 3]);
+        return Ok(Placement::translation(Vector3::from(place)));
+    };
+    let (w, v) = match order {
+        QuaternionOrder::WFirst => (a, Vector3::new(b, c, d)),
+        QuaternionOrder::WLast => (d, Vector3::new(a, b, c)),
+    };
+    let length = (w * w + v.norm_squared()).sqrt();
+    // NaN is not near to anything.
+    let unit = (length - 1.0).abs() <= 1e-3;
+    if !unit {
+        return Err(invalid(format!(
+            "point {row} of the path: its quaternion has length {length}, 1 is needed"
+        )));
+    }
+    let unit = Quaternion {
+        w: w / length,
+        v: v * length.recip(),
+    };
+    Ok(Placement::new(unit.to_matrix(), Vector3::new(x, y, z)))
+}

@@ -1,0 +1,117 @@
+"""Whole paths: the fewest reconfigurations, and the truth about what is between the points."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kinopt
+from kinopt.errors import FileError, InvalidFileError, InvalidValueError
+
+MODELS = Path(__file__).parents[2] / "models"
+Q = np.array([0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8])
+
+
+@pytest.fixture(scope="module")
+def arm() -> kinopt.Arm:
+    robot = kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf")
+    return kinopt.Arm(robot, "base", "flange")
+
+
+def sideways(arm: kinopt.Arm, points: int = 60) -> np.ndarray:
+    path = np.repeat(arm.base_from_tool(Q)[None], points, axis=0)
+    path[:, 1, 3] += np.linspace(0, 0.25, points)
+    return path
+
+
+def test_a_line_is_one_piece(arm: kinopt.Arm) -> None:
+    path = sideways(arm)
+    solved = kinopt.solve_path(arm, path)
+    assert solved.reconfigurations == 0 and solved.reconfigured_at == [] and solved.is_whole
+    assert solved.q.shape == (60, 7) and solved.joint_names == arm.joint_names
+    assert np.allclose(arm.base_from_tool(solved.q), path, atol=2e-6)
+    assert np.all(solved.q >= arm.lower) and np.all(solved.q <= arm.upper)
+    assert np.isclose(solved.length, np.linalg.norm(np.diff(solved.q, axis=0), axis=1).sum())
+    # Nothing that is found between the rows is beyond what is told.
+    share = np.linspace(0, 1, 11)[:, None, None]
+    between = solved.q[:-1] + share * np.diff(solved.q, axis=0)
+    wanted = path[:-1, :3, 3] + share * np.diff(path[:, :3, 3], axis=0)
+    away = arm.base_from_tool(between.reshape(-1, 7))[:, :3, 3].reshape(wanted.shape) - wanted
+    assert np.linalg.norm(away, axis=-1).max() <= solved.largest_deviation + 1e-9 < 1e-3
+
+
+def test_points_and_files(arm: kinopt.Arm, tmp_path: Path) -> None:
+    x, y, z = arm.base_from_tool(Q)[:3, 3]
+    rows = np.array([[x, y + 0.005 * k, z, 0.0, 1.0, 0.0, 0.0] for k in range(20)])
+    by_points = kinopt.solve_path(arm, rows)
+    file = tmp_path / "path.csv"
+    np.savetxt(file, rows, delimiter=",", header="x,y,z,qw,qx,qy,qz", comments="")
+    by_file = kinopt.solve_path(arm, file)
+    assert np.array_equal(by_points.q, by_file.q)
+    assert by_points.read_as is None and by_file.read_as is not None and "header" in by_file.read_as
+    last = rows[:, [0, 1, 2, 4, 5, 6, 3]]
+    assert np.array_equal(kinopt.solve_path(arm, last, order="w-last").q, by_points.q)
+
+
+def test_ends_courses_and_tools(arm: kinopt.Arm) -> None:
+    path = sideways(arm)
+    assert np.array_equal(kinopt.solve_path(arm, path, start=Q).q[0], Q)
+    there_and_back = np.concatenate([path, path[-2:0:-1]])
+    cyclic = kinopt.solve_path(arm, there_and_back, course="cyclic")
+    assert cyclic.is_whole and np.abs(cyclic.q[-1] - cyclic.q[0]).max() < 0.1
+    anywhere = kinopt.solve_path(arm, there_and_back, course="any-start")
+    assert anywhere.q.shape == (len(there_and_back) + 1, 7)
+    drill = np.eye(4)
+    drill[2, 3] = 0.1
+    drilling = arm.with_tool(drill)
+    tools = [0] * 30 + [1] * 30
+    both = kinopt.solve_path(arm, path, tools=[drilling], tool_of_points=tools)
+    assert np.allclose(drilling.base_from_tool(both.q[30:]), path[30:], atol=2e-6)
+
+
+def test_what_is_missed_is_told(arm: kinopt.Arm) -> None:
+    path = sideways(arm)
+    path[30, 0, 3] += 3.0
+    solved = kinopt.solve_path(arm, path)
+    [missed] = solved.missed
+    assert missed.index == 30 and "beyond reach" in missed.reason and missed.position_error > 1.5
+    assert not solved.is_whole
+
+
+def test_solutions_are_pickled(arm: kinopt.Arm) -> None:
+    path = sideways(arm)
+    path[10, 0, 3] += 3.0
+    solved = kinopt.solve_path(arm, path)
+    back = pickle.loads(pickle.dumps(solved))
+    assert np.array_equal(back.q, solved.q) and repr(back) == repr(solved)
+    assert repr(back.missed) == repr(solved.missed)
+    assert repr(back.reconfigured_at) == repr(solved.reconfigured_at)
+
+
+def test_bad_input_is_named(arm: kinopt.Arm, tmp_path: Path) -> None:
+    path = sideways(arm)
+    path[3, 0, 0] = np.nan
+    with pytest.raises(InvalidValueError, match="point 3"):
+        kinopt.solve_path(arm, path)
+    path = sideways(arm)
+    with pytest.raises(InvalidValueError, match="no points"):
+        kinopt.solve_path(arm, path[:0])
+    with pytest.raises(InvalidValueError, match="course"):
+        kinopt.solve_path(arm, path, course="round")  # type: ignore[arg-type]
+    with pytest.raises(InvalidValueError, match="max_step"):
+        kinopt.solve_path(arm, path, max_step=-1.0)
+    with pytest.raises(InvalidValueError, match="start"):
+        kinopt.solve_path(arm, path, start=np.zeros(7))
+    with pytest.raises(InvalidValueError, match="times"):
+        kinopt.solve_path(arm, path, times=np.zeros(60))
+    with pytest.raises(InvalidValueError, match="shape"):
+        kinopt.solve_path(arm, np.zeros((4, 5)))
+    with pytest.raises(FileError, match="nowhere"):
+        kinopt.solve_path(arm, tmp_path / "nowhere.csv")
+    bad = tmp_path / "bad.csv"
+    bad.write_text("x,y,z\n1,2,here\n")
+    with pytest.raises(InvalidFileError, match="line 2"):
+        kinopt.solve_path(arm, bad)
