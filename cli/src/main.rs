@@ -33,10 +33,12 @@ mod method_choice;
 mod model_options;
 mod number_format;
 mod number_list;
+mod numpy_file;
 mod output;
 mod path;
 mod placed_frames;
 mod progress;
+mod retarget;
 mod scene_output;
 mod skin_report;
 mod skinning_choice;
@@ -79,6 +81,7 @@ Examples:
   kinopt animate arm.json --fps 24 --out frames
   kinopt animate fox.glb --clip Run --time 0.2 --out posed.glb
   kinopt spheres robot.urdf --overhang 0.02 --out spheres.yml
+  kinopt retarget walk.bvh g1.urdf --map g1.json --base-joint free --out walk.npz
   kinopt skin-report --out twist.svg
   kinopt bench robot.urdf --problems random:100 --out results
 
@@ -111,6 +114,7 @@ enum Subcommands {
     Path(Box<path::Arguments>),
     Check(check::Arguments),
     Spheres(spheres::Arguments),
+    Retarget(retarget::Arguments),
     SkinReport(skin_report::Arguments),
     Bench(bench::Arguments),
 }
@@ -134,6 +138,7 @@ fn main() -> ExitCode {
         Subcommands::Path(arguments) => path::run(arguments, json),
         Subcommands::Spheres(arguments) => spheres::run(arguments, json),
         Subcommands::Check(arguments) => check::run(arguments, json),
+        Subcommands::Retarget(arguments) => retarget::run(arguments, json),
         Subcommands::SkinReport(arguments) => skin_report::run(arguments, json),
         Subcommands::Bench(arguments) => bench::run(arguments, json),
     };

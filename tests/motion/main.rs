@@ -12,6 +12,7 @@ mod path_misses;
 mod path_reconfigurations;
 mod path_world;
 mod paths_of_joints;
+mod retargeting;
 mod turning_bodies;
 mod walker;
 mod windows;

@@ -23,6 +23,7 @@ mod motion_capture;
 mod pages;
 mod path;
 mod posed_mesh;
+mod retarget;
 mod robot_files;
 mod robots;
 mod room_and_weights;

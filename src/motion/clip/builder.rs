@@ -31,6 +31,8 @@ pub struct MotionProblemBuilder<'m> {
     /// By number of a configuration.
     speeds: Vec<f64>,
     contacts: Vec<Contact>,
+    /// What a metre of slip costs a held point, in the largest weight of a length.
+    stiffer: f64,
     ends: [Option<Vec<f64>>; 2],
     /// The first name or number that was wrong.
     wrong: Option<MotionError>,
@@ -57,6 +59,7 @@ impl<'m> MotionProblemBuilder<'m> {
             rate_costs: Vec::new(),
             speeds: vec![f64::INFINITY; model.configuration_len()],
             contacts: Vec::new(),
+            stiffer: STIFFER,
             ends: [None, None],
             wrong: None,
         }
@@ -150,6 +153,12 @@ impl<'m> MotionProblemBuilder<'m> {
         self
     }
 
+    /// How many times the largest weight of a length a metre of slip costs, before springs are tightened.
+    pub(in crate::motion) fn stiffness(&mut self, times: f64) -> &mut Self {
+        self.stiffer = times;
+        self
+    }
+
     /// The configuration of the first frame.
     pub fn first(&mut self, q: &[f64]) -> &mut Self {
         self.ends[0] = Some(q.to_vec());
@@ -201,7 +210,7 @@ impl<'m> MotionProblemBuilder<'m> {
                 joint: joints[ball.variable].clone(),
             });
         }
-        let most = moves(&problem, &self.speeds, time_step_s)?;
+        let most = longest_moves(&problem, &self.speeds, time_step_s)?;
         let compiled = self.rate_costs.iter();
         let rate_costs = compiled
             .map(|cost| cost.compile(&problem, time_step_s))
@@ -223,7 +232,7 @@ impl<'m> MotionProblemBuilder<'m> {
             follow(0, &mut targets)?;
         }
         Ok(MotionProblem {
-            stiffness: stiffness(&problem),
+            stiffness: stiffness(&problem, self.stiffer),
             space: FrameSpace::new(map),
             bounds: FrameBounds::new(&problem, most),
             problem,
@@ -240,7 +249,11 @@ impl<'m> MotionProblemBuilder<'m> {
 }
 
 /// How far each variable goes from a frame to the next, those that follow it included.
-fn moves(problem: &Problem, speeds: &[f64], time_step_s: f64) -> Result<Vec<f64>, MotionError> {
+pub(in crate::motion) fn longest_moves(
+    problem: &Problem,
+    speeds: &[f64],
+    time_step_s: f64,
+) -> Result<Vec<f64>, MotionError> {
     let map = problem.parameters();
     let mut most = vec![f64::INFINITY; problem.variables()];
     for (source, &speed) in map
@@ -306,13 +319,13 @@ fn check_weights(
 }
 
 /// What a metre of slip costs a held point: far more than the tasks pull it by.
-fn stiffness(problem: &Problem) -> f64 {
+fn stiffness(problem: &Problem, times: f64) -> f64 {
     let blocks = problem
         .compiled_tasks()
         .iter()
         .flat_map(|task| task.blocks());
     let metres = blocks.filter(|block| block.measure.quantity == Quantity::Metres);
-    STIFFER * metres.map(|block| block.weight).fold(1.0, f64::max)
+    times * metres.map(|block| block.weight).fold(1.0, f64::max)
 }
 
 /// The points of contacts as one problem.

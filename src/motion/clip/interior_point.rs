@@ -30,9 +30,7 @@ const LEAST_CENTRING: f64 = 1e-4;
 const LEAST_GAP: f64 = 0.3;
 /// So many steps are Gauss-Newton's at most; then frames bend as they do.
 const PLAIN_STEPS: usize = 10;
-/// Held points move so little, in metres, where they stand still …
-const STILL: f64 = 1e-8;
-/// … and springs are tightened so often at most.
+/// The springs of what is held are tightened so often at most.
 const MOST_TIGHTENINGS: usize = 6;
 
 /// When to stop.
@@ -41,6 +39,10 @@ pub(super) struct Limits {
     /// What is still to win, as a share of the cost.
     pub(super) tolerance: f64,
     pub(super) iterations: usize,
+    /// Whether frames may bend as they do.
+    pub(super) curvature: bool,
+    /// What may still slip from a frame to the next, metres.
+    pub(super) slip_m: f64,
 }
 
 /// Frames in a row that are solved as one.
@@ -69,6 +71,7 @@ struct Step {
     way: Vec<f64>,
     room: Vec<f64>,
     damping: f64,
+    was_cut: bool,
 }
 
 impl Window<'_, '_> {
@@ -84,7 +87,6 @@ impl Window<'_, '_> {
         let within = self.motion.bounds.draw_within(&mut Frames { x, fixed });
         within.map_err(|too_far| self.too_far(too_far.variable))?;
         self.evaluator.held.begin(frames);
-        self.evaluator.curved = false;
         let mut barrier = Barrier::new(&self.motion.bounds, &self.fixed);
         if let Some(bound) = barrier.look(x) {
             return Err(self.too_far(bound.at % n));
@@ -97,11 +99,13 @@ impl Window<'_, '_> {
             way: vec![0.0; frames * n],
             room: Vec::new(),
             damping: 0.0,
+            was_cut: false,
         };
         let (mut iterations, mut tightenings) = (0, 0);
         let mut termination = MotionTermination::IterationLimit;
         let mut last_cost = f64::INFINITY;
         while iterations < limits.iterations {
+            self.evaluator.curved = limits.curvature && (step.was_cut || iterations >= PLAIN_STEPS);
             let costs = self.linearise(x, &mut step)?;
             let cost = costs[0] + costs[1];
             last_cost = costs[0];
@@ -112,7 +116,6 @@ impl Window<'_, '_> {
             barrier.add_to(n, &mut step.hessian);
             self.take_out_fixed(&mut step.hessian);
             iterations += 1;
-            self.evaluator.curved |= iterations == PLAIN_STEPS;
             let won = self.step(x, cost, &mut barrier, &mut step)?;
             let Some((promised, gap)) = won else {
                 termination = MotionTermination::SmallStep;
@@ -120,7 +123,7 @@ impl Window<'_, '_> {
             };
             if promised + gap <= limits.tolerance * costs[0] {
                 let slip = self.evaluator.held.tighten(self.at, x);
-                if slip <= STILL || tightenings == MOST_TIGHTENINGS {
+                if slip <= limits.slip_m || tightenings == MOST_TIGHTENINGS {
                     termination = MotionTermination::Stationary;
                     break;
                 }
@@ -193,7 +196,7 @@ impl Window<'_, '_> {
                         step.damping *= LESS_DAMPING;
                     } else {
                         // JᵀJ foretold too much.
-                        self.evaluator.curved = true;
+                        step.was_cut = true;
                     }
                     let promised = 0.5 * downhill.max(0.0) / share;
                     return Ok(Some((promised, barrier.gap())));

@@ -27,15 +27,19 @@ pub struct Windows {
 pub struct MotionSolver {
     tolerance: f64,
     max_iterations: usize,
+    curvature: bool,
+    slip_m: f64,
     windows: Option<Windows>,
 }
 
 impl Default for MotionSolver {
-    /// To 1e-8 of the cost, 200 iterations a window, all frames as one.
+    /// To 1e-8 of the cost and 1e-8 m of slip a frame, 200 iterations a window, with curvature, all frames as one.
     fn default() -> Self {
         Self {
             tolerance: 1e-8,
             max_iterations: 200,
+            curvature: true,
+            slip_m: 1e-8,
             windows: None,
         }
     }
@@ -47,6 +51,11 @@ impl MotionSolver {
         pub fn with_tolerance(mut self, share: f64) { self.tolerance = share }
         /// At most so many iterations a window.
         pub fn with_max_iterations(mut self, iterations: usize) { self.max_iterations = iterations }
+        /// Whether frames bend as they do, after ten steps or where a step had to be cut, or as JᵀJ says all the time:
+        /// less exact where targets are far out of reach, and much less work a step.
+        pub fn with_curvature(mut self, curvature: bool) { self.curvature = curvature }
+        /// What is held slips by no more than this from a frame to the next, in metres, where six rounds suffice. At least 0.
+        pub fn with_slip(mut self, metres: f64) { self.slip_m = metres }
         /// In windows, or all frames as one.
         pub fn with_windows(mut self, windows: Option<Windows>) { self.windows = windows }
     }
@@ -98,6 +107,7 @@ impl MotionSolver {
         mut x: Vec<f64>,
     ) -> Result<MotionSolution, MotionError> {
         BadOption::check("tolerance", self.tolerance, AT_LEAST_0)?;
+        BadOption::check("slip", self.slip_m, AT_LEAST_0)?;
         let windows = self.windows.unwrap_or(Windows {
             frames: motion.frames,
             ahead: 0,
@@ -118,6 +128,8 @@ impl MotionSolver {
         let limits = Limits {
             tolerance: self.tolerance,
             iterations: self.max_iterations,
+            curvature: self.curvature,
+            slip_m: self.slip_m,
         };
         let mut evaluator = Evaluator::new(motion);
         let mut report = Report::new(motion);

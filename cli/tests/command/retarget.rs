@@ -1,0 +1,116 @@
+//! Promise: `retarget` brings an array of places onto a robot, frame by frame or as a whole, and writes what humanoid
+//! learning reads; what is wrong with files and options is told, and nothing is written then.
+
+use crate::forked_rig::*;
+
+const MAP: &str = r#"{"joints": ["hips", "left", "right"], "fps": 30,
+  "drives": {"hips": "torso", "left": "left_sole", "right": "right_sole"}}"#;
+
+/// A .npy of (frames, 3, 3): a hip that sways over two feet.
+fn sway(frames: usize) -> Vec<u8> {
+    let mut bytes = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    let header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({frames}, 3, 3), }}");
+    bytes.extend(format!("{header:<117}\n").bytes());
+    for frame in 0..frames {
+        let aside = 0.05 * (frame as f32 * 0.2).sin();
+        for place in [[0.0, aside, 0.9], [0.0, 0.15, 0.0], [0.0, -0.15, 0.0]] {
+            bytes.extend(place.iter().flat_map(|number| number.to_le_bytes()));
+        }
+    }
+    bytes
+}
+
+fn array(folder: &Folder, name: &str, bytes: &[u8]) -> String {
+    let path = folder.file(name);
+    std::fs::write(&path, bytes).unwrap();
+    path
+}
+
+#[test]
+fn a_swaying_person_sways_on_a_robot() {
+    let folder = Folder::new("retarget");
+    let map = folder.text("map.json", MAP);
+    let source = array(&folder, "sway.npy", &sway(12));
+    let robot = model("aldebaran_nao.urdf");
+    for whole in ["", "--whole"] {
+        let out = folder.file("sway.json");
+        let told =
+            answer!("retarget {source} {robot} --map {map} --base-joint free {whole} --out {out}");
+        assert_eq!(told["frames"], 12);
+        assert_eq!(told["fps"], 30.0);
+        let text = std::fs::read_to_string(&out).unwrap();
+        let written: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let names = list(&written["names"]);
+        assert_eq!(names[0], "root_joint/x");
+        assert_eq!(list(&written["q"]).len(), 12);
+        assert!(
+            list(&written["q"])
+                .iter()
+                .all(|q| list(q).len() == names.len())
+        );
+        // Its names tell of no feet, so none stands.
+        assert!(list(&written["standing"]).is_empty());
+    }
+    let csv = folder.file("sway.csv");
+    let _ = answer!("retarget {source} {robot} --map {map} --base-joint free --out {csv}");
+    let text = std::fs::read_to_string(&csv).unwrap();
+    assert!(text.starts_with("time,root_joint/x,"));
+    assert_eq!(text.lines().count(), 13);
+    let npz = folder.file("sway.npz");
+    let _ = answer!("retarget {source} {robot} --map {map} --base-joint free --out {npz}");
+    let bytes = std::fs::read(&npz).unwrap();
+    for name in ["q.npy", "fps.npy", "names.npy", "contacts.npy"] {
+        let found = bytes
+            .windows(name.len())
+            .any(|window| window == name.as_bytes());
+        assert!(found, "{name}");
+    }
+}
+
+#[test]
+fn what_is_wrong_is_told_and_nothing_is_written() {
+    let folder = Folder::new("retarget-wrong");
+    let (map, robot) = (folder.text("map.json", MAP), model("aldebaran_nao.urdf"));
+    let source = array(&folder, "sway.npy", &sway(3));
+    let short = array(&folder, "short.npy", &sway(3)[..200]);
+    let foreign = folder.text(
+        "foreign.json",
+        r#"{"drives": {"g1.urdf": {"hips": "pelvis"}}}"#,
+    );
+    let nobody = folder.text("nobody.json", &MAP.replace("torso", "pelvis"));
+    let out = folder.file("out.npz");
+    for (arguments, code, words) in [
+        (
+            format!("{source} {robot} --map {map} --out {out}.txt"),
+            2,
+            ".npz",
+        ),
+        (format!("{map} {robot} --map {map} --out {out}"), 2, ".npy"),
+        (
+            format!("{short} {robot} --map {map} --out {out}"),
+            1,
+            "damaged",
+        ),
+        (
+            format!("{source} {robot} --map {foreign} --out {out}"),
+            1,
+            "aldebaran_nao.urdf",
+        ),
+        (
+            format!("{source} {robot} --map {nobody} --out {out}"),
+            1,
+            "pelvis",
+        ),
+        (
+            format!("{source} {robot} --map {map} --fps 0 --out {out}"),
+            2,
+            "fps",
+        ),
+    ] {
+        let run = kinopt!("retarget {arguments}");
+        let told = String::from_utf8(run.stderr).unwrap();
+        assert_eq!(run.status.code(), Some(code), "{arguments}: {told}");
+        assert!(told.contains(words), "{arguments}: {told}");
+        assert!(!std::path::Path::new(&out).exists());
+    }
+}

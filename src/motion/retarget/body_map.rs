@@ -1,0 +1,171 @@
+//! Which captured joint drives which frame of a model.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use serde_json::Value;
+
+use super::RetargetError;
+use crate::model::UnknownName;
+use crate::spatial::Vector3;
+
+/// What a captured joint drives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drive {
+    /// The captured joint.
+    pub joint: String,
+    /// The model's frame.
+    pub frame: String,
+    /// The frame's point, in its coordinates, metres.
+    pub offset: Vector3<f64>,
+    /// How much it counts beside the others.
+    pub weight: f64,
+    /// How long the limb that it ends is, for a metre of the person's; `None` where that is measured.
+    pub scale: Option<f64>,
+}
+
+/// The axis of a capture that points upward.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum UpAxis {
+    /// As in captures for animation.
+    Y,
+    /// As in robotics.
+    #[default]
+    Z,
+}
+
+/// A map from a capture to a model.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BodyMap {
+    /// The captured joints in the order of an array, where the map says it.
+    pub joints: Vec<String>,
+    /// Frames a second, where the map says it.
+    pub frame_rate: Option<f64>,
+    /// Which way is up, where the map says it.
+    pub up: Option<UpAxis>,
+    /// What drives what.
+    pub drives: Vec<Drive>,
+    /// The captured joints that stand on something at times; `None` for those whose names tell of feet.
+    pub contacts: Option<Vec<String>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[serde(default)]
+    #[allow(dead_code)]
+    about: Option<String>,
+    #[serde(default)]
+    joints: Vec<String>,
+    #[serde(default)]
+    fps: Option<f64>,
+    #[serde(default)]
+    up: Option<UpAxis>,
+    drives: BTreeMap<String, Value>,
+    #[serde(default)]
+    contacts: Option<Vec<String>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DriveInFull {
+    frame: String,
+    #[serde(default)]
+    offset: [f64; 3],
+    #[serde(default = "one")]
+    weight: f64,
+    #[serde(default)]
+    scale: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum DriveText {
+    Frame(String),
+    InFull(DriveInFull),
+}
+
+const fn one() -> f64 {
+    1.0
+}
+
+impl BodyMap {
+    /// Reads a map from JSON:
+    ///
+    /// ```json
+    /// {"joints": ["Hips", "LeftFoot"], "fps": 120, "up": "z",
+    ///  "drives": {"Hips": "pelvis", "LeftFoot": {"frame": "left_ankle", "weight": 2, "offset": [0, 0, -0.05], "scale": 0.8}},
+    ///  "contacts": ["LeftFoot"]}
+    /// ```
+    ///
+    /// All but `drives` may be left out. One file may hold the drives of several robots, under the names of their files:
+    /// `robot` says which of them is meant.
+    ///
+    /// # Errors
+    /// Text that is none such, or drives of other robots only; the error says where, or lists them.
+    pub fn from_json(text: &str, robot: &str) -> Result<Self, RetargetError> {
+        let wrong = |error: serde_json::Error| RetargetError::Map(error.to_string());
+        let File {
+            joints,
+            fps,
+            up,
+            drives,
+            contacts,
+            ..
+        } = serde_json::from_str(text).map_err(wrong)?;
+        let of_robots = |value: &Value| value.is_object() && value.get("frame").is_none();
+        let drives = match drives.values().any(of_robots) {
+            false => drives,
+            true => {
+                let unknown = || {
+                    UnknownName::new("robot of the map", robot, drives.keys().map(String::as_str))
+                };
+                let own = drives.get(robot).ok_or_else(unknown)?;
+                serde_json::from_value(own.clone()).map_err(wrong)?
+            }
+        };
+        let drives = drives.into_iter().map(|(joint, value)| {
+            let drive = serde_json::from_value(value)
+                .map_err(|error| RetargetError::Map(format!("drives: {joint}: {error}")))?;
+            Ok(match drive {
+                DriveText::Frame(frame) => Drive::new(joint, frame),
+                DriveText::InFull(full) => Drive {
+                    offset: Vector3::from(full.offset),
+                    weight: full.weight,
+                    scale: full.scale,
+                    ..Drive::new(joint, full.frame)
+                },
+            })
+        });
+        Ok(Self {
+            drives: drives.collect::<Result<_, RetargetError>>()?,
+            joints,
+            frame_rate: fps,
+            up,
+            contacts,
+        })
+    }
+}
+
+impl Drive {
+    /// A joint that drives a frame's origin, counting as the others do.
+    #[must_use]
+    pub fn new(joint: impl Into<String>, frame: impl Into<String>) -> Self {
+        Self {
+            joint: joint.into(),
+            frame: frame.into(),
+            offset: Vector3::zero(),
+            weight: 1.0,
+            scale: None,
+        }
+    }
+
+    /// Whether its name tells of a foot.
+    pub(super) fn is_of_a_foot(&self) -> bool {
+        let name = self.joint.to_lowercase();
+        ["foot", "toe", "ankle", "heel", "sole"]
+            .iter()
+            .any(|part| name.contains(part))
+    }
+}

@@ -1,0 +1,117 @@
+//! Captured movements: where joints are, frame by frame.
+
+use super::RetargetError;
+use crate::animation::{Armature, Clip, Cursor, Playback};
+use crate::bad_option::{BadOption, POSITIVE};
+use crate::model::UnknownName;
+use crate::spatial::Vector3;
+
+/// Places of named joints in frames a fixed time apart, in any unit of length.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Capture {
+    names: Vec<String>,
+    /// Frame after frame, joint after joint.
+    places: Vec<Vector3<f64>>,
+    frame_rate: f64,
+}
+
+impl Capture {
+    /// Of places as they stand in an array of (frames, joints, 3), at so many frames a second.
+    ///
+    /// # Errors
+    /// No frame, numbers that are no whole frames, a name twice, a number that is not finite, a rate that is not positive.
+    pub fn new(
+        names: Vec<String>,
+        numbers: &[f64],
+        frame_rate: f64,
+    ) -> Result<Self, RetargetError> {
+        BadOption::check("frames a second", frame_rate, POSITIVE)?;
+        let mut seen = std::collections::BTreeSet::new();
+        if let Some(joint) = names.iter().find(|name| !seen.insert(name.as_str())) {
+            return Err(RetargetError::NamedTwice {
+                joint: joint.clone(),
+            });
+        }
+        let width = 3 * names.len();
+        if width == 0 || !numbers.len().is_multiple_of(width) {
+            return Err(RetargetError::NotFrames {
+                numbers: numbers.len(),
+                joints: names.len(),
+            });
+        }
+        if numbers.is_empty() {
+            return Err(RetargetError::NoFrames);
+        }
+        if let Some(at) = numbers.iter().position(|number| !number.is_finite()) {
+            return Err(RetargetError::NotFinite {
+                frame: at / width,
+                joint: names[at % width / 3].clone(),
+            });
+        }
+        let places = numbers.chunks_exact(3);
+        Ok(Self {
+            places: places.map(|at| Vector3::new(at[0], at[1], at[2])).collect(),
+            names,
+            frame_rate,
+        })
+    }
+
+    /// Of a clip's bones, at so many frames a second from its beginning to its end.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); a clip of another armature counts as one without frames.
+    pub fn of_clip(
+        armature: &Armature,
+        clip: &Clip,
+        frame_rate: f64,
+    ) -> Result<Self, RetargetError> {
+        BadOption::check("frames a second", frame_rate, POSITIVE)?;
+        let frames = (clip.duration() * frame_rate + 0.5).floor() as usize + 1;
+        let mut pose = armature.rest().clone();
+        let mut placed = vec![glam::Affine3A::IDENTITY; armature.bones()];
+        let mut cursor = Cursor::new();
+        let mut numbers = Vec::with_capacity(3 * frames * armature.bones());
+        for frame in 0..frames {
+            let time = frame as f64 / frame_rate;
+            let sampled = clip.sample(time, Playback::Hold, &mut cursor, &mut pose);
+            let located = armature.local_to_model(&pose, &mut placed);
+            if sampled.is_err() || located.is_err() {
+                return Err(RetargetError::NoFrames);
+            }
+            let origins = placed.iter().map(|placed| placed.translation);
+            numbers.extend(origins.flat_map(|at| at.to_array().map(f64::from)));
+        }
+        Self::new(armature.names().to_vec(), &numbers, frame_rate)
+    }
+
+    getters! {
+        /// The joints' names.
+        pub fn names(&self) -> &[String] = &self.names;
+        /// How many frames there are.
+        pub fn frames(&self) -> usize = self.places.len() / self.names.len();
+        /// Frames a second.
+        pub fn frame_rate(&self) -> f64 = self.frame_rate;
+    }
+
+    /// A joint's number.
+    ///
+    /// # Errors
+    /// A name that there is not; the error lists the valid ones.
+    pub fn joint(&self, name: &str) -> Result<usize, UnknownName> {
+        let found = self.names.iter().position(|own| own == name);
+        found.ok_or_else(|| {
+            UnknownName::new(
+                "captured joint",
+                name,
+                self.names.iter().map(String::as_str),
+            )
+        })
+    }
+
+    /// Where all joints are in a frame.
+    #[must_use]
+    pub fn frame(&self, frame: usize) -> Option<&[Vector3<f64>]> {
+        let n = self.names.len();
+        self.places.get(frame * n..(frame + 1) * n)
+    }
+}

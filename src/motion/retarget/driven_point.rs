@@ -1,0 +1,69 @@
+//! A point of a frame that should be somewhere, counting more in some frames than in others.
+
+use crate::model::FrameId;
+use crate::scalar::Scalar;
+use crate::spatial::{Placement, Vector3};
+use crate::task::{LocalJacobian, Point, Residual, Rows};
+
+/// r = w (x + R o − target): a [`Point`] whose weight moves as its target does.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct DrivenPoint {
+    point: Point,
+    weight: f64,
+}
+
+impl DrivenPoint {
+    pub(super) fn new(frame: FrameId, offset: Vector3<f64>) -> Self {
+        Self {
+            point: Point::new(frame, Vector3::zero()).at(offset),
+            weight: 1.0,
+        }
+    }
+
+    /// Where it should be, and how much that counts.
+    pub(super) fn set(&mut self, target: Vector3<f64>, weight: f64) {
+        self.point.set_target(target);
+        self.weight = weight;
+    }
+
+    /// Where it is, for its residual there.
+    pub(super) fn place(&self, residual: &[f64]) -> Vector3<f64> {
+        let miss = Vector3::new(residual[0], residual[1], residual[2]);
+        self.point.target() + miss * (1.0 / self.weight)
+    }
+}
+
+impl Residual for DrivenPoint {
+    fn kind(&self) -> &'static str {
+        "driven point"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        self.point.frames()
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        self.point.rows()
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.point.evaluate(frames, joints, residual);
+        let weight = S::constant(self.weight);
+        residual.iter_mut().for_each(|row| *row *= weight);
+    }
+
+    fn differentiate(
+        &self,
+        frames: &[Placement<f64>],
+        joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        let known = self.point.differentiate(frames, joints, jacobian);
+        jacobian.scale_rows(&[self.weight; 3]);
+        known
+    }
+
+    fn has_edges(&self) -> bool {
+        false
+    }
+}

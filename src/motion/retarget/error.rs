@@ -1,0 +1,70 @@
+//! What can be wrong with a capture, a map, or what is asked of both.
+
+use crate::bad_option::BadOption;
+use crate::model::UnknownName;
+use crate::motion::clip::MotionError;
+
+/// Why a movement cannot be brought onto a model.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RetargetError {
+    /// A name that the capture or the model does not have.
+    #[error(transparent)]
+    Name(#[from] UnknownName),
+    /// A number out of its range.
+    #[error(transparent)]
+    Option(#[from] BadOption),
+    /// What the tasks of a frame, or the whole motion, refuse.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+    /// Numbers that are no places of so many joints.
+    #[error("{numbers} numbers are no places of {joints} joints in whole frames")]
+    NotFrames {
+        /// How many numbers are given.
+        numbers: usize,
+        /// How many joints are named.
+        joints: usize,
+    },
+    /// A joint named twice.
+    #[error("joint `{joint}` is named twice")]
+    NamedTwice {
+        /// The joint.
+        joint: String,
+    },
+    /// A place that is not finite.
+    #[error("frame {frame}: the place of joint `{joint}` is not finite")]
+    NotFinite {
+        /// The frame.
+        frame: usize,
+        /// The joint.
+        joint: String,
+    },
+    /// A capture without frames.
+    #[error("a capture of no frames")]
+    NoFrames,
+    /// A map that drives nothing.
+    #[error("the map drives no frame of `{model}`")]
+    NoDrives {
+        /// The model.
+        model: String,
+    },
+    /// A frame that two joints drive.
+    #[error("frame `{frame}` is driven by both `{first}` and `{second}`")]
+    DrivenTwice {
+        /// The frame.
+        frame: String,
+        /// One joint.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// A map's text that is none.
+    #[error("{0}")]
+    Map(String),
+}
+
+impl From<crate::problem::ProblemError> for RetargetError {
+    fn from(error: crate::problem::ProblemError) -> Self {
+        Self::Motion(error.into())
+    }
+}

@@ -1,0 +1,279 @@
+//! Follows places frame by frame, as they come.
+
+use super::RetargetError;
+use super::bounded_descent::BoundedDescent;
+use super::driven_point::DrivenPoint;
+use super::limbs::Limbs;
+use crate::model::{JointId, Model, Source};
+use crate::motion::clip::{MotionError, longest_moves};
+use crate::problem::{Evaluation, Problem, Question, Scratch, Targets, TaskId};
+use crate::robot::Robot;
+use crate::scalar::elementary;
+use crate::spatial::Vector3;
+use crate::task::{Posture, Task};
+
+/// Steps of the first frame, and of every other, at most.
+const FIRST_STEPS: usize = 300;
+const STEPS: usize = 3;
+/// What a radian off the posture costs, in metres off a place …
+const POSTURE: f64 = 0.01;
+/// … and one off where a live follower was in the last frame: what hardly moves any place is not to tremble.
+const STAY: f64 = 0.1;
+
+/// A body that follows places within its limits of position and speed, hard from each frame to the next: what stands is
+/// held where it came to stand.
+#[derive(Clone, Debug)]
+pub struct BodyFollower {
+    problem: Problem,
+    targets: Targets,
+    points: Vec<TaskId<DrivenPoint>>,
+    /// What is between the posture and the last frame, and what of it each is.
+    stay: TaskId<Posture>,
+    posture: Vec<(usize, f64)>,
+    reference: Vec<f64>,
+    weights: Vec<f64>,
+    /// What a place counts more while it is held.
+    held_weight: f64,
+    anchors: Vec<Option<Vector3<f64>>>,
+    /// How far a place that was let go is still from its target, and for how many frames.
+    left: Vec<(Vector3<f64>, usize)>,
+    release: usize,
+    most: Vec<f64>,
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    x: Vec<f64>,
+    q: Vec<f64>,
+    scratch: Scratch,
+    descent: BoundedDescent,
+    followed: bool,
+}
+
+/// The tasks of a body's frame: its driven points, and the posture that the rest keeps to.
+pub(super) fn posture(model: &Model) -> Task<Posture> {
+    Task::new(Posture::of_joints(hinges(model))).times(POSTURE)
+}
+
+/// The joints that are no part of a free base, and where they are in the posture.
+fn hinges(model: &Model) -> impl Iterator<Item = (JointId, f64)> {
+    let mut joints = model.moving_joints().to_vec();
+    joints.dedup();
+    let free = move |id: &JointId| {
+        let first = model.free_joints();
+        first
+            .iter()
+            .any(|free| (free.index()..free.index() + 4).contains(&id.index()))
+    };
+    let neutral = model.neutral();
+    joints.into_iter().filter_map(move |id| {
+        let joint = &model.joints()[id.index()];
+        let counts = joint.kind.moves() && joint.kind.coordinates() == 1 && !free(&id);
+        Some((id, *neutral.get(model.coordinate(id)?)?)).filter(|_| counts)
+    })
+}
+
+impl BodyFollower {
+    pub(super) fn new(
+        robot: &Robot,
+        limbs: &Limbs,
+        frame_rate: f64,
+        held_weight: f64,
+        release_s: f64,
+    ) -> Result<Self, RetargetError> {
+        let model = robot.model();
+        let mut tasks = Problem::builder(model);
+        tasks.parameters(robot.map().clone());
+        let points = limbs.all.iter();
+        let points = points.map(|limb| tasks.add(DrivenPoint::new(limb.frame, limb.offset)));
+        let points: Vec<_> = points.collect();
+        let both = (POSTURE * POSTURE + STAY * STAY).sqrt();
+        let stay = tasks.add(Task::new(Posture::of_joints(hinges(model))).times(both));
+        let posture = hinges(model).filter_map(|(id, value)| Some((model.coordinate(id)?, value)));
+        let posture: Vec<_> = posture.collect();
+        let problem = tasks.build()?;
+        let mut x = vec![0.0; problem.variables()];
+        let q = model.neutral();
+        problem.parameters().gather(&q, &mut x);
+        let speeds = robot.moves_within(1.0);
+        Ok(Self {
+            most: longest_moves(&problem, &speeds, 1.0 / frame_rate)?,
+            lower: problem.lower().to_vec(),
+            upper: problem.upper().to_vec(),
+            targets: problem.targets(),
+            weights: limbs.all.iter().map(|limb| limb.weight).collect(),
+            anchors: vec![None; points.len()],
+            left: vec![(Vector3::zero(), 0); points.len()],
+            release: (release_s * frame_rate).ceil() as usize,
+            scratch: problem.scratch(),
+            descent: BoundedDescent::new(problem.rows(), problem.variables()),
+            followed: false,
+            reference: posture.iter().map(|(_, value)| *value).collect(),
+            posture,
+            stay,
+            held_weight,
+            points,
+            problem,
+            x,
+            q,
+        })
+    }
+
+    getters! {
+        /// Where the body is.
+        pub fn q(&self) -> &[f64] = &self.q;
+        /// How many places it follows.
+        pub fn places(&self) -> usize = self.points.len();
+    }
+
+    /// Stands at a configuration, from which the first frame is searched.
+    pub(super) fn stand_at(&mut self, q: &[f64]) {
+        self.problem.parameters().gather(q, &mut self.x);
+    }
+
+    /// One frame: where the driven points should be, and how firmly each stands, from 0, not at all, to 1, where it is
+    /// held in place; in the order of [`Retargeting::driven`](super::Retargeting::driven). Returns the configuration. Where
+    /// the targets are not finite, the body stays.
+    ///
+    /// # Errors
+    /// Another number of places.
+    pub fn advance(
+        &mut self,
+        places: &[Vector3<f64>],
+        stands: &[f64],
+    ) -> Result<&[f64], RetargetError> {
+        let n = self.points.len();
+        for (given, what) in [
+            (places.len(), "places to follow"),
+            (stands.len(), "what stands"),
+        ] {
+            if given != n {
+                return Err(RetargetError::Motion(MotionError::Length {
+                    what: what.to_owned(),
+                    given,
+                    expected: n,
+                }));
+            }
+        }
+        self.aim(places, stands)?;
+        let steps = if self.followed { STEPS } else { FIRST_STEPS };
+        let question = Question::from(&self.problem).with_targets(&self.targets);
+        let question = question.within(&self.lower, &self.upper, &[]);
+        let mut evaluation = Evaluation::new(question, &mut self.scratch);
+        if self.descent.descend(&mut evaluation, &mut self.x, steps) {
+            question.space().project(&mut self.x);
+            self.problem
+                .parameters()
+                .scatter_within_limits(&self.x, &mut self.q);
+            self.anchor(stands)?;
+        }
+        let limits = self.problem.lower().iter().zip(self.problem.upper());
+        let bounds = self.lower.iter_mut().zip(&mut self.upper);
+        for ((&x, &most), ((lower, upper), (&low, &high))) in
+            self.x.iter().zip(&self.most).zip(bounds.zip(limits))
+        {
+            (*lower, *upper) = ((x - most).max(low), (x + most).min(high));
+        }
+        self.followed = true;
+        Ok(&self.q)
+    }
+
+    /// Sets all targets: held ones stay, those that were let go come back to theirs.
+    fn aim(&mut self, places: &[Vector3<f64>], stands: &[f64]) -> Result<(), RetargetError> {
+        for (k, (&place, &stands)) in places.iter().zip(stands).enumerate() {
+            let held = stands >= 1.0;
+            if let (false, Some(anchor)) = (held, self.anchors[k]) {
+                self.anchors[k] = None;
+                self.left[k] = (anchor - place, self.release);
+            }
+            let target = match self.anchors[k] {
+                Some(anchor) => anchor,
+                None => place + self.still_left(k),
+            };
+            // From 1 to that of what is held, without a leap.
+            let weight = elementary::pow(self.held_weight, stands.clamp(0.0, 1.0));
+            let point = self.targets.get_mut(self.points[k])?;
+            point.set(target, weight * self.weights[k].max(f64::MIN_POSITIVE));
+        }
+        if self.followed {
+            let share = STAY * STAY / (POSTURE * POSTURE + STAY * STAY);
+            for (reference, (coordinate, value)) in self.reference.iter_mut().zip(&self.posture) {
+                *reference = value + share * (self.q[*coordinate] - value);
+            }
+            self.targets
+                .get_mut(self.stay)?
+                .set_reference(&self.reference);
+        }
+        Ok(())
+    }
+
+    /// How far a place that was let go is from its target in this frame.
+    fn still_left(&mut self, k: usize) -> Vector3<f64> {
+        let (off, frames) = &mut self.left[k];
+        if *frames == 0 {
+            return Vector3::zero();
+        }
+        let share = *frames as f64 / (self.release + 1) as f64;
+        *frames -= 1;
+        *off * (share * share * (3.0 - 2.0 * share))
+    }
+
+    /// Takes for the anchors of what has come to stand where it stands.
+    fn anchor(&mut self, stands: &[f64]) -> Result<(), RetargetError> {
+        for (k, _) in stands
+            .iter()
+            .enumerate()
+            .filter(|(_, stands)| **stands >= 1.0)
+        {
+            if self.anchors[k].is_none() {
+                let rows = self.problem.compiled_tasks()[k].rows.clone();
+                let miss = &self.descent.residual()[rows];
+                self.anchors[k] = Some(self.targets.get(self.points[k])?.place(miss));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Limbs {
+    /// A configuration to begin from: the neutral one, its base where the root should be and turned as the body is.
+    pub(super) fn first_stance(&self, robot: &Robot, places: &[Vector3<f64>]) -> Vec<f64> {
+        let model = robot.model();
+        let mut q = model.neutral();
+        let Some(base) = model.free_coordinates().next() else {
+            return q;
+        };
+        let mut kinematics = crate::kinematics::ForwardKinematics::new(model);
+        let Ok(placed) = kinematics.place(&q) else {
+            return q;
+        };
+        let own: Vec<_> = self
+            .all
+            .iter()
+            .map(|limb| placed[limb.frame.index()].apply(limb.offset))
+            .collect();
+        let middle = |places: &[Vector3<f64>]| {
+            let sum = places.iter().fold(Vector3::zero(), |sum, at| sum + *at);
+            sum * (1.0 / places.len() as f64)
+        };
+        let (from, to) = (middle(&own), middle(places));
+        let (mut sine, mut cosine) = (0.0, 0.0);
+        for (a, b) in own.iter().zip(places) {
+            let (a, b) = (*a - from, *b - to);
+            sine += a.x * b.y - a.y * b.x;
+            cosine += a.x * b.x + a.y * b.y;
+        }
+        let yaw = elementary::atan2(sine, cosine);
+        let (sin, cos) = elementary::sin_cos(0.5 * yaw);
+        let fixed =
+            |coordinate: usize| matches!(robot.map().sources()[coordinate], Source::Constant(_));
+        if base.clone().any(fixed) {
+            return q;
+        }
+        // Turned about the vertical through the body's middle.
+        let (c, s) = (cos * cos - sin * sin, 2.0 * sin * cos);
+        let seen = Vector3::new(q[base.start], q[base.start + 1], q[base.start + 2]) - from;
+        let seen = Vector3::new(c * seen.x - s * seen.y, s * seen.x + c * seen.y, seen.z);
+        q[base.start..base.start + 3].copy_from_slice(&(to + seen).to_array());
+        q[base.start + 3..base.end].copy_from_slice(&[cos, 0.0, 0.0, sin]);
+        q
+    }
+}

@@ -1,0 +1,255 @@
+//! Fits a capture to a model, and brings the one onto the other.
+
+use std::sync::Arc;
+
+use super::contacts::Standing;
+use super::driven_point::DrivenPoint;
+use super::follower::posture;
+use super::limbs::Limbs;
+use super::retargeted::Measures;
+use super::{BodyFollower, BodyMap, Capture, ContactDetection, RetargetError, Retargeted, UpAxis};
+use crate::bad_option::{BadOption, NOT_NEGATIVE, POSITIVE};
+use crate::kinematics::ForwardKinematics;
+use crate::model::FrameId;
+use crate::motion::clip::{Contact, MotionProblem, MotionSolver, RateCost, Windows};
+use crate::robot::Robot;
+use crate::spatial::Vector3;
+
+/// What is held in whole movements slips no more than this from a frame to the next, metres …
+const SLIP: f64 = 1e-6;
+/// … for which springs are stiff at once, as there is no time to tighten them …
+const STIFFNESS: f64 = 3000.0;
+/// … and a window takes no more iterations.
+const MOST_ITERATIONS: usize = 40;
+
+/// How a movement is brought onto a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RetargetOptions {
+    /// Which way is up in the capture, unless the map says it.
+    pub up: UpAxis,
+    /// When feet stand.
+    pub contacts: ContactDetection,
+    /// How much more a point counts while it stands.
+    pub held_weight: f64,
+    /// Of whole movements: what an acceleration of 1 rad/s² costs, in metres off a place.
+    pub acceleration: f64,
+    /// Of whole movements: where each window ends, as a share of its cost.
+    pub tolerance: f64,
+    /// Of whole movements: the windows that they are solved in.
+    pub windows: Windows,
+}
+
+impl Default for RetargetOptions {
+    fn default() -> Self {
+        Self {
+            up: UpAxis::Z,
+            contacts: ContactDetection::default(),
+            held_weight: 50.0,
+            acceleration: 1e-4,
+            tolerance: 1e-3,
+            windows: Windows {
+                frames: 120,
+                ahead: 30,
+            },
+        }
+    }
+}
+
+/// A capture fitted to a model: where its driven points should be in each frame, and which stand.
+#[derive(Clone, Debug)]
+pub struct Retargeting<'r> {
+    robot: &'r Robot,
+    options: RetargetOptions,
+    limbs: Limbs,
+    frame_rate: f64,
+    /// Frame after frame.
+    targets: Arc<[Vector3<f64>]>,
+    standing: Vec<Standing>,
+}
+
+impl<'r> Retargeting<'r> {
+    /// Fits a capture to a robot by a map: limbs by their lengths, the ground, and what stands.
+    ///
+    /// # Errors
+    /// Names that the map has and the capture or the robot has not, frames driven twice, numbers out of range.
+    pub fn new(
+        robot: &'r Robot,
+        map: &BodyMap,
+        capture: &Capture,
+        options: RetargetOptions,
+    ) -> Result<Self, RetargetError> {
+        BadOption::check("held_weight", options.held_weight, POSITIVE)?;
+        BadOption::check("acceleration", options.acceleration, NOT_NEGATIVE)?;
+        let model = robot.model();
+        let up = map.up.unwrap_or(options.up);
+        let limbs = Limbs::new(model, map, capture, up, &model.neutral())?;
+        let frame_rate = capture.frame_rate();
+        let mut targets = Vec::with_capacity(capture.frames() * limbs.all.len());
+        let mut places = Vec::new();
+        for captured in (0..capture.frames()).filter_map(|frame| capture.frame(frame)) {
+            limbs.place(captured, &mut places);
+            targets.extend_from_slice(&places);
+        }
+        let standing = options.contacts.plant(&limbs, frame_rate, &mut targets);
+        Ok(Self {
+            robot,
+            options,
+            limbs,
+            frame_rate,
+            targets: targets.into(),
+            standing,
+        })
+    }
+
+    getters! {
+        /// How many frames there are.
+        pub fn frames(&self) -> usize = self.targets.len() / self.limbs.all.len();
+        /// Frames a second.
+        pub fn frame_rate(&self) -> f64 = self.frame_rate;
+        /// The driven frames, in the order of [`targets`](Self::targets).
+        pub fn driven(&self) -> Vec<FrameId> = self.limbs.all.iter().map(|limb| limb.frame).collect();
+        /// How many times as large as the person's the model's steps are.
+        pub fn stride(&self) -> f64 = self.limbs.stride;
+    }
+
+    /// Where the driven points should be in a frame, metres.
+    #[must_use]
+    pub fn targets(&self, frame: usize) -> Option<&[Vector3<f64>]> {
+        let n = self.limbs.all.len();
+        self.targets.get(frame * n..(frame + 1) * n)
+    }
+
+    /// How firmly each driven point stands in a frame, led there and let go.
+    fn firmness(&self, frame: usize, firmness: &mut [f64]) {
+        firmness.fill(0.0);
+        let lead = self.options.contacts.lead_frames(self.frame_rate);
+        for Standing { limb, span } in &self.standing {
+            let off = match frame < span.start {
+                true => span.start - frame,
+                false => (frame + 1).saturating_sub(span.end),
+            };
+            let share = 1.0 - off as f64 / (lead + 1) as f64;
+            firmness[*limb] = firmness[*limb].max(share);
+        }
+    }
+
+    /// Which driven points stand in a frame.
+    fn stand(&self, frame: usize, stands: &mut [bool]) {
+        stands.fill(false);
+        for standing in self.standing.iter().filter(|own| own.span.contains(&frame)) {
+            stands[standing.limb] = true;
+        }
+    }
+
+    /// A follower that begins where the first frame wants it, for places that come one by one.
+    ///
+    /// # Errors
+    /// Speed limits that are none.
+    pub fn follower(&self) -> Result<BodyFollower, RetargetError> {
+        let lead = self.options.contacts.lead_s;
+        let mut follower = BodyFollower::new(
+            self.robot,
+            &self.limbs,
+            self.frame_rate,
+            self.options.held_weight,
+            lead,
+        )?;
+        let first = self.targets(0).unwrap_or_default();
+        follower.stand_at(&self.limbs.first_stance(self.robot, first));
+        Ok(follower)
+    }
+
+    /// Follows frame by frame, as a live follower does: no frame knows what comes.
+    ///
+    /// # Errors
+    /// As [`follower`](Self::follower).
+    pub fn per_frame(&self) -> Result<Retargeted, RetargetError> {
+        let mut follower = self.follower()?;
+        let mut q = Vec::with_capacity(self.frames() * follower.q().len());
+        let mut firmness = vec![0.0; self.limbs.all.len()];
+        for frame in 0..self.frames() {
+            self.firmness(frame, &mut firmness);
+            let places = self.targets(frame).unwrap_or_default();
+            q.extend_from_slice(follower.advance(places, &firmness)?);
+        }
+        self.measure(q)
+    }
+
+    /// Solves the whole movement: smooth, as each frame knows what comes, and what stands held to a micrometre.
+    ///
+    /// # Errors
+    /// As [`follower`](Self::follower), and what [`MotionSolver`] refuses.
+    pub fn whole(&self) -> Result<Retargeted, RetargetError> {
+        let start = self.per_frame()?;
+        let model = self.robot.model();
+        let mut motion = MotionProblem::builder(model, self.frames(), 1.0 / self.frame_rate);
+        motion.parameters(self.robot.map().clone());
+        motion.max_speeds_of(self.robot);
+        motion.stiffness(STIFFNESS);
+        let n = self.limbs.all.len();
+        for (k, limb) in self.limbs.all.iter().enumerate() {
+            let point = motion.add(DrivenPoint::new(limb.frame, limb.offset));
+            let (targets, weight) = (Arc::clone(&self.targets), limb.weight);
+            motion.follow(point, move |frame, point| {
+                point.set(targets[frame * n + k], weight)
+            });
+        }
+        motion.add(posture(model));
+        motion.rate_cost(RateCost::acceleration(self.options.acceleration));
+        for Standing { limb, span } in &self.standing {
+            let limb = &self.limbs.all[*limb];
+            motion.contact(Contact::new(limb.frame, span.clone()).at([limb.offset]));
+        }
+        let motion = motion.build()?;
+        let solver = MotionSolver::default()
+            .with_tolerance(self.options.tolerance)
+            .with_curvature(false)
+            .with_slip(SLIP)
+            .with_max_iterations(MOST_ITERATIONS)
+            .with_windows(Some(self.options.windows));
+        let solved = solver.solve_near(&motion, &start.q)?;
+        self.measure(solved.q().to_vec())
+    }
+
+    /// Tells how well configurations follow.
+    fn measure(&self, q: Vec<f64>) -> Result<Retargeted, RetargetError> {
+        let model = self.robot.model();
+        let driven = self.driven();
+        let wrong =
+            |error: crate::kinematics::KinematicsError| RetargetError::Map(error.to_string());
+        let mut kinematics = ForwardKinematics::of_frames(model, &driven).map_err(wrong)?;
+        let mut measures = Measures::new(driven.len());
+        let mut stands = vec![false; driven.len()];
+        let can_stand = self
+            .limbs
+            .all
+            .iter()
+            .enumerate()
+            .filter(|(_, limb)| limb.stands);
+        let can_stand: Vec<usize> = can_stand.map(|(limb, _)| limb).collect();
+        let mut contacts = Vec::with_capacity(self.frames() * can_stand.len());
+        for (frame, q) in q.chunks_exact(model.configuration_len()).enumerate() {
+            let placed = kinematics.place(q).map_err(wrong)?;
+            self.stand(frame, &mut stands);
+            contacts.extend(can_stand.iter().map(|&limb| stands[limb]));
+            let targets = self.targets(frame).unwrap_or_default();
+            for (k, (limb, target)) in self.limbs.all.iter().zip(targets).enumerate() {
+                measures.take(k, placed[k].apply(limb.offset), *target, stands[k]);
+            }
+        }
+        let name = |limb: &usize| {
+            model.frames()[self.limbs.all[*limb].frame.index()]
+                .name
+                .clone()
+        };
+        Ok(Retargeted {
+            configuration_len: model.configuration_len(),
+            frame_rate: self.frame_rate,
+            standing: can_stand.iter().map(name).collect(),
+            contacts,
+            mean_error: measures.mean_error(),
+            slip: measures.slip,
+            q,
+        })
+    }
+}

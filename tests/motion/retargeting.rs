@@ -1,0 +1,208 @@
+//! Promise: a movement of other proportions comes onto a body within its limits of position and speed, to the bit, with feet
+//! that stand where they stand; solved as one it is smoother.
+
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::motion::retarget::{
+    BodyMap, Capture, RetargetError, RetargetOptions, Retargeted, Retargeting,
+};
+use kinopt::robot::{BaseJoint, Robot};
+use kinopt::spatial::Vector3;
+
+const RATE: f64 = 60.0;
+const MAP: &str = r#"{
+    "joints": ["hips", "left_foot", "right_foot", "left_hand", "right_hand", "unused"],
+    "fps": 60,
+    "drives": {
+        "hips": "torso", "left_foot": "left_sole", "right_foot": "right_sole",
+        "left_hand": {"frame": "left_hand", "weight": 0.5}, "right_hand": {"frame": "right_hand", "weight": 0.5}
+    }
+}"#;
+
+fn nao() -> Robot {
+    let robot = Robot::read("models/aldebaran_nao.urdf").unwrap();
+    robot.with_base_joint(BaseJoint::FREE).unwrap()
+}
+
+/// A giant, four times as large, that shifts its weight, lifts its left foot and sets it ahead, and trembles.
+fn steps(robot: &Robot, frames: usize) -> Vec<f64> {
+    let model = robot.model();
+    let mut kinematics = ForwardKinematics::new(model);
+    let placed = kinematics.place(&model.neutral()).unwrap();
+    let at = |name: &str| placed[model.frame(name).unwrap().index()].translation;
+    let names = [
+        "torso",
+        "left_sole",
+        "right_sole",
+        "left_hand",
+        "right_hand",
+    ];
+    let stood = names.map(at);
+    let mut numbers = Vec::new();
+    for frame in 0..frames {
+        let phase = frame as f64 / frames as f64;
+        // The foot goes in the middle third.
+        let step = ((phase - 1.0 / 3.0) * 3.0).clamp(0.0, 1.0);
+        let step = step * step * (3.0 - 2.0 * step);
+        for (k, own) in stood.iter().enumerate() {
+            let tremble = 2e-4 * ((frame * (7 + k)) as f64).sin();
+            let mut place = *own + Vector3::new(tremble, -tremble, tremble);
+            let sway = 0.01 * (phase * 6.0).sin();
+            match k {
+                0 => place += Vector3::new(0.02 * phase, sway, -0.02),
+                1 => place += Vector3::new(0.12 * step, 0.0, 0.15 * step * (1.0 - step)),
+                2 => {}
+                _ => {
+                    place +=
+                        Vector3::new(0.05 * (phase * 9.0).sin(), sway, 0.03 * (phase * 5.0).sin())
+                }
+            }
+            numbers.extend((place * 4.0).to_array());
+        }
+        numbers.extend([0.0; 3]);
+    }
+    numbers
+}
+
+fn check_limits(robot: &Robot, found: &Retargeted) {
+    let model = robot.model();
+    let speeds = robot.moves_within(1.0);
+    let frames: Vec<&[f64]> = found.q.chunks(found.configuration_len).collect();
+    assert!(frames.iter().all(|q| model.is_within_limits(q)));
+    for pair in frames.windows(2) {
+        for (k, speed) in speeds.iter().enumerate() {
+            let moved = (pair[1][k] - pair[0][k]).abs();
+            assert!(moved * RATE <= *speed && moved / (1.0 / RATE) <= *speed);
+        }
+    }
+}
+
+/// The root mean square of third differences of all hinges.
+fn jerk(found: &Retargeted) -> f64 {
+    let frames: Vec<&[f64]> = found.q.chunks(found.configuration_len).collect();
+    let mut sum = 0.0;
+    for four in frames.windows(4) {
+        for k in 7..found.configuration_len {
+            let third = four[3][k] - 3.0 * four[2][k] + 3.0 * four[1][k] - four[0][k];
+            sum += third * third;
+        }
+    }
+    sum.sqrt()
+}
+
+#[test]
+fn a_giant_steps_as_a_small_humanoid_does() {
+    let robot = nao();
+    let map = BodyMap::from_json(MAP, "aldebaran_nao.urdf").unwrap();
+    let capture = Capture::new(map.joints.clone(), &steps(&robot, 90), RATE).unwrap();
+    let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
+    assert!(
+        (retargeting.stride() - 0.25).abs() < 0.05,
+        "{}",
+        retargeting.stride()
+    );
+    let live = retargeting.per_frame().unwrap();
+    let whole = retargeting.whole().unwrap();
+    for (found, most) in [(&live, 1e-3), (&whole, 1e-5)] {
+        check_limits(&robot, found);
+        assert_eq!(found.frames(), 90);
+        assert_eq!(found.standing, ["left_sole", "right_sole"]);
+        assert!(found.slip < most, "{} m", found.slip);
+        assert!(found.mean_error < 0.03, "{} m", found.mean_error);
+        // The right foot stands all the time, the left one before and after its step.
+        let stands = |frame: usize| &found.contacts[2 * frame..2 * frame + 2];
+        assert!((0..90).all(|frame| stands(frame)[1]));
+        assert_eq!(
+            [10, 45, 80].map(|frame| stands(frame)[0]),
+            [true, false, true]
+        );
+    }
+    assert!(
+        3.0 * jerk(&whole) < jerk(&live),
+        "{} for {}",
+        jerk(&whole),
+        jerk(&live)
+    );
+}
+
+#[test]
+fn what_is_wrong_with_maps_and_captures_is_named() {
+    let robot = nao();
+    let told = |text: &str| {
+        let map = BodyMap::from_json(text, "nao.urdf")?;
+        let capture = Capture::new(vec!["hips".to_owned()], &[0.0; 6], RATE)?;
+        Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).map(drop)
+    };
+    for (text, words) in [
+        (r#"{"drives": {"hips": "pelvis"}}"#, &["pelvis"][..]),
+        (r#"{"drives": {"spine": "torso"}}"#, &["spine"]),
+        (
+            r#"{"drives": {"g1.urdf": {"hips": "pelvis"}}}"#,
+            &["nao.urdf"],
+        ),
+        (r#"{"drives": {}}"#, &["drives no frame"]),
+        (
+            r#"{"drives": {"hips": {"frame": "torso", "weight": -1}}}"#,
+            &["weight", "-1"],
+        ),
+        (
+            r#"{"drives": {"hips": {"frame": "torso", "height": 1}}}"#,
+            &["hips"],
+        ),
+        (
+            r#"{"drives": {"hips": "torso"}, "contacts": ["feet"]}"#,
+            &["feet"],
+        ),
+        (r#"{"drive": {}}"#, &["drive"]),
+        ("[", &["line 1"]),
+    ] {
+        let told = told(text).unwrap_err().to_string();
+        assert!(
+            words.iter().all(|word| told.contains(word)),
+            "{text}: {told}"
+        );
+    }
+    let names = vec!["a".to_owned(), "b".to_owned()];
+    let wrong = |numbers: &[f64]| Capture::new(names.clone(), numbers, RATE).unwrap_err();
+    assert_eq!(wrong(&[]), RetargetError::NoFrames);
+    assert_eq!(
+        wrong(&[0.0; 7]),
+        RetargetError::NotFrames {
+            numbers: 7,
+            joints: 2
+        }
+    );
+    let mut numbers = [0.0; 12];
+    numbers[10] = f64::NAN;
+    assert_eq!(
+        wrong(&numbers),
+        RetargetError::NotFinite {
+            frame: 1,
+            joint: "b".to_owned()
+        }
+    );
+    let twice = Capture::new(vec!["a".to_owned(), "a".to_owned()], &[0.0; 6], RATE);
+    assert_eq!(
+        twice.unwrap_err(),
+        RetargetError::NamedTwice {
+            joint: "a".to_owned()
+        }
+    );
+}
+
+#[test]
+fn a_single_frame_and_limbs_of_no_length_are_retargeted() {
+    let robot = nao();
+    let map = BodyMap::from_json(MAP, "").unwrap();
+    for frames in [1, 2, 3] {
+        let capture = Capture::new(map.joints.clone(), &vec![0.5; 18 * frames], RATE).unwrap();
+        let retargeting =
+            Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
+        for found in [
+            retargeting.per_frame().unwrap(),
+            retargeting.whole().unwrap(),
+        ] {
+            assert_eq!(found.frames(), frames);
+            check_limits(&robot, &found);
+        }
+    }
+}
