@@ -10,6 +10,7 @@ mod path_files;
 mod path_malformed;
 mod path_misses;
 mod path_reconfigurations;
+mod path_times;
 mod path_world;
 mod paths_of_joints;
 mod retargeting;

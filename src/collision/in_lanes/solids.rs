@@ -75,7 +75,7 @@ impl Solids {
             let near = near.filter(|(_, solid)| {
                 let apart = solid.squared_distance(room.centre);
                 // Not a number about a half-space's corner at infinity.
-                !(apart > reach * reach)
+                apart.is_nan() || apart <= reach * reach
             });
             near.map(|(number, _)| number).collect()
         };

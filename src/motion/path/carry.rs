@@ -10,6 +10,8 @@ use crate::spatial::Placement;
 
 /// The share of the last motion that a step begins with.
 const MOMENTUM: f64 = 0.9;
+/// Where fewer than this are surely free, the shapes are looked at too.
+pub(super) const FEW: usize = 8;
 /// Parts of a step at most.
 const MOST_PARTS: f64 = 10_000.0;
 
@@ -166,6 +168,12 @@ impl Carrier {
             self.follow_in_parts(growth, ends, long)?;
         }
         growth.note_free(ends[1], &self.ends.q, false, &mut self.free)?;
+        let both = self.came.iter().zip(&self.free);
+        let sure = both.filter(|(came, free)| came.is_some() && **free).count();
+        if sure < FEW {
+            // Spheres may be wider than the shapes.
+            growth.note_free(ends[1], &self.ends.q, true, &mut self.free)?;
+        }
         for (came, free) in self.came.iter_mut().zip(&self.free) {
             *came = came.filter(|_| *free);
         }

@@ -36,39 +36,49 @@ pub(super) fn largest(
     path: &CartesianPath,
     steps: &[LedStep<'_>],
 ) -> Result<Deviation, PathError> {
-    let mut motions: Vec<(usize, Vec<ChainMotion>)> = Vec::new();
-    let mut bounded = Vec::with_capacity(steps.len());
-    for (place, step) in steps.iter().enumerate() {
-        let tool = path.tools.get(step.points[1]).copied().unwrap_or(0);
-        if !motions.iter().any(|(known, _)| *known == tool) {
-            motions.push((tool, tools.of(tool).chain_motions()));
+    let tool_of = |step: &LedStep<'_>| path.tools.get(step.points[1]).copied().unwrap_or(0);
+    let mut motions: Vec<Option<Vec<ChainMotion>>> = Vec::new();
+    for step in steps {
+        let tool = tool_of(step);
+        if motions.len() <= tool {
+            motions.resize(tool + 1, None);
         }
-        let own = motions.iter().find(|(known, _)| *known == tool);
-        let own = own.map_or(&[][..], |(_, motions)| motions);
-        let curve = Curve::new(tools.of(tool), path, step, own)?;
-        let bounds = curve.bounds(1)?;
-        bounded.push((place, curve, bounds));
+        if motions[tool].is_none() {
+            motions[tool] = Some(tools.of(tool).chain_motions());
+        }
+    }
+    // Made anew where it is looked at closer, so that a million steps take a few numbers each.
+    let curve = |step| {
+        let tool = tool_of(step);
+        let motions = motions[tool].as_deref().unwrap_or_default();
+        Curve::new(tools.of(tool), path, step, motions)
+    };
+    let mut bounds = Vec::with_capacity(steps.len());
+    for step in steps {
+        let (_, bound) = curve(step)?.measure(1)?;
+        bounds.push(bound);
     }
     let mut largest = Deviation::default();
-    // The worst by their first bounds come first; the others need no closer look.
-    bounded.sort_by(|a, b| b.2[0].total_cmp(&a.2[0]).then(a.0.cmp(&b.0)));
-    for (place, curve, bounds) in &bounded {
-        if bounds[0] <= largest.metres {
-            break;
+    let mut order: Vec<usize> = (0..steps.len()).collect();
+    for which in [0, 1] {
+        // The worst by their first bounds come first; the others need no closer look.
+        order.sort_by(|a, b| {
+            let (a, b) = ((bounds[*a][which], *a), (bounds[*b][which], *b));
+            b.0.total_cmp(&a.0).then(a.1.cmp(&b.1))
+        });
+        let (mut most, mut at) = (0.0, 0);
+        for &place in &order {
+            if bounds[place][which] <= most {
+                break;
+            }
+            let bound = curve(&steps[place])?.close_bound(which)?;
+            if bound > most {
+                (most, at) = (bound, steps[place].row);
+            }
         }
-        let metres = curve.close_bound(0)?;
-        if metres > largest.metres {
-            (largest.metres, largest.metres_at) = (metres, steps[*place].row);
-        }
-    }
-    bounded.sort_by(|a, b| b.2[1].total_cmp(&a.2[1]).then(a.0.cmp(&b.0)));
-    for (place, curve, bounds) in &bounded {
-        if bounds[1] <= largest.radians {
-            break;
-        }
-        let radians = curve.close_bound(1)?;
-        if radians > largest.radians {
-            (largest.radians, largest.radians_at) = (radians, steps[*place].row);
+        match which {
+            0 => (largest.metres, largest.metres_at) = (most, at),
+            _ => (largest.radians, largest.radians_at) = (most, at),
         }
     }
     Ok(largest)
@@ -138,13 +148,6 @@ impl<'a> Curve<'a> {
             turns: 0.5 * (turn + path_turn),
             bulge: path.bulges.get(step.points[1]).copied().unwrap_or(0.0),
         })
-    }
-
-    /// Bounds by so many even parts, metres and radians.
-    fn bounds(&self, parts: usize) -> Result<[f64; 2], PathError> {
-        let (measured, bound) = self.measure(parts)?;
-        let _ = measured;
-        Ok(bound)
     }
 
     /// A bound that is close to what is measured.

@@ -69,6 +69,16 @@ pub enum PathError {
         /// The free joints, base to tip.
         joints: Vec<String>,
     },
+    /// Limits that are not one a joint.
+    #[error("{option} has {given} numbers, the path's rows have {joints}")]
+    Limits {
+        /// Which limits.
+        option: &'static str,
+        /// Numbers given.
+        given: usize,
+        /// Numbers of a row.
+        joints: usize,
+    },
     /// A configuration to begin or end with that does not stand at the path's end.
     #[error(
         "the {which} configuration does not stand at the path's {which} point: its tool is {metres:.2e} m and {radians:.2e} rad \

@@ -6,7 +6,7 @@
 use std::f64::consts::TAU;
 
 use super::PathError;
-use super::carry::Carrier;
+use super::carry::{Carrier, FEW};
 use super::knots::Knots;
 use super::step_bounds::StepBounds;
 use super::tools::Tools;
@@ -183,7 +183,13 @@ impl<'a> Growth<'a> {
         for (q, _) in ends.filter(|(_, outcome)| outcome.reached) {
             room.reached.extend_from_slice(q);
         }
-        self.add(layer, knot, self.most - self.most / 4, false, room)
+        let most = self.most - self.most / 4;
+        self.add(layer, knot, most, false, room)?;
+        if layer.count(n) < FEW {
+            // Spheres may be wider than the shapes.
+            self.add(layer, knot, most, true, room)?;
+        }
+        Ok(())
     }
 
     /// Adds the room's configurations that are free and not there yet.
@@ -239,10 +245,6 @@ impl<'a> Growth<'a> {
         if arm.falls_short(&target).is_none() {
             let layer = &mut layers[at];
             self.look(layer, knot, LAST_ATTEMPTS, 0, room)?;
-            if layer.q.is_empty() {
-                // Spheres may be wider than the shapes.
-                self.add(layer, knot, self.most, true, room)?;
-            }
             if layer.q.len() >= n {
                 return Ok(());
             }

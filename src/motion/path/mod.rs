@@ -42,6 +42,7 @@ mod solution;
 mod solver;
 mod spline;
 mod step_bounds;
+mod timing;
 mod tools;
 mod tridiagonal;
 

@@ -16,9 +16,11 @@ use crate::bad_option::{AT_LEAST_ONE, BadOption, POSITIVE};
 
 /// Configurations that are known of a station at most, and bytes of all.
 const SAMPLES: usize = 64;
-const MEMORY: usize = 400_000_000;
+const MEMORY: usize = 200_000_000;
 /// Rounds of shortening.
 const ROUNDS: usize = 12;
+/// Longer paths are left as they were chosen, points.
+const LONGEST_SHORTENED: usize = 200_000;
 /// Places at which a path that may be entered anywhere is tried.
 const ENTRIES: usize = 8;
 
@@ -166,7 +168,10 @@ impl<'a> PathSolver<'a> {
             weights: &weights,
             rounds: ROUNDS,
         };
-        shortening.run(&mut way)?;
+        // Its rounds take some 300 bytes a point.
+        if growth.knots.len() <= LONGEST_SHORTENED {
+            shortening.run(&mut way)?;
+        }
         fill::keep_ends(growth, &mut way);
         Ok(way)
     }

@@ -1,0 +1,67 @@
+//! Promise: a path's times keep every joint within its limits of speed and acceleration, from rest to rest.
+
+use kinopt::Arm;
+use kinopt::motion::path::{CartesianPath, PathError, PathSolution, PathSolver};
+use kinopt::spatial::{Placement, Vector3};
+use support::arms::robot;
+
+fn solved() -> PathSolution {
+    let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
+    let begin = arm
+        .base_from_tool(&[0.3, -1.2, 1.4, -1.6, -1.5, 0.0])
+        .unwrap();
+    let point = |k: u32| {
+        let (sin, cos) = (0.05 * f64::from(k)).sin_cos();
+        let by = Vector3::new(0.0, 0.08 * sin, 0.08 * (1.0 - cos));
+        Placement::new(begin.rotation, begin.translation + by)
+    };
+    let path = CartesianPath::new((0..120).map(point).collect::<Vec<_>>()).unwrap();
+    PathSolver::new(&arm).solve(&path).unwrap()
+}
+
+#[test]
+fn speeds_and_accelerations_stay_within_their_limits() {
+    let solution = solved();
+    assert!(solution.is_whole());
+    for (speed, acceleration) in [(1.0, 2.0), (0.2, 20.0), (f64::INFINITY, 0.5)] {
+        let times = solution.times(&[speed; 6], &[acceleration; 6]).unwrap();
+        let rows: Vec<&[f64]> = solution.rows().collect();
+        assert_eq!((times.len(), times[0]), (rows.len(), 0.0));
+        let mut top = 0.0_f64;
+        for joint in 0..6 {
+            let mut last = (0.0, 0.0);
+            for row in 1..rows.len() {
+                let step = times[row] - times[row - 1];
+                assert!(step > 0.0);
+                let velocity = (rows[row][joint] - rows[row - 1][joint]) / step;
+                assert!(velocity.abs() <= speed * (1.0 + 1e-9));
+                if row > 1 {
+                    let change = (velocity - last.0) / (0.5 * (step + last.1));
+                    assert!(change.abs() <= acceleration * (1.0 + 1e-6), "{change}");
+                    top = top.max(change.abs());
+                }
+                last = (velocity, step);
+            }
+        }
+        assert!(top > 0.1 * acceleration.min(2.0), "{top}");
+    }
+}
+
+#[test]
+fn limits_that_cannot_be_are_named() {
+    let solution = solved();
+    let few = solution.times(&[1.0; 5], &[1.0; 6]);
+    assert!(matches!(
+        few,
+        Err(PathError::Limits {
+            option: "velocity_limits",
+            given: 5,
+            joints: 6
+        })
+    ));
+    let zero = solution
+        .times(&[1.0; 6], &[0.0; 6])
+        .unwrap_err()
+        .to_string();
+    assert!(zero.contains("acceleration_limits"), "{zero}");
+}
