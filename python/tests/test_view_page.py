@@ -307,3 +307,53 @@ def test_the_command_says_what_is_wrong(capsys, tmp_path):
     (tmp_path / "model.step").write_text("")
     assert main([str(tmp_path / "model.step")]) == 1
     assert ".urdf" in capsys.readouterr().err
+
+
+def test_a_tool_that_is_dragged_into_a_table_slides_along_it(opened):
+    world = kinopt.World.read(MODELS / "worlds" / "table.json")
+    page = opened(PANDA, world=world, margin=0.002)
+    stated = kinopt.Problem(page.body.thing, world=world)
+    start = page.body.frame("tool")[:3, 3]
+    asked = drag(page, "tool", [0.1, -0.2, -0.9], moves=40)
+    assert stated.collisions(page.body.q) == []
+    placed = page.body.frame("tool")[:3, 3]
+    # It went along above what is in the way, and what that is is told and red.
+    assert np.linalg.norm(placed[:2] - start[:2]) > 0.05
+    assert placed[2] > asked[2, 3] + 0.02
+    assert "Missed" in page.status.text and page.obstacles._marked
+    # What is moved meanwhile is drawn where it is, and kept clear of.
+    name = world.names[0]
+    world.move(name, [5.0, 5.0, 5.0])
+    page.call(page.pose)
+    assert np.allclose(page.obstacles._handles[name].position, np.full(3, 5.0) * page.scene.drawn)
+
+
+def test_every_kind_of_obstacle_is_drawn(opened):
+    world = kinopt.World()
+    world.add_box("box", (0.1, 0.2, 0.3), pose=(1, 0, 0))
+    world.add_sphere("ball", 0.1, pose=(1, 1, 0))
+    world.add_cylinder("can", 0.05, 0.2, pose=(1, 1, 1))
+    world.add_capsule("pole", 0.05, 0.2, pose=(-1, 1, 1))
+    world.add_plane("floor", pose=(0, 0, -0.5))
+    corners = [[0, 0, 0], [0.2, 0, 0], [0, 0.2, 0], [0, 0, 0.2]]
+    world.add_convex("ramp", corners, pose=(-1, -1, 0))
+    world.add_mesh("shard", corners[:3], [[0, 1, 2]], pose=(-1, 1, 0))
+    world.add_height_field("ground", [[0, 0, 0.1], [0, 0.1, 0.2]], (1, 1), pose=(0, 0, -1))
+    world.add_points("cloud", [[2, 2, 2], [2, 2, 2.1]], 0.01)
+    world.add_sphere("held", 0.02)
+    world.attach("held", "tool", [0, 0, 0.1])
+    page = opened(PANDA, world=world)
+    handles = page.obstacles._handles
+    assert sorted(handles) == sorted(world.names)
+    place = page.body.frame("tool") @ np.array([0, 0, 0.1, 1.0])
+    assert np.allclose(handles["held"].position, place[:3] * page.scene.drawn)
+    world.remove("ball")
+    page.call(page.obstacles.refresh)
+    assert "ball" not in page.obstacles._handles
+
+
+def test_a_world_around_what_has_no_shapes_is_refused(tmp_path):
+    (tmp_path / "nod.gltf").write_text('{"asset":{"version":"2.0"},"nodes":[{"name":"a"}],"scenes":[{"nodes":[0]}]}')
+    with pytest.raises(kinopt.InvalidValueError, match="shapes"):
+        open_page(tmp_path / "nod.gltf", port=8220, world=MODELS / "worlds" / "table.json")
+    assert main([str(PANDA), "--no-browser", "--world", "nowhere.json"]) == 1

@@ -9,9 +9,10 @@ if find_spec("viser") is None:
     raise ImportError("kinopt.view needs viser: pip install 'kinopt[view]'")
 
 from .body import Body, Clip, Piece
+from .obstacles import Obstacles
 from .robot_body import RobotBody
 from .scene import Scene
 from .solids import Solid
 from .target import Target
 
-__all__ = ["Body", "Clip", "Piece", "RobotBody", "Scene", "Solid", "Target"]
+__all__ = ["Body", "Clip", "Obstacles", "Piece", "RobotBody", "Scene", "Solid", "Target"]

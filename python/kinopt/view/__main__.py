@@ -40,6 +40,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--hold", action="append", default=[], metavar="FRAME", help="pin a frame: a robot's feet on a free base"
     )
+    parser.add_argument(
+        "--world", metavar="FILE", help="obstacles that a robot, or a rig with a skin, keeps clear of: .json, or MoveIt's .yaml"
+    )
+    parser.add_argument("--margin", type=float, default=0.0, metavar="METRES", help="how far; 0 unless said")
     parser.add_argument("--no-browser", action="store_true", help="print the address and open no browser")
     options = parser.parse_args(arguments)
     try:
@@ -52,6 +56,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             up=UPS.get(options.up),
             base_joint=options.base_joint,
             hold=options.hold,
+            world=options.world,
+            margin=options.margin,
         )
     except kinopt.KinoptError as error:
         print(error, file=sys.stderr)

@@ -33,11 +33,20 @@ class Dragging:
     """
 
     def __init__(
-        self, scene: Scene, body: Body, *, turns: bool = True, tolerance: float = 1e-6
+        self,
+        scene: Scene,
+        body: Body,
+        *,
+        turns: bool = True,
+        tolerance: float = 1e-6,
+        world: kinopt.World | None = None,
+        margin: float = 0.0,
     ) -> None:
         self.scene = scene
         self.body = body
-        self.posing = Posing(body)
+        self.posing = Posing(body, world, margin)
+        #: The obstacles that the body keeps clear of, as they are drawn.
+        self.obstacles = None if world is None else scene.add_world(world, on=body)
         self.posing.choose(tolerance=tolerance)
         #: Whether targets ask for an orientation too.
         self.turns = turns
@@ -168,10 +177,16 @@ class Dragging:
         """Moves the body to where a solve brought it."""
         self.answer = answer
         self.body.q = answer.q
+        if self.obstacles is not None:
+            touched = getattr(answer.solution, "collisions", [])
+            self.obstacles.refresh()
+            self.obstacles.mark(name for pair in touched for name in (pair.first, pair.second))
 
     def stand_at(self, q: Array) -> None:
         """Places the body; pinned targets go along."""
         self.body.q = q
+        if self.obstacles is not None:
+            self.obstacles.follow()
         self.stands_elsewhere()
 
     def stands_elsewhere(self) -> None:

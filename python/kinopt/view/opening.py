@@ -14,6 +14,7 @@ import kinopt
 from ..types import BaseJoint
 from .look import extent
 from .page import Page
+from .robot_body import Style, has_meshes
 from .scene import Scene
 from .stage import Up
 
@@ -106,6 +107,14 @@ def opening_pose(robot: Any, hold: Sequence[str] = ()) -> Any:
     return max(bent, key=dexterity)
 
 
+def _style(thing: Any, capsules: bool, among_obstacles: bool) -> Style:
+    """Among obstacles it is seen what keeps clear of them, where a file has no meshes to show."""
+    if capsules:
+        return "capsules"
+    bare = isinstance(thing, kinopt.Robot) and not has_meshes(thing)
+    return "collision" if among_obstacles and bare else "auto"
+
+
 def _extent(armature: Any) -> float:
     return extent(np.asarray(armature.local_to_model(armature.rest), dtype=float))
 
@@ -132,14 +141,21 @@ def open_page(
     up: Up | None = None,
     base_joint: BaseJoint | None = None,
     hold: Sequence[str] = (),
+    world: kinopt.World | str | Path | None = None,
+    margin: float = 0.0,
 ) -> Page:
-    """The page of a model: see `python -m kinopt.view --help`. Raises as `open_model`, `UnknownNameError` for a frame to hold."""
+    """The page of a model: see `python -m kinopt.view --help`. Raises as `open_model` and `World.read`, `UnknownNameError` for
+    a frame to hold, `InvalidValueError` for a world around what has no shapes."""
     path = Path(path)
     opened = open_model(path, base_joint)
+    if world is not None:
+        world = world if isinstance(world, kinopt.World) else kinopt.World.read(world)
+        # Whether it goes with the model is known before a page opens.
+        kinopt.Problem(opened.thing, world=world, margin=margin)
     scene = Scene(host=host, port=port, up=up or opened.up, title=path.name)
     body = scene.add(
         opened.thing,
-        style="capsules" if capsules else "auto",
+        style=_style(opened.thing, capsules, world is not None),
         beside=path.resolve().parent,
         packages=packages,
     )
@@ -149,4 +165,13 @@ def open_page(
     if isinstance(opened.thing, kinopt.Robot):
         body.q = opening_pose(opened.thing, hold)
         scene.frame_all()
-    return Page(scene, body, turns=opened.turns, tolerance=opened.tolerance, notes=opened.notes, hold=hold)
+    return Page(
+        scene,
+        body,
+        turns=opened.turns,
+        tolerance=opened.tolerance,
+        notes=opened.notes,
+        hold=hold,
+        world=world,
+        margin=margin,
+    )

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+import kinopt
+
 from .body import Body
 from .dragging import Dragging
 from .joints_panel import JointsPanel
@@ -30,8 +32,10 @@ class Page(Dragging):
         tolerance: float = 1e-6,
         notes: Iterable[str] = (),
         hold: Iterable[str] = (),
+        world: kinopt.World | None = None,
+        margin: float = 0.0,
     ) -> None:
-        super().__init__(scene, body, turns=turns, tolerance=tolerance)
+        super().__init__(scene, body, turns=turns, tolerance=tolerance, world=world, margin=margin)
         #: What was mended or is not drawn, one line each.
         self.notes = [*notes, *body.missing]
         self._hold = list(hold)

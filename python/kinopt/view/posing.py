@@ -83,9 +83,11 @@ class Posing:
     or a choice is.
     """
 
-    def __init__(self, body: Body) -> None:
+    def __init__(self, body: Body, world: kinopt.World | None = None, margin: float = 0.0) -> None:
         self.body = body
         self.choices = Choices()
+        #: What the body keeps clear of, with its own parts, and how far, metres; nothing where there is no world.
+        self.world, self.margin = world, margin
         #: Holds of a character by what is dragged: frames that stay, bones that do.
         self._engine: _Engine | None = None
         self._stated: tuple[Any, ...] = ()
@@ -99,6 +101,10 @@ class Posing:
         """The next solve states its problem anew, from where the body stands then."""
         self._engine = None
 
+    def _clear_of(self) -> dict[str, Any]:
+        """What arms and problems are told of the world."""
+        return {} if self.world is None else {"world": self.world, "margin": self.margin}
+
     def solvers(self) -> list[str]:
         """Names of the solvers that there are for this body."""
         arms = list(ARM_SEARCHES) if isinstance(self.body.thing, kinopt.Robot) else []
@@ -108,7 +114,8 @@ class Posing:
         """One frame: the body's next configuration for these goals; None where there are none."""
         if not goals:
             return None
-        stated = (self.choices, tuple((goal.frame, goal.turns) for goal in goals))
+        moved = 0 if self.world is None else self.world.revision
+        stated = (self.choices, moved, tuple((goal.frame, goal.turns) for goal in goals))
         if self._engine is None or stated != self._stated:
             self._engine = self._state(goals)
             self._stated = stated
@@ -133,7 +140,11 @@ class Posing:
         before = time.perf_counter()
         held = kinopt.ParameterMap(self.body.thing, lock={joint: float(q[moving.index(joint)])})
         problem = kinopt.Problem(
-            self.body.thing, self._tasks(goals), parameters=held, tolerance=self.choices.tolerance
+            self.body.thing,
+            self._tasks(goals),
+            parameters=held,
+            tolerance=self.choices.tolerance,
+            **self._clear_of(),
         )
         targets = {goal.frame: self._target(goal) for goal in goals}
         solution = kinopt.Drag(problem, q, max_move=np.inf).follow(targets, frames=20)
@@ -164,7 +175,9 @@ class Posing:
         self.body.standing()
         choices, thing = self.choices, self.body.thing
         alone = len(goals) == 1 and isinstance(thing, kinopt.Robot)
-        if alone and choices.solver in (FOLLOW, *ARM_SEARCHES):
+        # A follower stops before what is in its way; a drag slides along it.
+        arms = ARM_SEARCHES if self.world is not None else (FOLLOW, *ARM_SEARCHES)
+        if alone and choices.solver in arms:
             arm = self._arm(goals[0])
             if arm is not None:
                 search = choices.solver != FOLLOW
@@ -185,7 +198,9 @@ class Posing:
         elif reference is not None and not (holding and holding.has_posture):
             weights: Literal["upright"] | None = "upright" if self.body.stands else None
             made.append(tasks.Posture(reference, name="posture", joint_weights=weights))
-        problem = kinopt.Problem(thing, made, parameters=parameters, tolerance=choices.tolerance)
+        problem = kinopt.Problem(
+            thing, made, parameters=parameters, tolerance=choices.tolerance, **self._clear_of()
+        )
         if choices.solver in METHODS:
             return _SolverEngine(problem, kinopt.Solver(choices.solver))
         return _DragEngine(kinopt.Drag(problem, self.body.q))
@@ -198,6 +213,7 @@ class Posing:
             "orientation_tolerance": self.choices.tolerance,
             "search": ARM_SEARCHES.get(self.choices.solver),
             "goal": kinopt.Goal.pose() if goal.turns else kinopt.Goal.position(),
+            **self._clear_of(),
         }
         try:
             arm = kinopt.Arm(self.body.thing, None, goal.frame, **options)

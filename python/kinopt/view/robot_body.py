@@ -20,11 +20,12 @@ from .holding import BALANCE, Holding
 from .look import Color
 from .mesh_files import MeshFiles
 from .parts import Parts
+from .shapes import solid_of
 from .solids import Solid
 
 
 Array = NDArray[np.float64]
-Style = Literal["auto", "file", "capsules"]
+Style = Literal["auto", "file", "capsules", "collision"]
 
 
 class RobotBody(Body):
@@ -48,7 +49,13 @@ class RobotBody(Body):
         files = MeshFiles(None if beside is None else Path(beside), packages)
         if style == "auto" and _says_how_links_lie(thing):
             style = "capsules"
-        self._pieces = [] if style == "capsules" else list(self._of_shapes(files, color))
+        match style:
+            case "capsules":
+                self._pieces: list[Piece] = []
+            case "collision":
+                self._pieces = list(self._of_collision_shapes(color))
+            case _:
+                self._pieces = list(self._of_shapes(files, color))
         if not self._pieces:
             self._pieces = self._of_capsules(color)
         #: Meshes that could not be drawn, one line each; capsules stand in for them.
@@ -123,12 +130,30 @@ class RobotBody(Body):
         if found and bare:
             yield from self._of_capsules(color, bare)
 
+    def _of_collision_shapes(self, color: Color | None) -> Iterable[Piece]:
+        """What counts where something is kept clear of."""
+        if not isinstance(self.thing, kinopt.Robot):
+            return
+        model = self.thing.collision_model(leave_out_missing=True)
+        carried = [shape for shape in model.shapes if shape.attached is not None]
+        joint_of = {frame.name: frame.joint for frame in self.model.frames}
+        shades = {joint: (look.LIGHT, look.DARK)[k % 2] for k, joint in enumerate(dict.fromkeys(joint_of.values()))}
+        for shape in carried:
+            link = str(shape.attached)
+            solid = solid_of(shape, 1.0).moved(shape.placement)
+            yield Piece(link, solid, color or shades[joint_of[link]])
+
     def _of_capsules(self, color: Color | None, only: set[str | None] | None = None) -> list[Piece]:
         """Capsules for what hangs on each joint, or on `only` those joints, each named after its frame."""
         bodies = look.capsules(self.model, self.size())
         drawn = (body for body in bodies if only is None or body.joint in only)
         named = self._kinematics.frame_of_joint
         return [Piece(named[body.joint], body.solid, color or body.color) for body in drawn]
+
+
+def has_meshes(robot: Any) -> bool:
+    """Whether a robot's file draws links by meshes."""
+    return any(shape.kind == "mesh" for link in robot.frame_names for shape in robot.shapes(link))
 
 
 def _says_how_links_lie(robot: Any) -> bool:

@@ -18,6 +18,7 @@ from .body import Body
 from .canvas import Canvas
 from .character import CharacterBody
 from .look import Color, extent, extent_of
+from .obstacles import Obstacles
 from .robot_body import RobotBody, Style
 from .stage import Up
 from .target import Target
@@ -79,7 +80,8 @@ class Scene(Canvas):
         `at` is world_from_model, 4 x 4 or three numbers, in the model's unit. With `style="file"` a robot is drawn
         with the shapes of its file; its meshes are looked for in the folder `beside` (and above it), in
         `packages` (folders by package, or folders that hold packages) and in `ROS_PACKAGE_PATH`; clean
-        capsules stand in for those that are not at hand. With "capsules" there are no others; "auto" is
+        capsules stand in for those that are not at hand. With "capsules" there are no others; "collision" draws what
+        collides; "auto" is
         "capsules" for files that have cylinders alone. `color` is red, green, blue up to 255, `opacity` from 0
         to 1. Of the same given `name` only the last is shown. Raises `InvalidValueError` for things of other kinds
         and for an `at` that is no placement.
@@ -113,6 +115,18 @@ class Scene(Canvas):
             self._empty = False
             self.frame_all()
         return body
+
+    def add_world(
+        self, world: kinopt.World, name: str = "obstacles", *, on: Body | None = None
+    ) -> Obstacles:
+        """Shows a world of obstacles; `on` is the body in whose model's coordinates they stand, and which carries what is attached.
+
+        Its `refresh` draws what has changed in the world since. Of the same given `name` only the last is shown.
+        """
+        name = self.clear(name)
+        shown = Obstacles(self, world, name, on)
+        self.place(name, shown)
+        return shown
 
     def _measure(self, thing: Any) -> None:
         """The first thing shown says how large all is drawn."""

@@ -10,10 +10,10 @@ use pyo3::types::PyDict;
 
 use super::batch::{self, Batch};
 use super::derivative::{self, ArmDerivative};
-use super::obstacles::Obstacles;
 use super::track::Track;
 use super::{Follower, Servo, obstacles, options};
 use crate::arrays::{self, axes};
+use crate::collision::Obstacles;
 use crate::error::{OrRaise, invalid};
 use crate::goal::Goal;
 use crate::kinematics::jacobians;
@@ -152,6 +152,8 @@ impl Arm {
             None => PyDict::new(py),
         };
         let obstacles = Obstacles::of(&options)?;
+        let held = options.get_item("held")?.filter(|held| !held.is_none());
+        let held = held.map(|held| arrays::copied(&held, "held")).transpose()?;
         // Arrays in it may be changed later by who made them.
         let options = py.import("copy")?.call_method1("deepcopy", (options,))?;
         let options = options.cast_into::<PyDict>()?;
@@ -171,7 +173,8 @@ impl Arm {
         };
         let builder = options::apply(builder, &options)?;
         let inner = py.detach(|| builder.build()).or_raise()?;
-        let inner = obstacles.keep_clear(inner, robot)?;
+        let checker = obstacles.checker(robot)?;
+        let inner = obstacles::keep_clear(inner, checker.as_ref(), held)?;
         Ok(Self {
             inner: Arc::new(inner),
             mechanism: robot.clone().unbind(),

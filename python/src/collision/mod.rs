@@ -1,7 +1,9 @@
 //! Collision shapes of robots, and spheres that cover them.
 
 mod model;
+mod obstacles;
 mod spheres;
 
 pub(crate) use model::{CollisionModel, Taking};
+pub(crate) use obstacles::Obstacles;
 pub(crate) use spheres::SphereModel;

@@ -14,6 +14,7 @@ use crate::model::Model;
 use crate::pickling;
 use crate::rig::Rig;
 use crate::srdf::Srdf;
+use crate::world::Obstacle;
 
 /// Shapes on the links of a robot, and the pairs of links that must not touch. Made by `Robot.collision_model`.
 ///
@@ -100,6 +101,23 @@ impl CollisionModel {
     #[getter]
     fn links(&self) -> Vec<String> {
         self.names(self.inner.links())
+    }
+
+    /// The shapes of all links: obstacles attached to their links, each with a name of its own.
+    #[getter]
+    fn shapes(&self) -> Vec<Obstacle> {
+        let frames = self.inner.model().frames();
+        let shapes = self.inner.objects().iter().map(|own| {
+            let (shape, place) = (own.shape.clone(), own.link_from_shape);
+            let link = frames[own.link.index()].name.clone();
+            Obstacle(collision::Obstacle::new(
+                own.name.as_str(),
+                shape,
+                place,
+                Some(link),
+            ))
+        });
+        shapes.collect()
     }
 
     /// The pairs of links that are kept apart.

@@ -12,6 +12,7 @@ mod task;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use kinopt::collision::Checker;
 use kinopt::nalgebra::DMatrix;
 use kinopt::problem::{Derivatives, Preferences};
 use kinopt::solver::LeastSquares;
@@ -20,8 +21,11 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
 
 use crate::arrays;
+use crate::collision::Obstacles;
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
+use crate::solution::Collision;
+use crate::world::World;
 pub(crate) use camera::Camera;
 pub(crate) use derivative::SolutionDerivative;
 pub(crate) use frozen::{numbers, placement, rotation};
@@ -45,6 +49,10 @@ pub(crate) use task::{Aimed, AnyTask, Move};
 /// `derivatives` is "analytic", "dual", "forward_difference" or "central_difference". `preferences` act
 /// "within_goals", costing them nothing, or are "traded" off against them by their weights.
 ///
+/// With a `world` (as it is now), a `margin` in metres or a `collision_model` the body keeps clear of the world's obstacles and of itself,
+/// each pair at least the margin apart, and a solution that is not says which pairs touch (`Solution.collisions`); a `Drag` slides along what
+/// is in its way. A robot has shapes, a rig with a skin gets capsules along its bones; anything else takes a `collision_model`.
+///
 /// Raises `UnknownNameError` for frames and joints that do not exist, and `InvalidValueError`, with the
 /// task's name, for targets that are not finite, weights and tolerances below 0, bounds that leave nothing.
 /// What there is to solve raises `InvalidValueError` as long as there are no tasks.
@@ -52,6 +60,8 @@ pub(crate) use task::{Aimed, AnyTask, Move};
 pub(crate) struct Problem {
     model: Py<PyAny>,
     options: Py<PyDict>,
+    /// What it keeps clear of, made once.
+    checker: Option<Checker>,
     /// Locked for moments only, never while anything is computed or Python is called.
     current: Mutex<Current>,
 }
@@ -68,8 +78,10 @@ impl Problem {
     #[new]
     #[pyo3(signature = (
         model, tasks = None, *, parameters = None, bounds = None, tolerance = None,
-        derivatives = "analytic", preferences = "within_goals"
+        derivatives = "analytic", preferences = "within_goals", world = None, margin = None,
+        collision_model = None
     ))]
+    #[allow(clippy::too_many_arguments, reason = "they are keywords")]
     fn new(
         model: &Bound<'_, PyAny>,
         tasks: Option<&Bound<'_, PyAny>>,
@@ -78,11 +90,22 @@ impl Problem {
         tolerance: Option<&Bound<'_, PyAny>>,
         derivatives: &str,
         preferences: &str,
+        world: Option<&Bound<'_, PyAny>>,
+        margin: Option<&Bound<'_, PyAny>>,
+        collision_model: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let py = model.py();
         let options = PyDict::new(py);
         options.set_item("parameters", parameters)?;
-        for (name, value) in [("bounds", bounds), ("tolerance", tolerance)] {
+        // What may be changed later by who made it is copied.
+        let given = [
+            ("bounds", bounds),
+            ("tolerance", tolerance),
+            ("world", world),
+            ("margin", margin),
+            ("collision_model", collision_model),
+        ];
+        for (name, value) in given {
             if let Some(value) = value {
                 let copy = py.import("copy")?.call_method1("deepcopy", (value,))?;
                 options.set_item(name, copy)?;
@@ -99,10 +122,12 @@ impl Problem {
             }
         };
         let tasks = PyTuple::new(py, tasks)?;
-        let stated = Stated::new(model, &tasks, &options)?;
+        let checker = Obstacles::of(&options)?.checker(model)?;
+        let stated = Stated::new(model, &tasks, &options, checker.as_ref())?;
         Ok(Self {
             model: model.clone().unbind(),
             options: options.unbind(),
+            checker,
             current: Mutex::new(Current {
                 tasks: tasks.unbind(),
                 stated,
@@ -142,7 +167,8 @@ impl Problem {
                 .as_sequence()
                 .concat(PyTuple::new(py, [&task])?.as_sequence())?
                 .to_tuple()?;
-            let stated = Stated::new(self.model.bind(py), &tasks, self.options.bind(py))?;
+            let (model, options) = (self.model.bind(py), self.options.bind(py));
+            let stated = Stated::new(model, &tasks, options, self.checker.as_ref())?;
             let mut current = self.lock();
             // Another thread may have added one meanwhile.
             if current.tasks.is(&before) {
@@ -244,6 +270,39 @@ impl Problem {
         let arguments = (self.model.bind(py), self.given(py));
         let problem = py.get_type::<Self>().call(arguments, Some(&options))?;
         Ok(problem.unbind())
+    }
+
+    /// The same problem in another world, as it is now, with another margin in metres or the same.
+    ///
+    /// Raises `InvalidValueError` as `Problem`.
+    #[pyo3(signature = (world, margin = None))]
+    fn with_world(
+        &self,
+        py: Python<'_>,
+        world: &Bound<'_, World>,
+        margin: Option<f64>,
+    ) -> PyResult<Py<PyAny>> {
+        let options = self.options.bind(py).copy()?;
+        options.set_item("world", world)?;
+        if let Some(margin) = margin {
+            options.set_item("margin", margin)?;
+        }
+        let arguments = (self.model.bind(py), self.given(py));
+        let problem = py.get_type::<Self>().call(arguments, Some(&options))?;
+        Ok(problem.unbind())
+    }
+
+    /// The pairs that are nearer to each other than the margin at a configuration, the deepest first; none where there is nothing to keep
+    /// clear of.
+    ///
+    /// Raises `InvalidValueError` for another length and numbers that are not finite.
+    fn collisions(&self, py: Python<'_>, q: &Bound<'_, PyAny>) -> PyResult<Vec<Collision>> {
+        let q = arrays::copied(q, "q")?;
+        let Some(checker) = &self.checker else {
+            return Ok(Vec::new());
+        };
+        let found = py.detach(|| checker.collisions(&q)).or_raise()?;
+        Ok(found.into_iter().map(Collision::from).collect())
     }
 
     /// The weighted residual r at variables `x`, shape (variables,) to shape (rows,).
@@ -357,6 +416,7 @@ impl Problem {
         Self {
             model: self.model.clone_ref(py),
             options: self.options.clone_ref(py),
+            checker: self.checker.clone(),
             current: Mutex::new(Current {
                 tasks: current.tasks.clone_ref(py),
                 stated: current.stated.clone(),

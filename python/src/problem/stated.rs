@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use kinopt::Workspace;
+use kinopt::collision::Checker;
 use kinopt::problem::{Evaluation, ProblemError, Question, Targets};
 use kinopt::task::Quantity;
 use pyo3::prelude::*;
@@ -29,11 +30,12 @@ pub(crate) struct Stated {
 }
 
 impl Stated {
-    /// Checks and compiles these tasks, with the options of a `Problem`; what the library says where there are none.
+    /// Checks and compiles these tasks, with the options of a `Problem` and what it keeps clear of; what the library says where there are none.
     pub(super) fn new(
         model: &Bound<'_, PyAny>,
         tasks: &Bound<'_, PyTuple>,
         options: &Bound<'_, PyDict>,
+        checker: Option<&Checker>,
     ) -> PyResult<Result<Arc<Self>, String>> {
         let option = |name: &str| options.get_item(name);
         let own = model_of(model)?;
@@ -64,6 +66,9 @@ impl Stated {
         let text = |name: &str| options.as_any().get_item(name)?.extract::<String>();
         builder.derivatives(named("derivatives", &text("derivatives")?, &DERIVATIVES)?);
         builder.preferences(named("preferences", &text("preferences")?, &PREFERENCES)?);
+        if let Some(checker) = checker {
+            builder.keep_clear(checker);
+        }
         let inner = match builder.build() {
             Err(none @ ProblemError::NoTasks { .. }) => return Ok(Err(none.to_string())),
             built => built.or_raise()?,

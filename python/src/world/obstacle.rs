@@ -37,8 +37,8 @@ impl Obstacle {
         }
     }
 
-    /// Its numbers by their names, as `World.add_box` and its like take them; arrays for convex hulls, meshes,
-    /// height fields and points.
+    /// Its numbers by their names, as `World.add_box` and its like take them; arrays for convex hulls (whose "points" are their
+    /// corners, with "triangles"), meshes, height fields and points.
     #[getter]
     fn measures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let measures = PyDict::new(py);
@@ -53,13 +53,13 @@ impl Obstacle {
                 measures.set_item("length", length)?;
             }
             ShapeKind::Cuboid { size } => measures.set_item("size", arrays::list(py, size))?,
-            ShapeKind::Convex(hull) => measures.set_item("points", vectors(hull.vertices())?)?,
+            ShapeKind::Convex(hull) => {
+                measures.set_item("points", vectors(hull.vertices())?)?;
+                measures.set_item("triangles", triples(py, hull.triangles())?)?;
+            }
             ShapeKind::Mesh(mesh) => {
                 measures.set_item("vertices", vectors(mesh.vertices())?)?;
-                let corners: Vec<u32> = mesh.triangles().iter().flatten().copied().collect();
-                let triangles = PyArray1::from_vec(py, corners);
-                let shape = (mesh.triangles().len(), 3);
-                measures.set_item("triangles", triangles.call_method1("reshape", shape)?)?;
+                measures.set_item("triangles", triples(py, mesh.triangles())?)?;
             }
             ShapeKind::HeightField(field) => {
                 measures.set_item("heights", table(py, field.heights(), field.columns())?)?;
@@ -100,6 +100,11 @@ impl Obstacle {
         };
         format!("Obstacle({}, {}{attached})", self.0.name, self.kind())
     }
+}
+
+fn triples<'py>(py: Python<'py>, triangles: &[[u32; 3]]) -> PyResult<Bound<'py, PyAny>> {
+    let corners = PyArray1::from_vec(py, triangles.as_flattened().to_vec());
+    corners.call_method1("reshape", (triangles.len(), 3))
 }
 
 fn table<'py>(py: Python<'py>, numbers: &[f64], columns: usize) -> PyResult<Bound<'py, PyAny>> {

@@ -27,7 +27,7 @@ def model(kind, folder):
     rig = kinopt.Rig.read(MODELS / "robot-arm" / "robot-arm.json")
     person = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
     match kind:
-        case "panda":
+        case "panda" | "obstacles":
             return MODELS / "franka_panda.urdf"
         case "humanoid":
             return MODELS / "humanoid" / "humanoid.json"
@@ -43,6 +43,7 @@ def model(kind, folder):
 #: What is dragged, and how far, as shares of the figure's size; when in the clip.
 SCENES = {
     "panda": ("tool", [0.15, 0.2, -0.1], None),
+    "obstacles": ("tool", [0.1, -0.1, -0.45], None),
     "humanoid": ("left_hand/tip", [0.05, 0.0, 0.28], None),
     "gltf": (None, [0.0, 0.15, 0.0], 1.0),
     "capture": ("left_hand/tip", [0.05, 0.12, 0.08], 1.2),
@@ -50,11 +51,15 @@ SCENES = {
 }
 
 
+#: What bodies keep clear of.
+WORLDS = {"obstacles": MODELS / "worlds" / "table.json"}
+
+
 @pytest.mark.parametrize("kind", SCENES)
 def test_a_page_opens_plays_and_is_dragged(kind, tmp_path, open_tab):
     if kind == "fox" and not SHARED:
         pytest.skip("SKIPPED: the fox is no part of the project; KINOPT_SHARED names a folder with it")
-    page = open_page(model(kind, tmp_path), port=8320)
+    page = open_page(model(kind, tmp_path), port=8320, world=WORLDS.get(kind), margin=0.01)
     try:
         shown = open_tab(page, 1280, 800) if PICTURES else open_tab(page)
         before = shown.colors()

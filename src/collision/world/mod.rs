@@ -28,6 +28,24 @@ pub struct Obstacle {
     pub attached: Option<String>,
 }
 
+impl Obstacle {
+    /// An obstacle by itself, in the world or attached to a frame.
+    #[must_use]
+    pub fn new(
+        name: impl Into<String>,
+        shape: Shape,
+        placement: impl Into<Placement<f64>>,
+        attached: Option<String>,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            shape,
+            placement: placement.into(),
+            attached,
+        }
+    }
+}
+
 /// Named obstacles in the order in which they were added. Cheap to clone: copies share what neither changes.
 #[derive(Clone, Debug, Default)]
 pub struct World {

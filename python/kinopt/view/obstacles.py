@@ -1,0 +1,100 @@
+"""Worlds of obstacles in a scene: drawn where they stand, or on the body that carries them; what is touched is red."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import kinopt
+
+from . import stage
+from .body import Body
+from .canvas import Canvas
+from .look import Color
+from .shapes import solid_of
+from .transforms import wxyz_of
+
+Array = NDArray[np.float64]
+
+#: Obstacles, and those that something touches.
+COLOR: Color = (176, 160, 132)
+TOUCHED: Color = (214, 58, 58)
+#: A plane is drawn as a square of so many times the size of what stands on it.
+PLANE = 3.0
+
+
+class Obstacles:
+    """A world drawn in a scene. `refresh` draws it as it is now."""
+
+    def __init__(self, scene: Canvas, world: kinopt.World, name: str, body: Body | None) -> None:
+        self.scene = scene
+        #: What is drawn.
+        self.world = world
+        #: Its name in the scene.
+        self.name = name
+        self._body = body
+        self._handles: dict[str, Any] = {}
+        self._drawn: dict[str, kinopt.Obstacle] = {}
+        self._revision = -1
+        self._marked: frozenset[str] = frozenset()
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Draws what was added, moved or attached since, and no longer what was taken out."""
+        if self.world.revision != self._revision:
+            self._revision = self.world.revision
+            for handle in self._handles.values():
+                handle.remove()
+            self._drawn = {name: self.world[name] for name in self.world.names}
+            self._handles = {name: self._draw(obstacle) for name, obstacle in self._drawn.items()}
+            self._marked = frozenset()
+        self.follow()
+
+    def follow(self) -> None:
+        """Moves what is attached to where its frames are now."""
+        at = np.eye(4) if self._body is None else self._body.at
+        for name, obstacle in self._drawn.items():
+            handle = self._handles[name]
+            if obstacle.attached is None:
+                place = at @ obstacle.placement
+            elif self._body is None:
+                handle.visible = False
+                continue
+            else:
+                place = self._body.frame(obstacle.attached) @ obstacle.placement
+            handle.position = place[:3, 3] * self.scene.drawn
+            handle.wxyz = wxyz_of(place[None, :3, :3])[0]
+
+    def mark(self, touched: Iterable[str]) -> None:
+        """Draws these obstacles red, and all others as they were."""
+        marked = frozenset(touched) & self._handles.keys()
+        for name in marked ^ self._marked:
+            handle = self._handles[name]
+            if hasattr(handle, "color"):
+                handle.color = TOUCHED if name in marked else COLOR
+        self._marked = marked
+
+    def remove(self) -> None:
+        """Takes it out of the scene."""
+        for handle in self._handles.values():
+            handle.remove()
+        self._handles = {}
+        self._drawn = {}
+        self.scene.forget(self)
+
+    def _draw(self, obstacle: kinopt.Obstacle) -> Any:
+        node, measures = f"/{self.name}/{obstacle.name}", obstacle.measures
+        if obstacle.kind == "points":
+            shown = self.scene.points(node[1:], measures["positions"], COLOR, size=2.0 * measures["radius"])
+            return shown
+        solid = solid_of(obstacle, PLANE * stage.DRAWN / self.scene.drawn)
+        return self.scene.server.scene.add_mesh_simple(
+            node,
+            vertices=(solid.vertices * self.scene.drawn).astype(np.float32),
+            faces=solid.triangles,
+            color=COLOR,
+            side="double" if obstacle.kind in ("mesh", "height field") else "front",
+        )

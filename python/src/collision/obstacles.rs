@@ -1,0 +1,76 @@
+//! What is kept clear of: the options `world`, `margin` and `collision_model` of arms and problems.
+
+use std::sync::Arc;
+
+use kinopt::collision::{Checker, CollisionModel as Shapes};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::number;
+use crate::collision::CollisionModel;
+use crate::error::{OrRaise, invalid};
+use crate::rig::Rig;
+use crate::robot::Robot;
+use crate::world::World;
+
+/// The options as they were given.
+pub(crate) struct Obstacles {
+    world: Option<kinopt::collision::World>,
+    margin: Option<f64>,
+    model: Option<Arc<Shapes>>,
+}
+
+impl Obstacles {
+    pub(crate) fn of(options: &Bound<'_, PyDict>) -> PyResult<Self> {
+        let given = |name: &str| -> PyResult<Option<Bound<'_, PyAny>>> {
+            Ok(options.get_item(name)?.filter(|value| !value.is_none()))
+        };
+        let world = given("world")?.map(|value| match value.cast::<World>() {
+            Ok(world) => Ok(world.get().snapshot()),
+            Err(_) => Err(invalid(format!(
+                "world must be a kinopt.World, not {value}"
+            ))),
+        });
+        let margin = given("margin")?.map(|value| number(&value, "margin"));
+        let model = given("collision_model")?.map(|value| match value.cast::<CollisionModel>() {
+            Ok(model) => Ok(Arc::clone(&model.get().inner)),
+            Err(_) => Err(invalid(format!(
+                "collision_model must be a kinopt.CollisionModel, not {value}"
+            ))),
+        });
+        Ok(Self {
+            model: model.transpose()?,
+            world: world.transpose()?,
+            margin: margin.transpose()?,
+        })
+    }
+
+    /// The checker of a robot, of a rig with a skin, or of anything with shapes that were given; none where there is nothing to keep
+    /// clear of.
+    pub(crate) fn checker(&self, of: &Bound<'_, PyAny>) -> PyResult<Option<Checker>> {
+        if self.world.is_none() && self.margin.is_none() && self.model.is_none() {
+            return Ok(None);
+        }
+        let checker = if let Some(model) = &self.model {
+            Checker::covered((**model).clone())
+        } else if let Ok(robot) = of.cast::<Robot>() {
+            Checker::of(&robot.get().inner).or_raise()?
+        } else if let Ok(rig) = of.cast::<Rig>() {
+            let rig = &rig.get().inner;
+            let (Some(mesh), Some(weights)) = (&rig.mesh, &rig.weights) else {
+                return Err(invalid(
+                    "world and margin need a rig with a mesh and weights, or take a collision_model",
+                ));
+            };
+            Checker::covered(Shapes::of_skin(&rig.skeleton, mesh, weights).or_raise()?)
+        } else {
+            return Err(invalid(
+                "world and margin are for a Robot, which has collision shapes, or a Rig, which has a skin, or take a collision_model",
+            ));
+        };
+        let world = self.world.clone().unwrap_or_default();
+        let checker = checker.with_world(&world).or_raise()?;
+        let checker = checker.with_margin(self.margin.unwrap_or(0.0)).or_raise()?;
+        Ok(Some(checker))
+    }
+}
