@@ -12,7 +12,9 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import subprocess
+import tempfile
 import time
 from pathlib import Path
 
@@ -69,6 +71,11 @@ class Judge:
         )
         self.shapes.addAllCollisionPairs()
         pinocchio.removeCollisionPairs(self.model, self.shapes, str(srdf))
+        # Neighbours overlap by design, spheres above all, and files do not list them all.
+        for pair in list(self.shapes.collisionPairs):
+            a, b = (self.shapes.geometryObjects[index].parentJoint for index in (pair.first, pair.second))
+            if a in (b, self.model.parents[b]) or b == self.model.parents[a]:
+                self.shapes.removeCollisionPair(pair)
         self.own = len(self.shapes.geometryObjects)
         self.data, self.tip = self.model.createData(), self.model.getFrameId(tip)
         self.base = self.model.getFrameId(base)
@@ -221,6 +228,11 @@ def main() -> None:
     urdf, original = folder / f"{wanted.robot}_spherized.urdf", folder / f"{wanted.robot}.urdf"
     srdf = folder / f"{wanted.robot}.srdf"
     robot = kinopt.Robot.from_urdf(str(urdf))
+    # Fetch's names links that its URDF does not have.
+    lines = [line for line in srdf.read_text().splitlines()
+             if all(name in robot.frame_names for name in re.findall(r'link[12]="([^"]*)"', line))]
+    srdf = Path(tempfile.mkdtemp()) / srdf.name
+    srdf.write_text("\n".join(lines))
     shapes = robot.collision_model().with_srdf(kinopt.Srdf.read(str(srdf), robot))
     plain = kinopt.Arm(robot, base, tip)
     names, limits = plain.joint_names, (np.maximum(plain.lower, -np.pi), np.minimum(plain.upper, np.pi))
