@@ -119,6 +119,15 @@ impl BoxTree {
         if self.nodes.is_empty() {
             return best;
         }
+        // Few things are all in one leaf: no room for a way through nodes.
+        if let Contents::Items(items) = self.contents(0) {
+            if bound(&self.nodes[0].bounds) < best {
+                for &item in items {
+                    best = visit(item, best);
+                }
+            }
+            return best;
+        }
         let mut stack = vec![(0, bound(&self.nodes[0].bounds))];
         while let Some((node, least)) = stack.pop() {
             if least >= best {

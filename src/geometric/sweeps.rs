@@ -90,6 +90,7 @@ pub(super) fn solve(
     if is_level && solution.termination == Termination::SmallStep {
         solution.termination = Termination::Stationary;
     }
+    solution.check_clear(question);
     Ok(solution)
 }
 

@@ -1,7 +1,7 @@
 //! What a solution touches.
 
 use super::Solution;
-use crate::problem::Collision;
+use crate::problem::{Collision, Question};
 
 impl Solution {
     /// The pairs that are nearer to each other at `q` than the margin asked for, the deepest first. A solution that is
@@ -20,6 +20,14 @@ impl Solution {
     fn goals_are_met(&self) -> bool {
         let mut goals = self.tasks().filter(|t| t.role == crate::task::Role::Goal);
         goals.all(|task| task.reached)
+    }
+
+    /// Checks what a question's problem keeps clear of, for engines that are not led out of what they touch.
+    pub(crate) fn check_clear(&mut self, question: Question<'_>) {
+        let fence = question.problem.fence();
+        if let Some(fence) = fence.filter(|_| self.q.iter().all(|value| value.is_finite())) {
+            self.set_collisions(fence.check().collisions(&self.q));
+        }
     }
 
     /// Takes what is touched; a solution that touches something is not reached.

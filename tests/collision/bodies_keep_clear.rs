@@ -1,9 +1,11 @@
 //! Promise: a body that keeps clear touches nothing where it is said to be reached, by the exact distances of shapes, and what is
 //! dragged touches nothing from frame to frame, but slides along what is in its way.
 
-use kinopt::collision::{Checker, Clearance, CollisionModel, World};
+use kinopt::collision::{Checker, Clearance, CollisionModel, CollisionObject, Shape, World};
 use kinopt::ik::{Drag, bent_stance};
+use kinopt::io::rig::Rig;
 use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::{Limits, Loop, Model, ParameterMap};
 use kinopt::problem::{Derivatives, Evaluation, TaskId};
 use kinopt::robot::{BaseJoint, Robot};
 use kinopt::solver::LeastSquares;
@@ -334,4 +336,121 @@ fn a_checker_of_another_model_is_refused() {
         error.contains("checker") && error.contains("nao"),
         "{error}"
     );
+}
+
+#[test]
+fn a_figure_s_hand_stops_at_its_belly() {
+    let rig = Rig::read("models/humanoid/humanoid.json").unwrap();
+    let (mesh, weights) = (rig.mesh.as_ref().unwrap(), rig.weights.as_ref().unwrap());
+    let skeleton = &rig.skeleton;
+    let checker = Checker::new(CollisionModel::of_skin(skeleton, mesh, weights).unwrap());
+    let rest = skeleton.model().neutral();
+    let spine = &skeleton.bones()[skeleton.bone("spine").unwrap().index()];
+    let belly = (spine.rest_tail() + spine.rest_tip()) * 0.5;
+    let tip = skeleton.tip(skeleton.bone("left_hand").unwrap());
+    let drag = |clear: bool| {
+        let mut tasks = Problem::builder(skeleton.model());
+        let hand = tasks.add(Point::new(tip, belly));
+        let arm = ["left_upper_arm", "left_forearm", "left_hand"];
+        let joints = arm.map(|bone| skeleton.joints(skeleton.bone(bone).unwrap()));
+        let map = ParameterMap::builder(skeleton.model()).only(&joints.concat(), &rest);
+        tasks.parameters(map.build().unwrap());
+        if clear {
+            tasks.keep_clear(&checker);
+        }
+        let mut drag = Drag::new(tasks.build().unwrap(), &rest).unwrap();
+        let mut kinematics = ForwardKinematics::new(skeleton.model());
+        let from = kinematics.place(&rest).unwrap()[tip.index()].translation;
+        let mut workspace = checker.workspace();
+        let mut blocked = 0;
+        for step in 1..=80 {
+            let share = (f64::from(step) / 40.0).min(1.0);
+            let target = from + (belly - from) * share;
+            drag.target_mut(hand).unwrap().set_target(target);
+            let before = drag.q().to_vec();
+            drag.advance();
+            let way = checker.way(&mut workspace, &before, drag.q()).unwrap();
+            blocked += usize::from(way.blocked_by.is_some());
+        }
+        (drag.solution().clone(), blocked)
+    };
+    let (through, blocked) = drag(false);
+    assert!(through.reached && blocked > 0);
+    assert!(!checker.collisions(&through.q).unwrap().is_empty());
+    let (stopped, blocked) = drag(true);
+    assert_eq!(blocked, 0);
+    assert!(!stopped.reached && checker.collisions(&stopped.q).unwrap().is_empty());
+    let pairs = stopped.collisions();
+    assert!(!pairs.is_empty());
+    // As near as the skin allows: within a hand's thickness and half a belly's.
+    let miss = stopped.position_error().unwrap();
+    assert!(miss > 0.03 && miss < 0.3, "{miss} {pairs:?}");
+}
+
+#[test]
+fn a_closed_loop_holds_where_something_is_in_the_way() {
+    // Two cranks of 20 cm, a coupler of 50 cm between them, and a pen on it.
+    let mut builder = Model::builder("parallelogram");
+    let (axis, turn) = (Vector3::UNITS[2], Limits::new(-3.1, 3.1));
+    let along = |x: f64| Placement::translation(Vector3::new(x, 0.0, 0.0));
+    let left = builder.revolute("left", None, along(0.0), axis, turn);
+    let coupler = builder.revolute("coupler", Some(left), along(0.2), axis, turn);
+    let right = builder.revolute("right", None, along(0.5), axis, turn);
+    let pen = builder.frame("pen", Some(coupler), along(0.25));
+    let ends = [
+        builder.frame("coupler end", Some(coupler), along(0.5)),
+        builder.frame("right end", Some(right), along(0.2)),
+    ];
+    builder.close(Loop::connect("joint", ends));
+    let model = builder.build().unwrap();
+    let ball = CollisionObject::new("pen", pen, along(0.0), Shape::sphere(0.02).unwrap());
+    let bodies = CollisionModel::new(&model, vec![ball]).unwrap();
+    let mut world = World::new();
+    let start = [1.2, -1.2, 1.2];
+    let mut kinematics = ForwardKinematics::new(&model);
+    let from = kinematics.place(&start).unwrap()[pen.index()].translation;
+    let goal = kinematics.place(&[0.3, -0.3, 0.3]).unwrap()[pen.index()].translation;
+    let middle = kinematics.place(&[0.75, -0.75, 0.75]).unwrap()[pen.index()].translation;
+    world.add_sphere("stone", 0.03, middle).unwrap();
+    let checker = Checker::new(bodies).with_world(&world).unwrap();
+    let mut tasks = Problem::builder(&model);
+    let task = tasks.add(Point::new(pen, from));
+    tasks.keep_clear(&checker);
+    let problem = tasks.build().unwrap();
+    // A drag stops before the stone, and its loop is closed in every frame.
+    let mut drag = Drag::new(problem.clone(), &start).unwrap();
+    let mut workspace = checker.workspace();
+    for step in 1..=60 {
+        let share = (f64::from(step) / 30.0).min(1.0);
+        drag.target_mut(task)
+            .unwrap()
+            .set_target(from + (goal - from) * share);
+        let before = drag.q().to_vec();
+        let solution = drag.advance();
+        let open: Vec<f64> = solution
+            .tasks()
+            .filter(|task| task.is_loop)
+            .filter_map(|task| task.position_error())
+            .collect();
+        assert!(solution.loops_closed(), "frame {step}: {open:?}");
+        let way = checker.way(&mut workspace, &before, drag.q()).unwrap();
+        assert_eq!(way.blocked_by, None, "frame {step}");
+    }
+    assert_eq!(drag.solution().collisions()[0].second, "stone");
+    // A solver goes to the other side, where nothing is in the way.
+    let mut targets = problem.targets();
+    targets.get_mut(task).unwrap().set_target(goal);
+    let question = problem.with_targets(&targets).unwrap();
+    let solution = Solver::default().solve_once(question, &start).unwrap();
+    assert!(
+        solution.reached && solution.loops_closed(),
+        "{}",
+        solution.explain()
+    );
+    // And tells a target in the stone.
+    targets.get_mut(task).unwrap().set_target(middle);
+    let question = problem.with_targets(&targets).unwrap();
+    let solution = Solver::default().solve_once(question, &start).unwrap();
+    assert!(!solution.reached && solution.goals_reached() && solution.loops_closed());
+    assert!((solution.collisions()[0].depth() - 0.05).abs() < 1e-5);
 }

@@ -124,7 +124,7 @@ fn arm(arguments: &Arguments, loaded: &LoadedModel, room: Room) -> Outcome<(Arm,
     let arm = builder.build()?;
     let arm = arguments
         .obstacles
-        .keep_clear(arm, robot, srdf, &loaded.rest())?;
+        .keep_clear(arm, loaded, srdf, &loaded.rest())?;
     Ok((arm, columns))
 }
 

@@ -78,9 +78,8 @@ impl<'a> ArmBackend<'a> {
         let builder = with_joint_options(builder, loaded, &columns, arguments)?;
         let srdf = arguments.chain.srdf.as_ref();
         let rest = loaded.rest();
-        let arm = arguments
-            .obstacles
-            .keep_clear(builder.build()?, robot, srdf, &rest)?;
+        let arm = builder.build()?;
+        let arm = (arguments.obstacles).keep_clear(arm, loaded, srdf, &rest)?;
         Ok(Self {
             loaded,
             arm,

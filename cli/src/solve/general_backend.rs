@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use kinopt::collision::Checker;
 use kinopt::ik::Drag;
 use kinopt::model::FrameId;
 use kinopt::solver::Observer;
@@ -41,6 +42,8 @@ pub(super) struct GeneralBackend<'a> {
     weights: Weights,
     /// What is asked of the centre of mass.
     balance: Option<Balance>,
+    /// What is kept clear of.
+    checker: Option<Checker>,
     /// What else is asked.
     others: Option<TaskFile>,
     tasks: Vec<TaskName>,
@@ -112,6 +115,7 @@ impl<'a> GeneralBackend<'a> {
             held,
             weights,
             balance,
+            checker: (arguments.obstacles).checker(loaded, arguments.chain.srdf.as_ref())?,
             others,
             tasks,
             levels,
@@ -153,6 +157,9 @@ impl<'a> GeneralBackend<'a> {
             .derivatives(self.arguments.derivatives())
             .tolerance(Quantity::Metres, length)
             .tolerance(Quantity::Radians, angle);
+        if let Some(checker) = &self.checker {
+            builder.keep_clear(checker);
+        }
         let mut frames = self.frames.iter().copied();
         let levels = &mut self.levels.iter().copied();
         let mut level = || levels.next().unwrap_or_default();

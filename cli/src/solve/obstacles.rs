@@ -1,26 +1,28 @@
-//! `--world` and `--margin`: what an arm keeps clear of.
+//! `--world` and `--margin`: what an arm or a body keeps clear of.
 
 use std::path::PathBuf;
 
 use clap::Args;
 use kinopt::arm::Arm;
-use kinopt::collision::{Checker, World};
+use kinopt::collision::{Checker, CollisionModel, World};
 use kinopt::robot::{Robot, Srdf};
 
 use crate::collision_options::ShapeOptions;
 use crate::failure::Outcome;
 use crate::help_headings::{COLLISIONS, TARGETS};
+use crate::loaded_model::LoadedModel;
 use crate::number_list::not_negative;
 
 /// Options about collisions.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct ObstacleArguments {
-    /// Keep clear of the obstacles of a file, and of oneself. A robot's arm only.
+    /// Keep clear of the obstacles of a file, and of oneself.
     ///
     /// Our JSON (`{"boxes": [{"name", "size", "position", "quaternion"}], "spheres": …}`), or a planning scene of MoveIt's
     /// (.yaml). Default: nothing is in the way. An answer is reached only if it touches nothing, by the exact distances of the
     /// robot's collision shapes; the pairs that touch are told otherwise. Of a path nothing touches between its points
-    /// either. Pairs of links are those that a thousand random configurations neither never nor always have touching, less
+    /// either, and a body that goes on from where it stands slides along what is in its way. A figure has capsules along its bones, as
+    /// thick as its skin. Pairs of links are those that a thousand random configurations neither never nor always have touching, less
     /// those that --srdf disables.
     #[arg(long, value_name = "FILE", help_heading = TARGETS)]
     world: Option<PathBuf>,
@@ -40,27 +42,69 @@ impl ObstacleArguments {
         world.or(self.margin.map(|_| "--margin"))
     }
 
-    /// The arm kept clear of what is given, with the robot's other joints at `rest`.
-    pub(crate) fn keep_clear(
+    /// What is to be kept clear of, if anything is: a robot by its collision shapes, a figure by capsules along its bones.
+    ///
+    /// # Errors
+    /// A file that is not there or damaged, and a rig without a skin.
+    pub(super) fn checker(
         &self,
-        arm: Arm,
-        robot: &Robot,
+        loaded: &LoadedModel,
         srdf: Option<&PathBuf>,
-        rest: &[f64],
-    ) -> Outcome<Arm> {
-        if self.given().is_none() {
-            return Ok(arm);
-        }
-        let mut model = self.shapes.model(robot)?;
-        if let Some(file) = srdf {
-            model = model.with_srdf(&Srdf::read(file, robot)?);
-        }
+    ) -> Outcome<Option<Checker>> {
+        let Some(option) = self.given() else {
+            return Ok(None);
+        };
         let world = match &self.world {
             Some(file) => World::read(file)?,
             None => World::new(),
         };
-        let checker = Checker::sampled(model).with_world(&world)?;
-        let checker = checker.with_margin(self.margin.unwrap_or(0.0))?;
-        Ok(arm.with_checker(&checker, rest)?)
+        let checker = match &loaded.robot {
+            Some(robot) => Checker::sampled(self.of_robot(robot, srdf)?),
+            None => Checker::new(of_figure(loaded, option)?),
+        };
+        let checker = checker.with_world(&world)?;
+        Ok(Some(checker.with_margin(self.margin.unwrap_or(0.0))?))
     }
+
+    /// An arm kept clear of what is given, with the robot's other joints at `rest`.
+    ///
+    /// # Errors
+    /// As [`checker`](Self::checker).
+    pub(crate) fn keep_clear(
+        &self,
+        arm: Arm,
+        loaded: &LoadedModel,
+        srdf: Option<&PathBuf>,
+        rest: &[f64],
+    ) -> Outcome<Arm> {
+        Ok(match self.checker(loaded, srdf)? {
+            Some(checker) => arm.with_checker(&checker, rest)?,
+            None => arm,
+        })
+    }
+
+    fn of_robot(&self, robot: &Robot, srdf: Option<&PathBuf>) -> Outcome<CollisionModel> {
+        let model = self.shapes.model(robot)?;
+        Ok(match srdf {
+            Some(file) => model.with_srdf(&Srdf::read(file, robot)?),
+            None => model,
+        })
+    }
+}
+
+/// Capsules as thick as the skin.
+fn of_figure(loaded: &LoadedModel, option: &str) -> Outcome<CollisionModel> {
+    let rig = loaded.rig.as_deref();
+    let skin = rig.and_then(|rig| Some((rig, rig.mesh.as_ref()?, rig.weights.as_ref()?)));
+    let Some((rig, mesh, weights)) = skin else {
+        return Err(usage!(
+            "{option} is for robots with collision shapes and figures with a skin, and {} is a {} without one",
+            loaded.file,
+            loaded.kind()
+        ));
+    };
+    Ok(match &loaded.balls {
+        Some(figure) => CollisionModel::of_ball_skin(figure, mesh, weights)?,
+        None => CollisionModel::of_skin(&rig.skeleton, mesh, weights)?,
+    })
 }

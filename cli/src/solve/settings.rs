@@ -105,7 +105,7 @@ impl Arguments {
             || goals.need_more_than_an_arm(loaded);
         let one_frame = self.file.is_some() || (self.targets.len() == 1 && self.rays.is_empty());
         let of_an_arm = self.arm.given(loaded.rig.is_some());
-        match (&loaded.robot, of_an_arm.or(self.obstacles.given())) {
+        match (&loaded.robot, of_an_arm) {
             (Some(_), _) if one_frame && !general && !self.weights.is_empty() => Err(usage!(
                 "--weight is for several targets or held tips; beside a single target's position \
                      --metres-per-radian weighs its orientation"

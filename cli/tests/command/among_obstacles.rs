@@ -32,11 +32,39 @@ fn an_answer_touches_nothing_or_names_what_it_touches() {
 }
 
 #[test]
-fn a_world_goes_with_the_arm_of_a_robot() {
+fn a_body_touches_nothing_or_names_what_it_touches() {
+    let folder = Folder::new("bodies-among-obstacles");
+    let world = r#"{"boxes": [{"name": "board", "size": [0.2, 0.3, 0.2], "position": [0.3, 0.11, -0.11]}]}"#;
+    let (nao, world) = (
+        model("aldebaran_nao.urdf"),
+        folder.text("world.json", world),
+    );
+    let body = "--base-joint free --hold left_sole --hold right_sole --start bent";
+    let ask =
+        |target: &str| answer!("solve {nao} {body} --target left_hand={target} --world {world}");
+    // Above the board, and in it.
+    let above = ask("0.2,0.11,0.05");
+    assert_eq!(
+        (&above["reached"], above.get("collisions")),
+        (&true.into(), None)
+    );
+    let inside = ask("0.23,0.11,-0.05");
+    assert_eq!(inside["reached"], false);
+    let pairs = list(&inside["collisions"]);
+    assert!(
+        pairs.iter().any(|pair| pair["second"] == "board"),
+        "{pairs:?}"
+    );
+    assert!(inside["explanation"].as_str().unwrap().contains("`board`"));
+}
+
+#[test]
+fn a_world_is_for_what_has_shapes() {
     let table = model("worlds/table.json");
     let panda = model("franka_panda.urdf");
-    let rig = model("humanoid/humanoid.json");
-    refused!("solve {rig} --target bone/5=0,1,0 --world {table}" => 2, "--world is for robots");
+    let folder = Folder::new("world-without-skin");
+    let bones = folder.changed("bones.json", |rig| (rig.mesh, rig.weights) = (None, None));
+    refused!("solve {bones} --target bone/4=0,1,0 --world {table}" => 2, "--world is for robots");
     refused!("solve {panda} --target {POSE} --margin=-1" => 2, "margin");
     refused!("solve {panda} --base base --target {POSE} --world {table}.gone" => 1, "table.json.gone");
 }

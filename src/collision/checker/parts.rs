@@ -1,5 +1,7 @@
 //! The parts of a robot and the obstacles of a world, put together.
 
+use std::ops::Range;
+
 use super::CheckerError;
 use super::motion_bound::MotionBound;
 use crate::collision::box_tree::BoxTree;
@@ -14,6 +16,7 @@ struct Standing {
     name: String,
     shape: Shape,
     world_from_shape: Placement<f64>,
+    bounds: BoundingBox,
 }
 
 /// What moves with one frame.
@@ -37,6 +40,8 @@ pub(super) enum Pair {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scene {
     parts: Vec<Part>,
+    /// Where the shapes of each part end, among those of all.
+    shape_ends: Vec<usize>,
     /// Parts that are kept apart, by place.
     pairs: Vec<[usize; 2]>,
     standing: Vec<Standing>,
@@ -62,6 +67,7 @@ impl Scene {
             match &obstacle.attached {
                 None => standing.push(Standing {
                     name,
+                    bounds: shape.bounding_box().placed(&obstacle.placement),
                     shape,
                     world_from_shape: obstacle.placement,
                 }),
@@ -79,11 +85,15 @@ impl Scene {
                 }
             }
         }
-        let boxes: Vec<BoundingBox> = standing.iter().map(Standing::bounds).collect();
+        let ends = parts.iter().scan(0, |end, part| {
+            *end += part.shapes.len();
+            Some(*end)
+        });
         Ok(Self {
+            shape_ends: ends.collect(),
             pairs: pairs(model, &parts, own),
             motion_bound: MotionBound::new(model.model(), parts.iter().map(Part::balls)),
-            tree: BoxTree::new(standing.len(), |index| boxes[index]),
+            tree: BoxTree::new(standing.len(), |index| standing[index].bounds),
             parts,
             standing,
         })
@@ -112,16 +122,29 @@ impl Scene {
         within: f64,
         mut each: impl FnMut(Pair, &Separation) -> bool,
     ) {
+        // Every shape is placed once, though it is in many pairs.
+        let shapes = self
+            .parts
+            .iter()
+            .zip(placements)
+            .flat_map(|(part, placement)| {
+                (part.shapes.iter()).map(|(shape, part_from_shape)| {
+                    Placed::new(shape, *placement * *part_from_shape)
+                })
+            });
+        let shapes: Vec<Placed<'_>> = shapes.collect();
         let mut near: Vec<(u32, Separation)> = Vec::new();
-        for (place, (part, placement)) in self.parts.iter().zip(placements).enumerate() {
+        for place in 0..self.parts.len() {
             near.clear();
-            self.near(part, placement, within, |standing, separation| {
-                match near.iter_mut().find(|(known, _)| *known == standing) {
+            self.near(
+                &shapes[self.shapes_of(place)],
+                within,
+                |standing, separation| match near.iter_mut().find(|(known, _)| *known == standing) {
                     Some((_, known)) if known.distance <= separation.distance => {}
                     Some((_, known)) => *known = separation,
                     None => near.push((standing, separation)),
-                }
-            });
+                },
+            );
             near.sort_by_key(|(standing, _)| *standing);
             for (standing, separation) in &near {
                 if !each(Pair::Standing(place, *standing as usize), separation) {
@@ -130,8 +153,8 @@ impl Scene {
             }
         }
         for &[a, b] in &self.pairs {
-            if let Some(separation) =
-                self.part_to_part([a, b], [&placements[a], &placements[b]], within)
+            let [first, second] = [a, b].map(|part| &shapes[self.shapes_of(part)]);
+            if let Some(separation) = part_to_part(first, second, within)
                 && !each(Pair::Parts(a, b), &separation)
             {
                 return;
@@ -139,53 +162,28 @@ impl Scene {
         }
     }
 
-    /// The least distance of two parts, if that is at most `within`.
-    fn part_to_part(
-        &self,
-        [a, b]: [usize; 2],
-        [world_from_a, world_from_b]: [&Placement<f64>; 2],
-        within: f64,
-    ) -> Option<Separation> {
-        let mut nearest: Option<Separation> = None;
-        for (first, a_from_first) in &self.parts[a].shapes {
-            let world_from_first = *world_from_a * *a_from_first;
-            for (second, b_from_second) in &self.parts[b].shapes {
-                let world_from_second = *world_from_b * *b_from_second;
-                let balls = [(first, &world_from_first), (second, &world_from_second)];
-                if balls_are_apart(balls, within) {
-                    continue;
-                }
-                let separation =
-                    separation_within(first, &world_from_first, second, &world_from_second, within);
-                if let Some(separation) = separation {
-                    keep_nearer(&mut nearest, separation);
-                }
-            }
-        }
-        nearest
+    /// Where a part's shapes are among those of all.
+    fn shapes_of(&self, part: usize) -> Range<usize> {
+        let end = |part: usize| self.shape_ends[part];
+        part.checked_sub(1).map_or(0, end)..end(part)
     }
 
     /// Visits what stands at most `within` from a part's shapes.
-    fn near(
-        &self,
-        part: &Part,
-        world_from_part: &Placement<f64>,
-        within: f64,
-        mut each: impl FnMut(u32, Separation),
-    ) {
-        for (shape, part_from_shape) in &part.shapes {
-            let world_from_shape = *world_from_part * *part_from_shape;
-            let ball = shape.bounding_sphere();
-            let centre = world_from_shape.apply(ball.centre);
-            let reach = ball.radius + within;
-            let apart = |bounds: &BoundingBox| bounds.squared_distance(centre);
+    fn near(&self, shapes: &[Placed<'_>], within: f64, mut each: impl FnMut(u32, Separation)) {
+        for own in shapes {
+            let reach = own.radius + within;
+            let apart = |bounds: &BoundingBox| bounds.squared_distance(own.centre);
             // Nothing is ever nearer than the bound: all whose boxes the ball meets are visited.
             self.tree
                 .nearest((reach * reach).next_up(), apart, |index, bound| {
                     let standing = &self.standing[index as usize];
+                    // The leaves of the tree hold several.
+                    if standing.bounds.squared_distance(own.centre) > reach * reach {
+                        return bound;
+                    }
                     let separation = separation_within(
-                        shape,
-                        &world_from_shape,
+                        own.shape,
+                        &own.world_from_shape,
                         &standing.shape,
                         &standing.world_from_shape,
                         within,
@@ -199,6 +197,51 @@ impl Scene {
     }
 }
 
+/// A part's shape where it stands, and the ball around it.
+struct Placed<'a> {
+    shape: &'a Shape,
+    world_from_shape: Placement<f64>,
+    centre: Vector3<f64>,
+    radius: f64,
+}
+
+impl<'a> Placed<'a> {
+    fn new(shape: &'a Shape, world_from_shape: Placement<f64>) -> Self {
+        let ball = shape.bounding_sphere();
+        Self {
+            shape,
+            centre: world_from_shape.apply(ball.centre),
+            radius: ball.radius,
+            world_from_shape,
+        }
+    }
+}
+
+/// The least distance of two parts, if that is at most `within`.
+fn part_to_part(a: &[Placed<'_>], b: &[Placed<'_>], within: f64) -> Option<Separation> {
+    let mut nearest: Option<Separation> = None;
+    for first in a {
+        for second in b {
+            // By the balls around them.
+            let reach = first.radius + second.radius + within;
+            if (first.centre - second.centre).norm_squared() > reach * reach {
+                continue;
+            }
+            let separation = separation_within(
+                first.shape,
+                &first.world_from_shape,
+                second.shape,
+                &second.world_from_shape,
+                within,
+            );
+            if let Some(separation) = separation {
+                keep_nearer(&mut nearest, separation);
+            }
+        }
+    }
+    nearest
+}
+
 impl Part {
     /// Its frame, and balls around its shapes there.
     fn balls(&self) -> (FrameId, Vec<(Vector3<f64>, f64)>) {
@@ -207,12 +250,6 @@ impl Part {
             (frame_from_shape.apply(ball.centre), ball.radius)
         };
         (self.frame, self.shapes.iter().map(ball).collect())
-    }
-}
-
-impl Standing {
-    fn bounds(&self) -> BoundingBox {
-        self.shape.bounding_box().placed(&self.world_from_shape)
     }
 }
 
@@ -234,16 +271,6 @@ fn pairs(model: &CollisionModel, parts: &[Part], own: usize) -> Vec<[usize; 2]> 
         }
     }
     pairs
-}
-
-/// Whether two shapes are surely further apart than `within`, by the balls around them.
-fn balls_are_apart(shapes: [(&Shape, &Placement<f64>); 2], within: f64) -> bool {
-    let [(a, a_from), (b, b_from)] = shapes.map(|(shape, world_from_shape)| {
-        let ball = shape.bounding_sphere();
-        (ball.radius, world_from_shape.apply(ball.centre))
-    });
-    let reach = a + b + within;
-    (a_from - b_from).norm_squared() > reach * reach
 }
 
 fn keep_nearer(nearest: &mut Option<Separation>, other: Separation) {
