@@ -231,20 +231,21 @@ fn order(model: &Model, all: &mut [Limb]) {
     }
 }
 
-/// The limbs between what stands and the root; without any that stands, all.
+/// The limbs between what stands and the root, without those at the root, which are hips; without any that stands, all.
 fn leg_limbs(all: &[Limb], stands: bool) -> Vec<usize> {
     let mut found: Vec<usize> = Vec::new();
-    for (k, limb) in all
-        .iter()
-        .enumerate()
-        .filter(|(_, limb)| limb.stands || !stands)
-    {
-        let mut at = Some(k);
+    for (end, limb) in all.iter().enumerate() {
+        let mut at = if limb.stands || !stands {
+            Some(end)
+        } else {
+            None
+        };
         while let Some(own) = at {
-            if limb.parent.is_some() && !found.contains(&own) {
+            at = all[own].parent;
+            let is_hip = own != end && at.is_some_and(|parent| all[parent].parent.is_none());
+            if at.is_some() && !is_hip && !found.contains(&own) {
                 found.push(own);
             }
-            at = all[own].parent;
         }
     }
     found
