@@ -81,8 +81,9 @@ fn jerk(found: &Retargeted) -> f64 {
     let frames: Vec<&[f64]> = found.q.chunks(found.configuration_len).collect();
     let mut sum = 0.0;
     for four in frames.windows(4) {
-        for k in 7..found.configuration_len {
-            let third = four[3][k] - 3.0 * four[2][k] + 3.0 * four[1][k] - four[0][k];
+        let [a, b, c, d] = [0, 1, 2, 3].map(|frame| four[frame].iter().skip(7));
+        for (((a, b), c), d) in a.zip(b).zip(c).zip(d) {
+            let third = d - 3.0 * c + 3.0 * b - a;
             sum += third * third;
         }
     }

@@ -77,7 +77,7 @@ fn what_is_wrong_is_told_and_nothing_is_written() {
         "foreign.json",
         r#"{"drives": {"g1.urdf": {"hips": "pelvis"}}}"#,
     );
-    let nobody = folder.text("nobody.json", &MAP.replace("torso", "pelvis"));
+    let nobody = folder.text("nobody.json", MAP.replace("torso", "pelvis"));
     let out = folder.file("out.npz");
     for (arguments, code, words) in [
         (
