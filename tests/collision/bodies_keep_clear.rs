@@ -169,7 +169,7 @@ fn what_is_reached_touches_nothing_and_nearly_all_is_reached() {
     let mut random = Random::new(14);
     let mut workspace = Workspace::new();
     let (mut asked, mut reached, mut led, mut blocked) = (0, 0, 0, 0);
-    for _ in 0..cases(60, 12) {
+    for _ in 0..cases(60, 25) {
         let mut world = World::new();
         let at = hand
             + Vector3::new(
