@@ -22,16 +22,17 @@ use crate::task::{LocalJacobian, Numeric, NumericResidual, Quantity, Residual, R
 /// # #[cfg(feature = "urdf")] {
 /// use kinopt::collision::{Checker, Clearance, World};
 /// use kinopt::robot::Robot;
+/// use kinopt::spatial::Vector3;
 /// use kinopt::task::{Point, Task};
 /// use kinopt::{Problem, Solver};
 ///
 /// let robot = Robot::read("models/franka_panda.urdf")?;
 /// let mut world = World::new();
-/// world.add_sphere("ball", 0.1, [0.4, 0.0, 0.5])?;
+/// world.add_sphere("ball", 0.1, Vector3::new(0.4, 0.0, 0.5))?;
 /// let checker = Checker::of(&robot)?.with_world(&world)?;
 /// let mut tasks = Problem::builder(robot.model());
 /// tasks.parameters(robot.map().clone());
-/// tasks.add(Point::new(robot.model().frame("flange")?, [0.5, 0.0, 0.4]));
+/// tasks.add(Point::new(robot.model().frame("flange")?, Vector3::new(0.5, 0.0, 0.4)));
 /// // Rather half a metre away from everything, as far as the hand allows.
 /// tasks.add(Task::new(Clearance::new(&checker, 0.5)).preference());
 /// let solution = Solver::default().solve_once(&tasks.build()?, &robot.model().neutral())?;
