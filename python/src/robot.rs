@@ -1,8 +1,9 @@
 //! Robots from URDF and MJCF.
 
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
+use kinopt::collision::Checker;
 use kinopt::kinematics::{ForwardKinematics, Jacobian};
 use kinopt::model::Limits;
 use kinopt::robot::BaseJoint;
@@ -32,6 +33,8 @@ pub(crate) struct Robot {
     pub(crate) inner: Arc<kinopt::robot::Robot>,
     pub(crate) model: Arc<kinopt::Model>,
     source: Source,
+    /// Its shapes and the spheres that cover them, made when a world is first kept clear of.
+    checker: OnceLock<Checker>,
 }
 
 /// What a robot is read from, and what was changed since.
@@ -123,7 +126,17 @@ impl Robot {
             model: Arc::new(robot.model().clone()),
             inner: Arc::new(robot),
             source,
+            checker: OnceLock::new(),
         })
+    }
+
+    /// What keeps its shapes apart, in a world without obstacles.
+    pub(crate) fn checker(&self) -> PyResult<Checker> {
+        if let Some(known) = self.checker.get() {
+            return Ok(known.clone());
+        }
+        let made = Checker::of(&self.inner).or_raise()?;
+        Ok(self.checker.get_or_init(|| made).clone())
     }
 
     fn per_joint<'py>(

@@ -54,7 +54,7 @@ impl Obstacles {
         let checker = if let Some(model) = &self.model {
             Checker::covered((**model).clone())
         } else if let Ok(robot) = of.cast::<Robot>() {
-            Checker::of(&robot.get().inner).or_raise()?
+            robot.get().checker()?
         } else if let Ok(rig) = of.cast::<Rig>() {
             let rig = &rig.get().inner;
             let (Some(mesh), Some(weights)) = (&rig.mesh, &rig.weights) else {
