@@ -6,7 +6,7 @@ use crate::lanes::lane::LaneScalar;
 use crate::spatial::{Placement, Vector3};
 
 /// Fewer solids are looked at one after another.
-const LISTED: usize = 48;
+const LISTED: usize = 512;
 
 /// A shape whose distance from a point has a closed form in lanes, or another; lengths in metres.
 #[derive(Clone, Debug)]
