@@ -5,7 +5,7 @@ use pyo3::exceptions::{PyFileNotFoundError, PyKeyError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::error::invalid;
+use crate::error::{Fault, OrRaise, invalid};
 
 /// The bytes of a text, or bytes as they are.
 pub(crate) fn text_or_bytes(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<u8>> {
@@ -16,8 +16,21 @@ pub(crate) fn text_or_bytes(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Ve
     bytes.map_err(|_| invalid(format!("{what} must be a text or bytes")))
 }
 
+/// What `parse` makes of bytes, with other files by a function of the caller's, whose exception comes first.
+pub(crate) fn parsed<T, E: Fault>(
+    open: Option<&Bound<'_, PyAny>>,
+    parse: impl FnOnce(&mut dyn FnMut(&str) -> Result<Vec<u8>, ReadError>) -> Result<T, E>,
+) -> PyResult<T> {
+    let mut raised = None;
+    let parsed = parse(&mut |file| opened(open, file, &mut raised));
+    match raised {
+        Some(error) => Err(error),
+        None => parsed.or_raise(),
+    }
+}
+
 /// A file's bytes by a function of the caller's, whose exception is kept.
-pub(crate) fn opened(
+fn opened(
     open: Option<&Bound<'_, PyAny>>,
     file: &str,
     raised: &mut Option<PyErr>,

@@ -10,7 +10,7 @@ use pyo3::types::PyType;
 
 pub(crate) use self::posing::RigPosing;
 use crate::animation::EulerClip;
-use crate::contents::{opened, text_or_bytes};
+use crate::contents::{parsed, text_or_bytes};
 use crate::error::{OrRaise, invalid};
 use crate::masses::{DENSITY, centres};
 use crate::mesh::TriangleMesh;
@@ -128,12 +128,8 @@ impl Rig {
         open: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let json = text_or_bytes(json, "json")?;
-        let mut raised = None;
-        let rig = kinopt::io::rig::Rig::parse(&json, name, |file| opened(open, file, &mut raised));
-        match raised {
-            Some(error) => Err(error),
-            None => Self::of(class.py(), rig.or_raise()?),
-        }
+        let rig = parsed(open, |open| kinopt::io::rig::Rig::parse(&json, name, open))?;
+        Self::of(class.py(), rig)
     }
 
     /// Writes the rig to `path`, a JSON file, and its mesh and weights beside it under the same name with

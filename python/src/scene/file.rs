@@ -8,7 +8,7 @@ use pyo3::types::{PyBytes, PyType};
 
 use super::{Scene, options};
 use crate::animation::{Clip, Pose};
-use crate::contents::{opened, text_or_bytes};
+use crate::contents::{parsed, text_or_bytes};
 use crate::error::OrRaise;
 
 /// A .glb or .gltf file as it was read, with the scene in it.
@@ -47,14 +47,8 @@ impl SceneFile {
         open: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let data = text_or_bytes(data, "data")?;
-        let mut raised = None;
-        let file = gltf::SceneFile::from_bytes(&data, name, |file| opened(open, file, &mut raised));
-        match raised {
-            Some(error) => Err(error),
-            None => Ok(Self {
-                inner: file.or_raise()?,
-            }),
-        }
+        let inner = parsed(open, |open| gltf::SceneFile::from_bytes(&data, name, open))?;
+        Ok(Self { inner })
     }
 
     /// What in it can be posed, with the clips that were added.

@@ -16,7 +16,7 @@ pub(crate) use self::file::SceneFile;
 pub(crate) use self::mesh::{SceneMesh, Skin};
 pub(crate) use self::posing::ScenePosing;
 use crate::animation::{Armature, Clip};
-use crate::contents::{opened, text_or_bytes};
+use crate::contents::{parsed, text_or_bytes};
 use crate::error::{OrRaise, invalid};
 use crate::mesh::TriangleMesh;
 use crate::pickling;
@@ -102,12 +102,8 @@ impl Scene {
         open: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let data = text_or_bytes(data, "data")?;
-        let mut raised = None;
-        let scene = gltf::from_bytes(&data, name, |file| opened(open, file, &mut raised));
-        match raised {
-            Some(error) => Err(error),
-            None => scene.or_raise().map(Self::from),
-        }
+        let scene = parsed(open, |open| gltf::from_bytes(&data, name, open))?;
+        Ok(scene.into())
     }
 
     /// A skeleton as a scene, and its `mesh` where there is one, skinned by `weights` whose columns are the bones. Bones keep their

@@ -77,14 +77,26 @@ impl Clip {
     /// # Errors
     /// A rate that is not a finite number above 0 or that takes more than four million keys, or another armature.
     pub fn baked(&self, armature: &Armature, keys_per_second: f64) -> Result<Self, ChannelError> {
+        self.resampled(armature, keys_per_second, |_, _| Ok(()))
+            .map(|(baked, ())| baked)
+    }
+
+    /// The clip by samples at an even rate, whose poses are changed first; and what that came to.
+    pub(super) fn resampled<T>(
+        &self,
+        armature: &Armature,
+        keys_per_second: f64,
+        change: impl FnOnce(&[f32], &mut [Pose]) -> Result<T, ChannelError>,
+    ) -> Result<(Self, T), ChannelError> {
         let times = self.sample_times(keys_per_second)?;
-        let poses = self.poses_at(armature, &times)?;
-        let baked = Self::through_poses(self.name(), armature, &times, &poses)?;
-        Ok(baked.with_events_of(self))
+        let mut poses = self.poses_at(armature, &times)?;
+        let told = change(&times, &mut poses)?;
+        let changed = Self::through_poses(self.name(), armature, &times, &poses)?;
+        Ok((changed.with_events_of(self), told))
     }
 
     /// Times at an even rate from its start to its end, both of which are among them.
-    pub(super) fn sample_times(&self, per_second: f64) -> Result<Vec<f32>, ChannelError> {
+    fn sample_times(&self, per_second: f64) -> Result<Vec<f32>, ChannelError> {
         let [start, end] = self.span();
         let steps = self.duration() * per_second;
         if !(per_second > 0.0 && steps < MOST_SAMPLES) {
@@ -103,11 +115,7 @@ impl Clip {
     }
 
     /// The poses at times of the clip.
-    pub(super) fn poses_at(
-        &self,
-        armature: &Armature,
-        times: &[f32],
-    ) -> Result<Vec<Pose>, SizeMismatch> {
+    fn poses_at(&self, armature: &Armature, times: &[f32]) -> Result<Vec<Pose>, SizeMismatch> {
         let mut cursor = Cursor::new();
         let start = f64::from(self.span()[0]);
         let poses = times.iter().map(|&time| {

@@ -36,14 +36,13 @@ impl Clip {
         let up = up
             .try_normalize()
             .ok_or(ChannelError::BadUp { up: up.to_array() })?;
-        let times = self.sample_times(keys_per_second)?;
-        let mut poses = self.poses_at(armature, &times)?;
-        let motion = RootMotion::of(armature, bone, up, (&times, &poses))?;
-        for (time, pose) in times.iter().zip(&mut poses) {
-            carry(armature, bone, motion.at(*time).inverse(), pose)?;
-        }
-        let in_place = Self::through_poses(self.name(), armature, &times, &poses)?;
-        Ok((in_place.with_events_of(self), motion))
+        self.resampled(armature, keys_per_second, |times, poses| {
+            let motion = RootMotion::of(armature, bone, up, (times, poses))?;
+            for (time, pose) in times.iter().zip(poses) {
+                carry(armature, bone, motion.at(*time).inverse(), pose)?;
+            }
+            Ok(motion)
+        })
     }
 
     /// Puts a way into the clip of a bone, by samples: the reverse of [`without_root_motion`](Self::without_root_motion).
@@ -57,13 +56,11 @@ impl Clip {
         motion: &RootMotion,
         keys_per_second: f64,
     ) -> Result<Self, ChannelError> {
-        let times = self.sample_times(keys_per_second)?;
-        let mut poses = self.poses_at(armature, &times)?;
-        for (time, pose) in times.iter().zip(&mut poses) {
-            carry(armature, bone, motion.at(*time), pose)?;
-        }
-        let moved = Self::through_poses(self.name(), armature, &times, &poses)?;
-        Ok(moved.with_events_of(self))
+        let moved = self.resampled(armature, keys_per_second, |times, poses| {
+            let mut samples = times.iter().zip(poses);
+            samples.try_for_each(|(time, pose)| carry(armature, bone, motion.at(*time), pose))
+        });
+        moved.map(|(moved, ())| moved)
     }
 }
 

@@ -23,29 +23,26 @@ impl Clip {
             let given = seconds;
             return Err(ChannelError::NotWithin { given, duration });
         }
-        let times = self.sample_times(keys_per_second)?;
-        let mut poses = self.poses_at(armature, &times)?;
-        if let [first, .., last] = poses.as_slice() {
+        let lead = f64::from(self.span()[1]) - seconds;
+        let closed = self.resampled(armature, keys_per_second, |times, poses| {
+            let [first, .., last] = &*poses else {
+                return Ok(());
+            };
             let (first, last) = (first.clone(), last.clone());
-            let lead = f64::from(self.span()[1]) - seconds;
-            for (time, pose) in times.iter().zip(&mut poses) {
+            for (time, pose) in times.iter().zip(&mut *poses) {
                 let share = ((f64::from(*time) - lead) / seconds).clamp(0.0, 1.0) as f32;
                 if share > 0.0 {
-                    add_difference(
-                        armature,
-                        pose,
-                        [&last, &first],
-                        share * share * (3.0 - 2.0 * share),
-                    );
+                    let ease = share * share * (3.0 - 2.0 * share);
+                    add_difference(armature, pose, [&last, &first], ease);
                 }
             }
             // Exactly, whatever the way there rounds to.
             if let Some(end) = poses.last_mut() {
                 end.clone_from(&first);
             }
-        }
-        let closed = Self::through_poses(self.name(), armature, &times, &poses)?;
-        Ok(closed.with_events_of(self))
+            Ok(())
+        });
+        closed.map(|(closed, ())| closed)
     }
 }
 

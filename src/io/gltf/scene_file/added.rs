@@ -9,11 +9,12 @@ use super::members::Members;
 use super::{Container, place};
 use crate::animation::LocalTransform;
 use crate::io::gltf::write::{ClipDocument, UnwritableScene};
+use crate::skeleton::BoneId;
 
-/// Puts a document of one clip behind another. `node_of` tells the nodes of the clip's bones.
+/// Puts a document of one clip behind another. `bone_of` tells the bone of each node.
 pub(super) fn join(
     added: ClipDocument,
-    node_of: &[usize],
+    bone_of: &[BoneId],
     document: &mut Members,
     container: &mut Container,
 ) -> Result<(), UnwritableScene> {
@@ -28,7 +29,9 @@ pub(super) fn join(
     let [accessors, views] = ["accessors", "bufferViews"].map(|list| document.list(list));
     let (accessors, views) = (accessors?.len(), views?.len());
     let (buffer, start) = add_bytes(&bytes, document, container)?;
-    move_indices(&mut root, [accessors, views, buffer], start, node_of);
+    let mut node_of: Vec<usize> = (0..bone_of.len()).collect();
+    node_of.sort_by_key(|&node| bone_of.get(node));
+    move_indices(&mut root, [accessors, views, buffer], start, &node_of);
     document.append("accessors", &root.accessors)?;
     document.append("bufferViews", &root.buffer_views)?;
     document.append("animations", &root.animations)?;
@@ -37,8 +40,8 @@ pub(super) fn join(
     let moved: std::collections::BTreeSet<usize> =
         channels.map(|own| own.target.node.value()).collect();
     let at_rest = |node: usize| -> Option<LocalTransform> {
-        let bone = node_of.iter().position(|own| *own == node)?;
-        rest.get(bone).copied()
+        let bone = bone_of.get(node)?;
+        rest.get(bone.index()).copied()
     };
     document.change_each("nodes", |node, members| {
         let has_matrix = moved.contains(&node) && members.get("matrix").is_some();

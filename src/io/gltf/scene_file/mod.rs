@@ -34,8 +34,8 @@ use crate::skeleton::BoneId;
 #[derive(Clone, Debug)]
 pub struct SceneFile {
     scene: Scene,
-    /// The node of each bone.
-    node_of: Vec<usize>,
+    /// The bone of each node.
+    bone_of: Vec<BoneId>,
     document: Members,
     container: Container,
     /// Where the files are that it names.
@@ -95,11 +95,9 @@ impl SceneFile {
                 others: others.into_iter().map(own).collect(),
             },
         };
-        let mut nodes: Vec<usize> = (0..bone_of.len()).collect();
-        nodes.sort_by_key(|&node| bone_of.get(node));
         Ok(Self {
             scene,
-            node_of: nodes,
+            bone_of,
             document,
             container,
             folder: PathBuf::new(),
@@ -131,7 +129,7 @@ impl SceneFile {
         }
         let added = clip_document(&self.scene, clip, options)?;
         let (mut document, mut container) = (self.document.clone(), self.container.clone());
-        added::join(added, &self.node_of, &mut document, &mut container)?;
+        added::join(added, &self.bone_of, &mut document, &mut container)?;
         (self.document, self.container) = (document, container);
         self.scene.clips.push(clip.clone());
         Ok(())
@@ -152,31 +150,23 @@ impl SceneFile {
             .map(|clip| clip.at_rest_in(old, &posed));
         let clips = clips.collect::<Result<Vec<Clip>, _>>()?;
         let mut document = self.document.clone();
+        let weights_of = |bone: BoneId, armature: &Armature| {
+            let mesh = self.scene.meshes.iter().find(|mesh| mesh.bone == bone)?;
+            let weights = armature.rest().morph_weights();
+            weights.get(mesh.morph_weights()).map(<[f32]>::to_vec)
+        };
         document.change_each("nodes", |node, members| {
-            let bone = self.node_of.iter().position(|own| *own == node);
-            match bone {
-                Some(bone) => pose_node(members, BoneId::new(bone), [old, &posed]),
-                None => Ok(false),
-            }
-        })?;
-        for mesh in &self.scene.meshes {
-            let range = mesh.morph_weights();
-            let of = |armature: &Armature| {
-                armature
-                    .rest()
-                    .morph_weights()
-                    .get(range.clone())
-                    .map(<[f32]>::to_vec)
+            let Some(&bone) = self.bone_of.get(node) else {
+                return Ok(false);
             };
-            let (before, after) = (of(old), of(&posed));
-            if before != after {
-                let node = self.node_of.get(mesh.bone.index());
-                document.change_each("nodes", |index, members| match Some(&index) == node {
-                    true => members.set("weights", &after).map(|()| true),
-                    false => Ok(false),
-                })?;
+            let moved = pose_node(members, bone, [old, &posed])?;
+            let [before, after] = [old, &posed].map(|armature| weights_of(bone, armature));
+            let morphed = before != after;
+            if morphed {
+                members.set("weights", &after)?;
             }
-        }
+            Ok(moved || morphed)
+        })?;
         self.document = document;
         self.scene.armature = posed;
         self.scene.clips = clips;
