@@ -16,9 +16,9 @@ mod limbs;
 mod retargeted;
 mod retargeting;
 
+pub use super::ContactDetection;
 pub use body_map::{BodyMap, Drive, UpAxis};
 pub use capture::Capture;
-pub use contacts::ContactDetection;
 pub use error::RetargetError;
 pub use follower::BodyFollower;
 pub use retargeted::Retargeted;

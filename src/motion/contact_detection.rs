@@ -1,0 +1,75 @@
+//! When what may stand does, told by where it goes.
+
+use std::ops::Range;
+
+use crate::spatial::Vector3;
+
+/// When something that may stand does: by its speed, and how high it is, on a body of the model's size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactDetection {
+    /// It moves no faster than this, m/s.
+    pub speed: f64,
+    /// It is no higher over the ground than this, metres; infinity where people climb.
+    pub height: f64,
+    /// It does so for at least this long, seconds.
+    pub shortest_s: f64,
+    /// So long before and after, what stands is led to its place and let go, seconds.
+    pub lead_s: f64,
+}
+
+impl Default for ContactDetection {
+    /// 0.25 m/s at any height, for a tenth of a second, led for 0.15 seconds.
+    fn default() -> Self {
+        Self {
+            speed: 0.25,
+            height: f64::INFINITY,
+            shortest_s: 0.1,
+            lead_s: 0.15,
+        }
+    }
+}
+
+impl ContactDetection {
+    /// The spans of frames over which a point hardly moves and is not high: by where it is in each frame, its height
+    /// over the ground there, and how many frames a second there are.
+    pub(super) fn spans(
+        &self,
+        way: &[Vector3<f64>],
+        height: impl Fn(usize) -> f64,
+        rate: f64,
+    ) -> Vec<Range<usize>> {
+        let last = way.len().saturating_sub(1);
+        // Over five frames, as captures tremble.
+        let is_still = |frame: usize| {
+            let (from, to) = (frame.saturating_sub(2), (frame + 2).min(last));
+            let moved = (way[to] - way[from]).norm() * rate / (to - from).max(1) as f64;
+            moved <= self.speed && height(frame) <= self.height
+        };
+        let shortest = ((self.shortest_s * rate).ceil() as usize).max(2);
+        let mut spans: Vec<Range<usize>> = Vec::new();
+        for frame in (0..way.len()).filter(|&frame| is_still(frame)) {
+            match spans.last_mut() {
+                Some(span) if span.end == frame => span.end += 1,
+                _ => spans.push(frame..frame + 1),
+            }
+        }
+        spans.retain(|span| span.len() >= shortest);
+        spans
+    }
+
+    /// Over how many frames what stands is led there, and let go.
+    pub(super) fn lead_frames(&self, rate: f64) -> usize {
+        (self.lead_s * rate).ceil() as usize
+    }
+}
+
+/// The middle of where a point is over some frames, at least one.
+pub(super) fn mean_place(way: &[Vector3<f64>]) -> Vector3<f64> {
+    let sum = way.iter().fold(Vector3::zero(), |sum, at| sum + *at);
+    sum * (1.0 / way.len().max(1) as f64)
+}
+
+/// From 0 to 1, level at both ends.
+pub(super) fn smooth(share: f64) -> f64 {
+    share * share * (3.0 - 2.0 * share)
+}
