@@ -126,6 +126,11 @@ struct Collisions;
 #[doc = include_str!("../docs/motions.md")]
 struct Motions;
 
+/// The examples of the page on retargeting, run as tests.
+#[cfg(all(doctest, feature = "urdf"))]
+#[doc = include_str!("../docs/retargeting.md")]
+struct Retargeting;
+
 /// The examples of the page on clips and scene files, run as tests.
 #[cfg(all(doctest, feature = "gltf"))]
 #[doc = include_str!("../docs/clips.md")]

@@ -10,7 +10,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING
 
-from . import animation, io, methods, skinning, tasks
+from . import animation, io, methods, retargeting, skinning, tasks
 from ._kinopt import (
     ActiveLimit,
     Arm,
@@ -80,6 +80,7 @@ from .errors import (
 )
 
 from .placements import placement
+from .retargeting import RetargetFollower, Retargeted, guess_map, retarget
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -126,6 +127,8 @@ __all__ = [
     "PathSolution",
     "Problem",
     "Reconfiguration",
+    "RetargetFollower",
+    "Retargeted",
     "Rig",
     "RigPosing",
     "Robot",
@@ -156,6 +159,9 @@ __all__ = [
     "animation",
     "frame_jacobian",
     "frame_placement",
+    "guess_map",
+    "retarget",
+    "retargeting",
     "solve_path",
     "io",
     "methods",

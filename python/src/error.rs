@@ -201,6 +201,15 @@ impl Fault for UnknownSkinning {
     }
 }
 
+impl Fault for kinopt::motion::retarget::RetargetError {
+    fn kind(&self) -> Kind {
+        match self {
+            Self::Name(_) => Kind::UnknownName,
+            _ => Kind::InvalidValue,
+        }
+    }
+}
+
 impl Fault for UnknownName {
     fn kind(&self) -> Kind {
         Kind::UnknownName

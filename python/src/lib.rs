@@ -29,6 +29,7 @@ mod placement;
 mod pool;
 mod problem;
 mod progress;
+mod retargeting;
 mod rig;
 mod robot;
 mod scene;
@@ -70,6 +71,8 @@ mod _kinopt {
     #[pymodule_export]
     use super::problem::{ParameterMap, Problem, SolutionDerivative};
     #[pymodule_export]
+    use super::retargeting::retargeting;
+    #[pymodule_export]
     use super::rig::{Rig, RigPosing};
     #[pymodule_export]
     use super::robot::{Robot, Shape};
@@ -100,7 +103,10 @@ mod _kinopt {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-        register(module, &["animation", "io", "skinning", "tasks"])
+        register(
+            module,
+            &["animation", "io", "retargeting", "skinning", "tasks"],
+        )
     }
 }
 

@@ -8,7 +8,7 @@ import pytest
 
 import kinopt
 
-MODULES = ["kinopt", "kinopt.animation", "kinopt.io", "kinopt.methods", "kinopt.ray", "kinopt.skinning", "kinopt.tasks"]
+MODULES = ["kinopt", "kinopt.animation", "kinopt.io", "kinopt.methods", "kinopt.ray", "kinopt.retargeting", "kinopt.skinning", "kinopt.tasks"]
 MODULES += ["kinopt.view"]
 # These have nothing to refuse: they take nothing, or nothing that their signature does not say.
 CANNOT_RAISE = {
@@ -42,6 +42,10 @@ CANNOT_RAISE = {
     "kinopt.SkeletonBuilder",
     "kinopt.animation.StateMachineRun",
     "kinopt.io.obj_to_text",
+    "kinopt.Retargeted",
+    "kinopt.Retargeted.missed",
+    "kinopt.retargeting.LimitMet",
+    "kinopt.retargeting.MapGuess",
     "kinopt.methods.Ccd",
     "kinopt.methods.Fabrik",
     "kinopt.view.Body",

@@ -4,6 +4,8 @@
 mod bad_motions;
 mod clip_minima;
 mod contacts;
+mod guessed_maps;
+mod live_followers;
 mod path_bounds;
 mod path_courses;
 mod path_files;

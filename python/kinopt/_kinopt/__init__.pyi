@@ -8,6 +8,7 @@ from typing_extensions import disjoint_base
 
 from . import animation as animation
 from . import io as io
+from . import retargeting as retargeting
 from . import skinning as skinning
 from ..types import BaseJoint, Floats, HasModel, PlacementLike, PlacementsLike
 from .animation import Armature, Clip, EulerClip, Pose, Poses

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::RetargetError;
@@ -25,7 +25,7 @@ pub struct Drive {
 }
 
 /// The axis of a capture that points upward.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum UpAxis {
     /// As in captures for animation.
@@ -67,27 +67,71 @@ struct File {
     contacts: Option<Vec<String>>,
 }
 
-#[derive(Deserialize)]
+/// What a drive is in a file, where more than a frame's name is said.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct DriveInFull {
+pub(super) struct DriveInFull {
     frame: String,
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_zero")]
     offset: [f64; 3],
-    #[serde(default = "one")]
+    #[serde(default = "one", skip_serializing_if = "is_one")]
     weight: f64,
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     scale: Option<f64>,
 }
 
-#[derive(Deserialize)]
+/// What a drive is in a file.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(untagged)]
-enum DriveText {
+pub(super) enum DriveText {
     Frame(String),
     InFull(DriveInFull),
 }
 
 const fn one() -> f64 {
     1.0
+}
+
+fn is_one(weight: &f64) -> bool {
+    *weight == 1.0
+}
+
+fn is_zero(offset: &[f64; 3]) -> bool {
+    *offset == [0.0; 3]
+}
+
+impl DriveText {
+    pub(super) fn frame(&self) -> &str {
+        match self {
+            Self::Frame(frame) => frame,
+            Self::InFull(full) => &full.frame,
+        }
+    }
+
+    pub(super) fn into_drive(self, joint: String) -> Drive {
+        match self {
+            Self::Frame(frame) => Drive::new(joint, frame),
+            Self::InFull(full) => Drive {
+                offset: Vector3::from(full.offset),
+                weight: full.weight,
+                scale: full.scale,
+                ..Drive::new(joint, full.frame)
+            },
+        }
+    }
+
+    fn of(drive: &Drive) -> Self {
+        let full = DriveInFull {
+            frame: drive.frame.clone(),
+            offset: drive.offset.to_array(),
+            weight: drive.weight,
+            scale: drive.scale,
+        };
+        match is_zero(&full.offset) && is_one(&full.weight) && full.scale.is_none() {
+            true => Self::Frame(full.frame),
+            false => Self::InFull(full),
+        }
+    }
 }
 
 impl BodyMap {
@@ -126,17 +170,9 @@ impl BodyMap {
             }
         };
         let drives = drives.into_iter().map(|(joint, value)| {
-            let drive = serde_json::from_value(value)
-                .map_err(|error| RetargetError::Map(format!("drives: {joint}: {error}")))?;
-            Ok(match drive {
-                DriveText::Frame(frame) => Drive::new(joint, frame),
-                DriveText::InFull(full) => Drive {
-                    offset: Vector3::from(full.offset),
-                    weight: full.weight,
-                    scale: full.scale,
-                    ..Drive::new(joint, full.frame)
-                },
-            })
+            let told = |error| RetargetError::Map(format!("drives: {joint}: {error}"));
+            let drive: DriveText = serde_json::from_value(value).map_err(told)?;
+            Ok(drive.into_drive(joint))
         });
         Ok(Self {
             drives: drives.collect::<Result<_, RetargetError>>()?,
@@ -145,6 +181,43 @@ impl BodyMap {
             up,
             contacts,
         })
+    }
+
+    /// As [`from_json`](Self::from_json) reads it: a line for each drive, to be corrected by hand.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        let text = |value: Value| value.to_string();
+        let mut parts: Vec<String> = Vec::new();
+        if !self.joints.is_empty() {
+            parts.push(format!(
+                "\"joints\": {}",
+                text(Value::from(self.joints.clone()))
+            ));
+        }
+        if let Some(rate) = self.frame_rate {
+            parts.push(format!("\"fps\": {}", text(Value::from(rate))));
+        }
+        if let Some(up) = self.up {
+            let axis = match up {
+                UpAxis::Y => "y",
+                UpAxis::Z => "z",
+            };
+            parts.push(format!("\"up\": \"{axis}\""));
+        }
+        let drives = self.drives.iter().map(|drive| {
+            let joint = text(Value::from(drive.joint.clone()));
+            let told = serde_json::to_string(&DriveText::of(drive)).unwrap_or_default();
+            format!("    {joint}: {told}")
+        });
+        let drives: Vec<String> = drives.collect();
+        parts.push(format!("\"drives\": {{\n{}\n  }}", drives.join(",\n")));
+        if let Some(contacts) = &self.contacts {
+            parts.push(format!(
+                "\"contacts\": {}",
+                text(Value::from(contacts.clone()))
+            ));
+        }
+        format!("{{\n  {}\n}}\n", parts.join(",\n  "))
     }
 }
 

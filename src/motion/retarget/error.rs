@@ -58,6 +58,30 @@ pub enum RetargetError {
         /// The other.
         second: String,
     },
+    /// Names that tell of no body, so that no map can be guessed.
+    #[error("{of} tell of no body, so a map must say which joint drives which frame: {names}")]
+    NoBody {
+        /// Whose names.
+        of: &'static str,
+        /// The first of them.
+        names: String,
+    },
+    /// A capture and a model that have too few parts in common.
+    #[error("a capture of {capture} and a model of {model} have too little in common")]
+    NothingInCommon {
+        /// The capture's parts.
+        capture: String,
+        /// The model's.
+        model: String,
+    },
+    /// A capture without some joint of the skeleton that it is said to be.
+    #[error("these are not the joints of `{skeleton}`: {joints}")]
+    OtherSkeleton {
+        /// The skeleton.
+        skeleton: &'static str,
+        /// The first of the capture's joints.
+        joints: String,
+    },
     /// A map's text that is none.
     #[error("{0}")]
     Map(String),

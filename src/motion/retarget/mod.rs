@@ -6,20 +6,33 @@
 //! follows [frame by frame](Retargeting::per_frame), as a live follower would, or solves the [whole](Retargeting::whole).
 
 mod body_map;
+mod body_part;
 mod bounded_descent;
 mod capture;
 mod contacts;
 mod driven_point;
 mod error;
+mod errors_of_frames;
 mod follower;
+mod known_maps;
 mod limbs;
+mod limits_met;
+mod live;
+mod map_guess;
+mod part_names;
+mod proportions;
 mod retargeted;
 mod retargeting;
 
 pub use super::ContactDetection;
 pub use body_map::{BodyMap, Drive, UpAxis};
+pub use body_part::BodyPart;
 pub use capture::Capture;
 pub use error::RetargetError;
 pub use follower::BodyFollower;
+pub use known_maps::KnownSkeleton;
+pub use limits_met::LimitMet;
+pub use live::LiveFollower;
+pub use map_guess::MapGuess;
 pub use retargeted::Retargeted;
 pub use retargeting::{RetargetOptions, Retargeting};

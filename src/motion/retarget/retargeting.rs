@@ -58,10 +58,12 @@ impl Default for RetargetOptions {
 /// A capture fitted to a model: where its driven points should be in each frame, and which stand.
 #[derive(Clone, Debug)]
 pub struct Retargeting<'r> {
-    robot: &'r Robot,
-    options: RetargetOptions,
-    limbs: Limbs,
-    frame_rate: f64,
+    pub(super) robot: &'r Robot,
+    pub(super) options: RetargetOptions,
+    pub(super) limbs: Limbs,
+    pub(super) frame_rate: f64,
+    /// How many joints a captured frame has.
+    pub(super) joints: usize,
     /// Frame after frame.
     targets: Arc<[Vector3<f64>]>,
     standing: Vec<Standing>,
@@ -96,6 +98,7 @@ impl<'r> Retargeting<'r> {
             options,
             limbs,
             frame_rate,
+            joints: capture.names().len(),
             targets: targets.into(),
             standing,
         })

@@ -1,0 +1,59 @@
+from typing import Any, Literal, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..types import Floats, HasModel
+from . import Model
+from .animation import Clip
+
+@final
+class Capture:
+    def __new__(cls, positions: ArrayLike, joints: list[str], fps: float, up: str = "z") -> Capture: ...
+    @staticmethod
+    def of_clip(clip: Clip, fps: float, up: str = "y") -> Capture: ...
+    @property
+    def joints(self) -> list[str]: ...
+    @property
+    def fps(self) -> float: ...
+    @property
+    def up(self) -> Literal["y", "z"]: ...
+    @property
+    def positions(self) -> Floats: ...
+    def __len__(self) -> int: ...
+
+@final
+class Live:
+    def __new__(
+        cls, capture: Capture, target: Model | HasModel, map: str, options: dict[str, Any]
+    ) -> Live: ...
+    @property
+    def names(self) -> list[str]: ...
+    @property
+    def q(self) -> Floats: ...
+    def step(self, positions: ArrayLike) -> Floats: ...
+
+def capture_retargeted(
+    capture: Capture,
+    target: Model | HasModel,
+    map: str,
+    whole: bool,
+    options: dict[str, Any],
+) -> tuple[
+    Floats,
+    list[str],
+    NDArray[np.bool_],
+    list[str],
+    Floats,
+    list[str],
+    tuple[float, float],
+    list[tuple[str, str, int, int]],
+]: ...
+def map_guessed(
+    capture: Capture, target: Model | HasModel
+) -> tuple[str, str | None, str | None, list[str]]: ...
+def map_of_skeleton(
+    skeleton: str, capture: Capture, target: Model | HasModel
+) -> tuple[str, str | None, str | None, list[str]]: ...
+def skeleton_names() -> list[str]: ...
+def skeleton_joints(skeleton: str, joints: int) -> list[str] | None: ...

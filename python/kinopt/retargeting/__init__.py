@@ -1,0 +1,25 @@
+"""People's movements on robots and rigs: ``kinopt.retarget``, and what it is made of.
+
+A ``Capture`` is where joints are, a map which of them drives which frame of a robot or a rig. ``guess_map`` makes one
+where none is given; ``RetargetFollower`` follows live.
+"""
+
+from __future__ import annotations
+
+from .._kinopt.retargeting import Capture
+from .follower import RetargetFollower
+from .maps import MapGuess, guess_map
+from .movement import LimitMet, Retargeted
+from .retarget import retarget
+from .sources import read_capture
+
+__all__ = [
+    "Capture",
+    "LimitMet",
+    "MapGuess",
+    "RetargetFollower",
+    "Retargeted",
+    "guess_map",
+    "read_capture",
+    "retarget",
+]

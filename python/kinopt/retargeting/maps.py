@@ -1,0 +1,85 @@
+"""Which joint of a capture drives which frame."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeAlias, Union
+
+from .._kinopt import Model
+from .._kinopt.retargeting import Capture, map_guessed, map_of_skeleton, skeleton_joints
+from ..errors import FileError, InvalidFileError, InvalidValueError
+from ..types import HasModel
+
+MapLike: TypeAlias = Union[Mapping[str, Any], str, "os.PathLike[str]", None]
+"""A map as a dict, the path of its file, the name of a skeleton, or None where it is to be guessed."""
+
+
+@dataclass(frozen=True)
+class MapGuess:
+    """A map that was guessed, and by what."""
+
+    map: dict[str, Any]
+    """The map, as its file has it."""
+    skeleton: str | None
+    """The known skeleton whose names the capture has: "cmu", "lafan1", "mixamo" or "smpl"."""
+    body: str | None
+    """The known body whose frames the target has: "g1", "h1" or "humanoid"."""
+    notes: list[str]
+    """What is to be looked at: parts that one of both has not, and proportions that are no body's."""
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the map as a file that can be corrected by hand.
+
+        Raises ``FileError`` where it cannot be written.
+        """
+        try:
+            Path(path).write_text(json.dumps(self.map, indent=2) + "\n", encoding="utf-8")
+        except OSError as error:
+            raise FileError(f"{path}: cannot be written: {error}") from None
+
+
+def guess_map(capture: Capture, target: Model | HasModel, skeleton: str | None = None) -> MapGuess:
+    """Guesses which joint of a capture drives which frame of a robot or a rig.
+
+    Known skeletons and bodies are told by their names; else it goes by what names tell, as ``LeftUpLeg``, ``l_thigh`` and
+    ``left_hip_pitch_link`` do. ``skeleton`` says which known one the capture is of.
+
+    Raises ``InvalidValueError`` for names that tell of no body and a capture of another skeleton, ``UnknownNameError``
+    for a skeleton that there is not.
+    """
+    guessed = map_guessed(capture, target) if skeleton is None else map_of_skeleton(skeleton, capture, target)
+    text, known, body, notes = guessed
+    return MapGuess(json.loads(text), known, body, notes)
+
+
+def is_skeleton(map: MapLike) -> bool:
+    """Whether a map is the name of a skeleton: what ends as no file does."""
+    if not isinstance(map, str) or Path(map).suffix or os.sep in map:
+        return False
+    # Which raises for one that there is not.
+    skeleton_joints(map, 0)
+    return True
+
+
+def read_map(map: MapLike) -> dict[str, Any] | None:
+    """A map as a dict; None where there is none yet."""
+    if map is None or is_skeleton(map):
+        return None
+    if isinstance(map, Mapping):
+        return dict(map)
+    try:
+        read = json.loads(Path(map).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise FileError(f"{map}: cannot be read: {error}") from None
+    except ValueError as error:
+        raise InvalidFileError(f"{map}: {error}") from None
+    if not isinstance(read, dict):
+        raise InvalidFileError(f"{map}: a map is an object")
+    return read
+
+
+__all__ = ["MapGuess", "MapLike", "guess_map", "read_map"]

@@ -1,0 +1,92 @@
+"""A movement on a robot or a rig, and the truth about it."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import FileError, InvalidValueError
+from ..types import Floats
+
+
+@dataclass(frozen=True)
+class LimitMet:
+    """A limit that a joint is at over a span of frames."""
+
+    joint: str
+    """The joint's name."""
+    bound: str
+    """"lower" or "upper", "speed down" or "speed up"."""
+    first: int
+    """The first of the frames."""
+    end: int
+    """The frame after the last."""
+
+
+@dataclass(frozen=True, eq=False)
+class Retargeted:
+    """A movement on a robot or a rig: configurations within all limits of position and speed, to the bit."""
+
+    q: Floats
+    """Configurations, shape (T, nq)."""
+    fps: float
+    """Frames a second."""
+    names: list[str]
+    """Names of the numbers of a configuration."""
+    contacts: NDArray[np.bool_]
+    """What stands, shape (T, S)."""
+    standing: list[str]
+    """The S frames of the target that stand at times."""
+    errors: Floats
+    """How far each driven place is from where it should be, shape (T, K), metres."""
+    driven: list[str]
+    """The K captured joints that drive them, the columns of ``errors``."""
+    mean_error: float
+    """Their mean over all frames, metres."""
+    slip: float
+    """How far what stands is from where it came to stand, at most, metres."""
+    limits: list[LimitMet]
+    """The limits that are met, by joint and then by frame."""
+    map: dict[str, Any]
+    """The map that it went by."""
+    notes: list[str]
+    """What a guessed map leaves to be looked at."""
+
+    def __len__(self) -> int:
+        return len(self.q)
+
+    def missed(self, tolerance: float = 0.05) -> dict[str, NDArray[np.intp]]:
+        """The frames in which a driven place is further off than a ``tolerance`` (metres), by the joint that drives it."""
+        far = self.errors > tolerance
+        return {name: np.flatnonzero(far[:, k]) for k, name in enumerate(self.driven) if far[:, k].any()}
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes ``q``, ``fps``, ``names``, ``contacts`` and ``standing`` as a .npz; it appears when it is whole.
+
+        Raises ``InvalidValueError`` for another ending, ``FileError`` where it cannot be written.
+        """
+        path = Path(path)
+        if path.suffix != ".npz":
+            raise InvalidValueError(f"{path}: a .npz is written")
+        unfinished = path.with_name(f".{path.name}.part")
+        try:
+            with unfinished.open("wb") as file:
+                np.savez(
+                    file,
+                    q=self.q,
+                    fps=self.fps,
+                    names=np.array(self.names),
+                    contacts=self.contacts,
+                    standing=np.array(self.standing, dtype=str),
+                )
+            unfinished.replace(path)
+        except OSError as error:
+            raise FileError(f"{path}: cannot be written: {error}") from None
+
+
+__all__ = ["LimitMet", "Retargeted"]

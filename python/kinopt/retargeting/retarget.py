@@ -1,0 +1,128 @@
+"""A movement onto a robot or a rig."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from .._kinopt import Model, Robot
+from .._kinopt.retargeting import Capture, capture_retargeted
+from ..types import HasModel
+from .maps import MapLike, guess_map, is_skeleton, read_map
+from .movement import LimitMet, Retargeted
+from .sources import Source, read_capture
+
+
+@dataclass(frozen=True)
+class Question:
+    """A capture, a target and the map between them."""
+
+    capture: Capture
+    target: Model | HasModel
+    map: dict[str, Any]
+    notes: list[str]
+    options: dict[str, Any]
+
+
+def asked(
+    source: Source,
+    target: Model | HasModel | str | os.PathLike[str],
+    map: MapLike,
+    *,
+    joints: Sequence[str] | None,
+    fps: float | None,
+    up: Literal["y", "z"] | None,
+    clip: str | None,
+    **options: Any,
+) -> Question:
+    """Reads all of them."""
+    skeleton = map if isinstance(map, str) and is_skeleton(map) else None
+    given = read_map(map)
+    if given is not None:
+        joints = given.get("joints") or joints if joints is None else joints
+        fps = given.get("fps") if fps is None else fps
+        up = given.get("up") if up is None else up
+    capture = read_capture(source, joints=joints, skeleton=skeleton, fps=fps, up=up, clip=clip)
+    if isinstance(target, (str, os.PathLike)):
+        target = _read_robot(Path(target))
+    notes: list[str] = []
+    if given is None:
+        guess = guess_map(capture, target, skeleton)
+        given, notes = guess.map, guess.notes
+    return Question(capture, target, given, notes, options)
+
+
+def _read_robot(path: Path) -> Robot:
+    if path.suffix.lower() == ".urdf":
+        return Robot.from_urdf(path, base_joint="free")
+    return Robot.from_mjcf(path, base_joint="free")
+
+
+def retarget(
+    source: Source,
+    target: Model | HasModel | str | os.PathLike[str],
+    map: MapLike = None,
+    *,
+    joints: Sequence[str] | None = None,
+    fps: float | None = None,
+    up: Literal["y", "z"] | None = None,
+    clip: str | None = None,
+    whole: bool = False,
+    contact_speed: float | None = None,
+    contact_height: float | None = None,
+    acceleration: float | None = None,
+) -> Retargeted:
+    """Brings a person's movement onto a robot or a rig, within its limits of position and speed in every frame.
+
+    ``source`` is as of ``read_capture``: an array (T, J, 3), a ``MotionCapture``, a clip or a file; so are ``joints``, ``fps``,
+    ``up`` and ``clip``. ``target``: a ``Robot`` with a free base, a ``BallSkeleton``, a rig or a skeleton, which are put on
+    a free base (``q`` begins with x, y, z and w, x, y, z), or the path of a URDF or MJCF file, which is too.
+
+    ``map``: a dict or a .json file (which joint drives which frame), the name of the skeleton that the capture is of ("cmu", "lafan1",
+    "mixamo", "smpl"), or None, where it is guessed by ``guess_map``; the result has it. One file may hold the maps of several
+    robots, by the names of their files.
+
+    Limbs are scaled by their lengths, the ground is found, feet are held where they stand. Frame by frame no frame knows
+    what comes; with ``whole`` all are solved as one: smooth, and feet stand to a micrometre. ``contact_speed`` (m/s) and
+    ``contact_height`` (metres over the ground) say when feet stand, ``acceleration`` what 1 rad/s² costs with ``whole``,
+    in metres off a place. The GIL is released.
+
+    Raises ``UnknownNameError`` for names that the map has and the capture or the target has not, ``InvalidValueError`` for
+    what is wrong with arrays, names and options, ``FileError`` and ``InvalidFileError`` of files.
+    """
+    own = asked(
+        source,
+        target,
+        map,
+        joints=joints,
+        fps=fps,
+        up=up,
+        clip=clip,
+        contact_speed=contact_speed,
+        contact_height=contact_height,
+        acceleration=acceleration,
+    )
+    q, names, contacts, standing, errors, driven, (mean_error, slip), limits = capture_retargeted(
+        own.capture, own.target, json.dumps(own.map), whole, own.options
+    )
+    return Retargeted(
+        q=q,
+        fps=own.capture.fps,
+        names=names,
+        contacts=contacts,
+        standing=standing,
+        errors=errors,
+        driven=driven,
+        mean_error=mean_error,
+        slip=slip,
+        limits=[LimitMet(*limit) for limit in limits],
+        map=own.map,
+        notes=own.notes,
+    )
+
+
+__all__ = ["retarget"]

@@ -1,0 +1,100 @@
+"""Captures of whatever holds a movement."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Literal, TypeAlias, Union
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .._kinopt import MotionCapture, Scene
+from .._kinopt.animation import Clip
+from .._kinopt.retargeting import Capture, skeleton_joints, skeleton_names
+from ..errors import FileError, InvalidFileError, InvalidValueError
+
+Source: TypeAlias = Union[Capture, MotionCapture, Clip, str, "os.PathLike[str]", ArrayLike]
+"""Where a movement comes from."""
+
+# What is taken where nobody says it: of arrays, and of clips, whose keys stand anywhere.
+ARRAY_FPS = 120.0
+CLIP_FPS = 60.0
+_FILES = ".npy, .bvh, .glb or .gltf"
+
+
+def read_capture(
+    source: Source,
+    *,
+    joints: Sequence[str] | None = None,
+    skeleton: str | None = None,
+    fps: float | None = None,
+    up: Literal["y", "z"] | None = None,
+    clip: str | None = None,
+) -> Capture:
+    """Makes a ``Capture`` of a movement.
+
+    ``source``: an array (T, J, 3) whose joints ``joints`` names, or those of a known ``skeleton`` ("cmu", "lafan1" or "smpl")
+    in its order; a ``MotionCapture``, a clip, or the path of a .npy, .bvh, .glb or .gltf file, of whose clips
+    ``clip`` names one (None: the first). ``fps``: of an array the frames a second that it has (None: 120), of
+    everything else those that are taken (None: the file's own, of clips 60). ``up``: the axis that points upward (None: z of
+    arrays, y of files of animation).
+
+    Raises ``FileError`` and ``InvalidFileError`` of a file, ``UnknownNameError`` for a clip or a skeleton that there is
+    not, ``InvalidValueError`` for other shapes and for numbers that are not finite, whose frame and joint it names.
+    """
+    if isinstance(source, Capture):
+        return source
+    if isinstance(source, MotionCapture):
+        return Capture.of_clip(source.clip, 1.0 / source.frame_time if fps is None else fps, up or "y")
+    if isinstance(source, Clip):
+        return Capture.of_clip(source, CLIP_FPS if fps is None else fps, up or "y")
+    if isinstance(source, (str, os.PathLike)):
+        path = Path(source)
+        kind = path.suffix.lower()
+        if kind == ".bvh":
+            return read_capture(MotionCapture.read(path), fps=fps, up=up)
+        if kind in (".glb", ".gltf"):
+            return read_capture(_clip(path, clip), fps=fps, up=up)
+        if kind != ".npy":
+            raise InvalidValueError(f"{path}: a movement is read of {_FILES}")
+        return read_capture(_array(path), joints=joints, skeleton=skeleton, fps=fps, up=up)
+    array: Any = np.asarray(source)
+    names = list(joints) if joints is not None else _joints_of(array, skeleton)
+    return Capture(array, names, ARRAY_FPS if fps is None else fps, up or "z")
+
+
+def _clip(path: Path, name: str | None) -> Clip:
+    clips = Scene.read(path).clips
+    if not clips:
+        raise InvalidFileError(f"{path}: there is no clip")
+    return clips[0] if name is None else Clip.named(clips, name)
+
+
+def _array(path: Path) -> Any:
+    try:
+        return np.load(path, allow_pickle=False)
+    except OSError as error:
+        raise FileError(f"{path}: cannot be read: {error}") from None
+    except ValueError as error:
+        raise InvalidFileError(f"{path}: {error}") from None
+
+
+def _joints_of(array: Any, skeleton: str | None) -> list[str]:
+    """The names of an array's joints, by the skeleton that it is of."""
+    shape = np.shape(array)
+    if len(shape) != 3 or shape[2] != 3:
+        raise InvalidValueError(f"positions has shape {shape}, expected (frames, joints, 3)")
+    if skeleton is not None:
+        known = skeleton_joints(skeleton, shape[1])
+        if known is None:
+            raise InvalidValueError(f"an array of {shape[1]} joints is not of the skeleton {skeleton!r}")
+        return known
+    raise InvalidValueError(
+        f"nobody says what the {shape[1]} joints are called: joints=[...], a map's \"joints\", or a map of a skeleton: "
+        + ", ".join(skeleton_names())
+    )
+
+
+__all__ = ["Source", "read_capture"]

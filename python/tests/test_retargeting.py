@@ -1,0 +1,268 @@
+"""People's movements on robots: whatever holds them, by a map or without, whole or as they come."""
+
+from __future__ import annotations
+
+import json
+import pickle
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kinopt
+from kinopt.errors import FileError, InvalidFileError, InvalidValueError, UnknownNameError
+from kinopt.retargeting import Capture, read_capture
+from kinopt.types import Floats
+
+MODELS = Path(__file__).parents[2] / "models"
+NAO = MODELS / "aldebaran_nao.urdf"
+JOINTS = ["hips", "left", "right"]
+MAP = {
+    "joints": JOINTS,
+    "fps": 30,
+    "drives": {"hips": "torso", "left": "left_sole", "right": "right_sole"},
+    "contacts": ["left", "right"],
+}
+
+
+def sway(frames: int = 30) -> Floats:
+    """A hip that sways over two feet."""
+    places = np.zeros((frames, 3, 3))
+    places[:, 0, 2] = 0.9
+    places[:, 0, 1] = 0.05 * np.sin(0.2 * np.arange(frames))
+    places[:, 1, 1], places[:, 2, 1] = 0.15, -0.15
+    return places
+
+
+def person(frames: int = 12) -> tuple[list[str], Floats]:
+    """A person of SMPL's joints, standing with arms that hang, who bends the knees."""
+    stands = {
+        "pelvis": (0, 0, 0.95), "hip": (0, 0.1, 0.9), "spine1": (0, 0, 1.05), "knee": (0.02, 0.1, 0.5),
+        "spine2": (0, 0, 1.2), "ankle": (0, 0.1, 0.08), "spine3": (0, 0, 1.3), "foot": (0.13, 0.1, 0.02),
+        "neck": (0, 0, 1.5), "collar": (0, 0.08, 1.42), "head": (0, 0, 1.6), "shoulder": (0, 0.18, 1.42),
+        "elbow": (0, 0.2, 1.15), "wrist": (0.02, 0.2, 0.9), "hand": (0.03, 0.2, 0.8),
+    }  # fmt: skip
+    names = (
+        "pelvis left_hip right_hip spine1 left_knee right_knee spine2 left_ankle right_ankle spine3 left_foot right_foot "
+        "neck left_collar right_collar head left_shoulder right_shoulder left_elbow right_elbow left_wrist right_wrist "
+        "left_hand right_hand"
+    ).split()
+    places = np.zeros((frames, len(names), 3))
+    for k, name in enumerate(names):
+        side, _, part = name.rpartition("_")
+        x, y, z = stands[part]
+        places[:, k] = (x, -y if side == "right" else y, z)
+    return names, places
+
+
+@pytest.fixture(scope="module")
+def nao() -> kinopt.Robot:
+    # Its file states no speeds.
+    text = NAO.read_text().replace('velocity="0"', 'velocity="3"')
+    return kinopt.Robot.from_urdf_text(text, NAO.name, base_joint="free")
+
+
+def test_an_array_comes_onto_a_robot_within_its_limits(nao: kinopt.Robot) -> None:
+    for whole in (False, True):
+        found = kinopt.retarget(sway(), nao, MAP, whole=whole)
+        assert found.q.shape == (30, nao.configuration_len) and found.names == nao.coordinate_names
+        assert found.fps == 30 and len(found) == 30
+        assert all(nao.is_within_limits(q) for q in found.q)
+        # Speeds of hinges, from each frame to the next.
+        most = nao.velocity_limits[7:] / 30
+        assert np.all(np.abs(np.diff(found.q[:, 7:], axis=0)) <= most * (1 + 1e-12))
+        # What the arrays say is what forward kinematics says.
+        assert found.driven == ["hips", "left", "right"] and found.errors.shape == (30, 3)
+        assert np.isclose(found.errors.mean(), found.mean_error)
+        assert found.standing == ["left_sole", "right_sole"] and found.contacts.all()
+        soles = kinopt.ForwardKinematics(nao, found.standing).place(found.q)[:, :, :3, 3]
+        slip = np.linalg.norm(soles - soles[0], axis=2).max()
+        assert np.isclose(slip, found.slip, atol=1e-9) and slip < 1e-3
+
+
+def test_what_is_met_is_at_its_limit(nao: kinopt.Robot) -> None:
+    # Far aside in no time: speeds hold it back.
+    places = sway(20)
+    places[10:, 0, 1] += 0.3
+    found = kinopt.retarget(places, nao, MAP)
+    assert found.missed(0.01) and any(limit.bound.startswith("speed") for limit in found.limits)
+    most = dict(zip(nao.joint_names, nao.velocity_limits / 30))
+    column = found.names.index
+    for limit in found.limits:
+        q = found.q[:, column(limit.joint)]
+        if limit.bound.startswith("speed"):
+            steps = np.abs(np.diff(q))[limit.first - 1 : limit.end - 1]
+            assert np.allclose(steps, most[limit.joint])
+        else:
+            ends = nao.lower if limit.bound == "lower" else nao.upper
+            assert np.allclose(q[limit.first : limit.end], ends[column(limit.joint)])
+
+
+def test_sources_of_every_kind_say_the_same(nao: kinopt.Robot, tmp_path: Path) -> None:
+    expected = kinopt.retarget(sway(), nao, MAP).q
+    np.save(tmp_path / "sway.npy", sway().astype(np.float32).astype(np.float64))
+    (tmp_path / "map.json").write_text(json.dumps(MAP))
+    capture = Capture(sway(), JOINTS, 30)
+    for source in (tmp_path / "sway.npy", str(tmp_path / "sway.npy"), capture):
+        found = kinopt.retarget(source, nao, tmp_path / "map.json").q
+        assert np.allclose(found, expected, atol=1e-6)
+    assert np.allclose(kinopt.retarget(sway(), NAO, MAP).q[0], expected[0])
+    upright = sway()[:, :, [0, 2, 1]] * [1, 1, -1]
+    assert np.array_equal(kinopt.retarget(upright, nao, MAP, up="y").q, expected)
+    assert kinopt.retarget(sway(), nao, {**MAP, "drives": {NAO.name: MAP["drives"], "g1.urdf": {}}}, fps=60).fps == 60
+
+
+BVH = """HIERARCHY
+ROOT hips
+{
+  OFFSET 0 0 0
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+  JOINT left
+  {
+    OFFSET 0.15 -0.9 0
+    CHANNELS 3 Zrotation Xrotation Yrotation
+    End Site
+    {
+      OFFSET 0 0 0.1
+    }
+  }
+  JOINT right
+  {
+    OFFSET -0.15 -0.9 0
+    CHANNELS 3 Zrotation Xrotation Yrotation
+    End Site
+    {
+      OFFSET 0 0 0.1
+    }
+  }
+}
+MOTION
+Frames: 5
+Frame Time: 0.04
+"""
+
+
+def test_a_file_of_motion_capture_and_its_clip_are_the_same(nao: kinopt.Robot, tmp_path: Path) -> None:
+    rows = "\n".join(f"0 {0.9 - 0.01 * k} 0" + " 0" * 9 for k in range(5))
+    (tmp_path / "squat.bvh").write_text(BVH + rows + "\n")
+    found = kinopt.retarget(tmp_path / "squat.bvh", nao, {"drives": MAP["drives"]})
+    assert found.fps == 25 and len(found) == 5
+    read = kinopt.MotionCapture.read(tmp_path / "squat.bvh")
+    for source in (read, read_capture(read.clip, fps=25)):
+        assert np.array_equal(kinopt.retarget(source, nao, {"drives": MAP["drives"]}).q, found.q)
+    # Feet have the names of none, so nothing stands until a map says so.
+    assert found.contacts.shape == (5, 0) and found.standing == []
+
+
+def test_a_map_is_guessed_and_can_be_corrected(nao: kinopt.Robot, tmp_path: Path) -> None:
+    names, places = person()
+    guess = kinopt.guess_map(Capture(places, names, 30), nao)
+    assert guess.skeleton == "smpl" and guess.body is None
+    drives = guess.map["drives"]
+    assert drives["left_knee"] == "left_shank" and drives["left_wrist"] == "left_wrist"
+    # SMPL's feet are the toes.
+    assert drives["left_ankle"] == "left_ankle" and drives["left_foot"] == "left_foot"
+    assert any(note.startswith("chest") for note in guess.notes)
+    by_name = kinopt.retarget(places, nao, "smpl", fps=30)
+    assert by_name.map == guess.map and by_name.notes == guess.notes
+    guess.save(tmp_path / "map.json")
+    again = kinopt.retarget(places, nao, tmp_path / "map.json", joints=names, fps=30)
+    assert np.array_equal(again.q, by_name.q)
+    # As others call them.
+    other = [name.replace("left_", "L_").replace("right_", "R_").title() for name in names]
+    assert len(kinopt.guess_map(Capture(places, other, 30), nao).map["drives"]) == len(drives)
+
+
+def test_a_rig_moves_as_a_whole() -> None:
+    rig = kinopt.Rig.read(MODELS / "humanoid/humanoid.json")
+    names, places = person()
+    places[:, :, 0] += 0.02 * np.arange(len(places))[:, None]
+    found = kinopt.retarget(places, rig, "smpl", fps=30)
+    assert found.q.shape == (12, 7 + rig.model.configuration_len)
+    assert found.q[-1, 0] - found.q[0, 0] > 0.1
+    assert found.map["drives"]["left_foot"] == "left_toes"
+
+
+def test_frames_can_come_one_by_one(nao: kinopt.Robot) -> None:
+    places = sway(40)
+    live = kinopt.RetargetFollower(places[:10], nao, MAP)
+    q = np.array([live.step(frame) for frame in places])
+    assert np.array_equal(live.q, q[-1]) and live.names == nao.coordinate_names and live.map == MAP
+    assert all(nao.is_within_limits(row) for row in q)
+    soles = kinopt.ForwardKinematics(nao, ["left_sole", "right_sole"]).place(q)[:, :, :3, 3]
+    # Held once they are known to stand.
+    assert np.linalg.norm(soles[10:] - soles[10], axis=2).max() < 1e-3
+    torso = kinopt.ForwardKinematics(nao, ["torso"]).place(q)[:, 0, 1, 3]
+    known = kinopt.retarget(places, nao, MAP).q
+    expected = kinopt.ForwardKinematics(nao, ["torso"]).place(known)[:, 0, 1, 3]
+    assert np.abs(torso - expected)[10:].max() < 0.01
+    # Where the capture loses a joint, the body stays.
+    lost = places[5].copy()
+    lost[1] = np.nan
+    assert np.array_equal(live.step(lost), q[-1])
+    with pytest.raises(InvalidValueError):
+        live.step(places[0][:2])
+
+
+def test_what_is_found_is_saved_and_pickled(nao: kinopt.Robot, tmp_path: Path) -> None:
+    found = kinopt.retarget(sway(), nao, MAP)
+    found.save(tmp_path / "sway.npz")
+    with np.load(tmp_path / "sway.npz") as read:
+        assert np.array_equal(read["q"], found.q) and read["fps"] == 30
+        assert read["names"].tolist() == found.names and np.array_equal(read["contacts"], found.contacts)
+    assert [file.name for file in tmp_path.iterdir()] == ["sway.npz"]
+    with pytest.raises(InvalidValueError, match="npz"):
+        found.save(tmp_path / "sway.txt")
+    with pytest.raises(FileError):
+        found.save(tmp_path / "nowhere" / "sway.npz")
+    again = pickle.loads(pickle.dumps(found))
+    assert np.array_equal(again.q, found.q) and again.map == found.map
+    capture = pickle.loads(pickle.dumps(Capture(sway(), JOINTS, 30, "y")))
+    assert capture.joints == JOINTS and capture.up == "y" and np.array_equal(capture.positions, sway())
+
+
+def test_others_work_meanwhile(nao: kinopt.Robot) -> None:
+    counted = 0
+    worker = threading.Thread(target=lambda: kinopt.retarget(sway(600), nao, MAP))
+    worker.start()
+    while worker.is_alive():
+        counted += 1
+    assert counted > 10
+
+
+def test_what_is_wrong_is_named(nao: kinopt.Robot, tmp_path: Path) -> None:
+    lost = sway()
+    lost[7, 1, 2] = np.nan
+    with pytest.raises(InvalidValueError, match="frame 7.*`left`"):
+        kinopt.retarget(lost, nao, MAP)
+    with pytest.raises(InvalidValueError, match="frames, 2, 3"):
+        kinopt.retarget(sway()[:, :2, :2], nao, MAP, joints=["hips", "left"])
+    with pytest.raises(InvalidValueError, match="what the 3 joints are called"):
+        kinopt.retarget(sway(), nao)
+    with pytest.raises(InvalidValueError, match="tell of no body"):
+        kinopt.retarget(sway(), nao, joints=["a", "b", "c"])
+    with pytest.raises(InvalidValueError, match="no frame"):
+        kinopt.retarget(np.zeros((0, 3, 3)), nao, MAP)
+    with pytest.raises(UnknownNameError, match="left_sole"):
+        kinopt.retarget(sway(), nao, {**MAP, "drives": {"hips": "torso", "left": "left_soul"}})
+    with pytest.raises(UnknownNameError, match="`lift`.*left"):
+        kinopt.retarget(sway(), nao, {**MAP, "drives": {"lift": "left_sole"}})
+    with pytest.raises(UnknownNameError, match="cmu"):
+        kinopt.retarget(sway(), nao, "kinect")
+    with pytest.raises(InvalidValueError, match="drives no frame"):
+        kinopt.retarget(sway(), nao, {**MAP, "drives": {}, "contacts": []})
+    with pytest.raises(InvalidValueError, match="fps|frames a second"):
+        kinopt.retarget(sway(), nao, MAP, fps=0)
+    with pytest.raises(FileError):
+        kinopt.retarget(sway(), nao, tmp_path / "none.json")
+    with pytest.raises(FileError):
+        kinopt.retarget(tmp_path / "none.npy", nao, MAP)
+    (tmp_path / "broken.json").write_text("{")
+    with pytest.raises(InvalidFileError):
+        kinopt.retarget(sway(), nao, tmp_path / "broken.json")
+    (tmp_path / "broken.npy").write_bytes(b"no array")
+    with pytest.raises(InvalidFileError):
+        kinopt.retarget(tmp_path / "broken.npy", nao, MAP)
+    with pytest.raises(InvalidValueError, match="bvh"):
+        kinopt.retarget(tmp_path / "walk.fbx", nao, MAP)

@@ -1,0 +1,35 @@
+//! How far a movement is from where it should be, frame by frame.
+
+use super::{RetargetError, Retargeted, Retargeting};
+use crate::kinematics::ForwardKinematics;
+
+impl Retargeting<'_> {
+    /// Which of a captured frame's joints drives each of [`driven`](Self::driven).
+    #[must_use]
+    pub fn driving(&self) -> Vec<usize> {
+        self.limbs.all.iter().map(|limb| limb.joint).collect()
+    }
+
+    /// How far each driven point is from where it should be, metres: frame after frame, in the order of
+    /// [`driven`](Self::driven).
+    ///
+    /// # Errors
+    /// A movement of another model.
+    pub fn errors(&self, found: &Retargeted) -> Result<Vec<f64>, RetargetError> {
+        let told =
+            |error: crate::kinematics::KinematicsError| RetargetError::Map(error.to_string());
+        let mut kinematics =
+            ForwardKinematics::of_frames(self.robot.model(), &self.driven()).map_err(told)?;
+        let mut errors = Vec::with_capacity(found.frames() * self.limbs.all.len());
+        let width = found.configuration_len.max(1);
+        for (frame, q) in found.q.chunks_exact(width).enumerate() {
+            let placed = kinematics.place(q).map_err(told)?;
+            let targets = self.targets(frame).unwrap_or_default();
+            let limbs = self.limbs.all.iter().zip(placed).zip(targets);
+            errors.extend(
+                limbs.map(|((limb, placed), target)| (placed.apply(limb.offset) - *target).norm()),
+            );
+        }
+        Ok(errors)
+    }
+}

@@ -1,0 +1,146 @@
+//! The skeletons and bodies that the library knows by heart: `maps/` in its sources.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use super::body_map::DriveText;
+use super::part_names::bare;
+use super::{BodyPart, RetargetError};
+use crate::model::{Model, UnknownName};
+
+const SKELETONS: [(&str, &str); 4] = [
+    ("cmu", include_str!("../../../maps/skeletons/cmu.json")),
+    (
+        "lafan1",
+        include_str!("../../../maps/skeletons/lafan1.json"),
+    ),
+    (
+        "mixamo",
+        include_str!("../../../maps/skeletons/mixamo.json"),
+    ),
+    ("smpl", include_str!("../../../maps/skeletons/smpl.json")),
+];
+
+const BODIES: [(&str, &str); 3] = [
+    ("g1", include_str!("../../../maps/bodies/g1.json")),
+    ("h1", include_str!("../../../maps/bodies/h1.json")),
+    (
+        "humanoid",
+        include_str!("../../../maps/bodies/humanoid.json"),
+    ),
+];
+
+/// A skeleton whose joints' names are known: `cmu`, `lafan1`, `mixamo` or `smpl`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct KnownSkeleton {
+    name: &'static str,
+    joints: Vec<String>,
+    known_by: Vec<String>,
+    parts: BTreeMap<BodyPart, String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SkeletonFile {
+    #[allow(dead_code)]
+    about: String,
+    joints: Vec<String>,
+    #[serde(default)]
+    known_by: Vec<String>,
+    parts: BTreeMap<BodyPart, String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BodyFile {
+    #[allow(dead_code)]
+    about: String,
+    parts: BTreeMap<BodyPart, DriveText>,
+}
+
+impl KnownSkeleton {
+    /// Their names.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        SKELETONS.iter().map(|(name, _)| *name)
+    }
+
+    /// One of them by name.
+    ///
+    /// # Errors
+    /// A name that there is not; the error lists the valid ones.
+    pub fn named(name: &str) -> Result<Self, RetargetError> {
+        let known = SKELETONS.iter().find(|(own, _)| *own == name);
+        let unknown = || UnknownName::new("skeleton", name, Self::names());
+        let (name, text) = known.ok_or_else(unknown)?;
+        let wrong = |error: serde_json::Error| RetargetError::Map(format!("{name}: {error}"));
+        let file: SkeletonFile = serde_json::from_str(text).map_err(wrong)?;
+        Ok(Self {
+            name,
+            joints: file.joints,
+            known_by: file.known_by,
+            parts: file.parts,
+        })
+    }
+
+    /// The first of them whose parts are all among a capture's joints.
+    #[must_use]
+    pub fn of_joints(joints: &[String]) -> Option<Self> {
+        let all = Self::names().filter_map(|name| Self::named(name).ok());
+        let mut all = all.filter(|known| known.parts_in(joints).is_some());
+        all.next()
+    }
+
+    getters! {
+        /// Its name.
+        pub fn name(&self) -> &'static str = self.name;
+        /// Its joints in the order in which arrays have them; empty where that is not settled, as Mixamo's.
+        pub fn joints(&self) -> &[String] = &self.joints;
+    }
+
+    /// The names of an array's joints: all of this skeleton's, or the first of them.
+    #[must_use]
+    pub fn joints_of_array(&self, joints: usize) -> Option<&[String]> {
+        let last = self
+            .parts
+            .values()
+            .filter_map(|own| self.joints.iter().position(|name| name == own));
+        let least = last.max()? + 1;
+        self.joints.get(..joints).filter(|_| joints >= least)
+    }
+
+    /// Which of the joints each part is; `None` where one is missing. What stands before all names counts for nothing.
+    pub(super) fn parts_in(&self, joints: &[String]) -> Option<BTreeMap<BodyPart, usize>> {
+        let own: Vec<String> = joints.iter().map(|name| bare(name)).collect();
+        let place = |name: &String| own.iter().position(|own| *own == bare(name));
+        if !self.known_by.iter().all(|name| place(name).is_some()) {
+            return None;
+        }
+        let parts = self.parts.iter();
+        parts
+            .map(|(part, name)| Some((*part, place(name)?)))
+            .collect()
+    }
+}
+
+/// A body whose frames' names are known.
+#[derive(Clone, Debug)]
+pub(super) struct KnownBody {
+    pub(super) name: &'static str,
+    pub(super) parts: BTreeMap<BodyPart, DriveText>,
+}
+
+impl KnownBody {
+    /// The first of them whose frames a model has all.
+    pub(super) fn of_model(model: &Model) -> Result<Option<Self>, RetargetError> {
+        for (name, text) in BODIES {
+            let wrong = |error: serde_json::Error| RetargetError::Map(format!("{name}: {error}"));
+            let BodyFile { parts, .. } = serde_json::from_str(text).map_err(wrong)?;
+            let mut frames = parts.values().map(DriveText::frame);
+            if frames.all(|frame| model.frame(frame).is_ok()) {
+                return Ok(Some(Self { name, parts }));
+            }
+        }
+        Ok(None)
+    }
+}

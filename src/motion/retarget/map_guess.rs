@@ -1,0 +1,156 @@
+//! A map where none is given: from known names, and from what names tell.
+
+use std::collections::BTreeMap;
+
+use super::body_map::DriveText;
+use super::known_maps::KnownBody;
+use super::part_names::parts_of;
+use super::proportions::Proportions;
+use super::{BodyMap, BodyPart, Capture, Drive, KnownSkeleton, RetargetError};
+use crate::model::Model;
+
+/// With fewer parts there is no body.
+const FEWEST: usize = 3;
+
+/// A map that was guessed, and by what.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct MapGuess {
+    /// The map.
+    pub map: BodyMap,
+    /// The known skeleton whose names the capture has.
+    pub skeleton: Option<&'static str>,
+    /// The known body whose frames the model has.
+    pub body: Option<&'static str>,
+    /// What is to be looked at: parts that one of both has not, and proportions that are no body's.
+    pub notes: Vec<String>,
+}
+
+impl BodyMap {
+    /// Guesses which joint of a capture drives which frame of a model: by the [known](KnownSkeleton) skeletons and bodies
+    /// where all their names are there, else by what names tell (`LeftUpLeg`, `l_thigh`, `left_hip_pitch_link`).
+    ///
+    /// # Errors
+    /// A capture or a model whose names tell of no body; the error lists some of them.
+    pub fn guess(capture: &Capture, model: &Model) -> Result<MapGuess, RetargetError> {
+        let known = KnownSkeleton::of_joints(capture.names());
+        let skeleton = known.as_ref().map(KnownSkeleton::name);
+        let joints = match known.and_then(|known| known.parts_in(capture.names())) {
+            Some(parts) => parts,
+            None => parts_of(capture.names().iter().map(String::as_str)),
+        };
+        Self::of_parts(capture, joints, skeleton, model)
+    }
+
+    /// The map from a known skeleton to a model, which may be known as well.
+    ///
+    /// # Errors
+    /// A joint of the skeleton that the capture has not, and a model whose names tell of no body.
+    pub fn from_skeleton(
+        skeleton: &KnownSkeleton,
+        capture: &Capture,
+        model: &Model,
+    ) -> Result<MapGuess, RetargetError> {
+        let joints =
+            skeleton
+                .parts_in(capture.names())
+                .ok_or_else(|| RetargetError::OtherSkeleton {
+                    skeleton: skeleton.name(),
+                    joints: some_of(capture.names().iter().map(String::as_str)),
+                })?;
+        Self::of_parts(capture, joints, Some(skeleton.name()), model)
+    }
+
+    fn of_parts(
+        capture: &Capture,
+        joints: BTreeMap<BodyPart, usize>,
+        skeleton: Option<&'static str>,
+        model: &Model,
+    ) -> Result<MapGuess, RetargetError> {
+        if joints.len() < FEWEST {
+            return Err(RetargetError::NoBody {
+                of: "the capture's joints",
+                names: some_of(capture.names().iter().map(String::as_str)),
+            });
+        }
+        let frames = || model.frames().iter().map(|frame| frame.name.as_str());
+        let (body, parts) = match KnownBody::of_model(model)? {
+            Some(known) => (Some(known.name), known.parts),
+            None => {
+                let told = parts_of(frames()).into_iter();
+                let frame = |at: usize| DriveText::Frame(model.frames()[at].name.clone());
+                (None, told.map(|(part, at)| (part, frame(at))).collect())
+            }
+        };
+        if parts.len() < FEWEST {
+            return Err(RetargetError::NoBody {
+                of: "the model's frames",
+                names: some_of(frames()),
+            });
+        }
+        let mut notes = Vec::new();
+        let mut drives: Vec<Drive> = Vec::new();
+        let mut contacts = Vec::new();
+        let mut driving = BTreeMap::new();
+        for (part, name) in BodyPart::ALL {
+            match (joints.get(&part), parts.get(&part)) {
+                (Some(&joint), Some(frame)) => {
+                    let joint_name = &capture.names()[joint];
+                    let frame = frame.clone().into_drive(joint_name.clone());
+                    if part.stands() {
+                        contacts.push(joint_name.clone());
+                    }
+                    driving.insert(part, joint);
+                    drives.push(frame);
+                }
+                (Some(_), None) => notes.push(format!("{name}: the model has none by its names")),
+                (None, Some(_)) => notes.push(format!("{name}: the capture has none by its names")),
+                (None, None) => {}
+            }
+        }
+        if drives.len() < FEWEST {
+            return Err(RetargetError::NothingInCommon {
+                capture: joints
+                    .keys()
+                    .map(|part| part.name())
+                    .collect::<Vec<_>>()
+                    .join(", "),
+                model: parts
+                    .keys()
+                    .map(|part| part.name())
+                    .collect::<Vec<_>>()
+                    .join(", "),
+            });
+        }
+        // As they are read from a file, so that what is written and read again answers the same.
+        drives.sort_by(|a, b| a.joint.cmp(&b.joint));
+        notes.extend(Proportions::of(capture, &driving).faults());
+        let map = BodyMap {
+            drives,
+            contacts: Some(contacts),
+            ..BodyMap::default()
+        };
+        Ok(MapGuess {
+            map,
+            skeleton,
+            body,
+            notes,
+        })
+    }
+}
+
+/// The first of many names, for a message.
+fn some_of<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    const LISTED: usize = 12;
+    let all: Vec<&str> = names.collect();
+    let listed = all
+        .iter()
+        .take(LISTED)
+        .copied()
+        .collect::<Vec<_>>()
+        .join(", ");
+    match all.len() > LISTED {
+        true => format!("{listed} and {} more", all.len() - LISTED),
+        false => listed,
+    }
+}

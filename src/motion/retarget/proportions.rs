@@ -1,0 +1,90 @@
+//! Whether what a map takes for limbs is as long as limbs are.
+
+use std::collections::BTreeMap;
+
+use super::{BodyPart, Capture};
+use crate::spatial::Vector3;
+
+/// Limbs of both sides, and what they are called.
+const LIMBS: [(&str, [BodyPart; 2], [BodyPart; 2]); 4] = [
+    (
+        "thigh",
+        [BodyPart::LeftHip, BodyPart::LeftKnee],
+        [BodyPart::RightHip, BodyPart::RightKnee],
+    ),
+    (
+        "shin",
+        [BodyPart::LeftKnee, BodyPart::LeftAnkle],
+        [BodyPart::RightKnee, BodyPart::RightAnkle],
+    ),
+    (
+        "upper arm",
+        [BodyPart::LeftShoulder, BodyPart::LeftElbow],
+        [BodyPart::RightShoulder, BodyPart::RightElbow],
+    ),
+    (
+        "forearm",
+        [BodyPart::LeftElbow, BodyPart::LeftHand],
+        [BodyPart::RightElbow, BodyPart::RightHand],
+    ),
+];
+/// The sides of a body are alike within this share.
+const ALIKE: f64 = 0.25;
+/// A bone is no longer and no shorter anywhere than in the first frame, within this share.
+const RIGID: f64 = 0.2;
+/// Frames that are looked at.
+const FRAMES: usize = 64;
+
+/// How long limbs are in frames all over a capture.
+#[derive(Clone, Debug)]
+pub(super) struct Proportions {
+    /// Name, and shortest and longest on the left and on the right, in the capture's unit.
+    limbs: Vec<(&'static str, [[f64; 2]; 2])>,
+}
+
+impl Proportions {
+    pub(super) fn of(capture: &Capture, joints: &BTreeMap<BodyPart, usize>) -> Self {
+        let step = capture.frames().div_ceil(FRAMES).max(1);
+        let length = |ends: [BodyPart; 2]| -> Option<[f64; 2]> {
+            let [from, to] = [joints.get(&ends[0])?, joints.get(&ends[1])?];
+            let frames = (0..capture.frames()).step_by(step);
+            let lengths = frames.filter_map(|frame| {
+                let at: &[Vector3<f64>] = capture.frame(frame)?;
+                Some((at[*to] - at[*from]).norm())
+            });
+            let ends = |[low, high]: [f64; 2], length: f64| [low.min(length), high.max(length)];
+            Some(lengths.fold([f64::INFINITY, 0.0], ends))
+        };
+        let limbs = LIMBS
+            .iter()
+            .filter_map(|(name, left, right)| Some((*name, [length(*left)?, length(*right)?])));
+        Self {
+            limbs: limbs.collect(),
+        }
+    }
+
+    /// What is no body's.
+    pub(super) fn faults(&self) -> Vec<String> {
+        let mut faults = Vec::new();
+        for (name, sides) in &self.limbs {
+            for ([shortest, longest], side) in sides.iter().zip(["left", "right"]) {
+                if *longest == 0.0 {
+                    faults.push(format!(
+                        "the {side} {name} has no length: its ends are one place"
+                    ));
+                } else if *shortest < (1.0 - RIGID) * longest {
+                    faults.push(format!(
+                        "the {side} {name} is between {shortest:.3} and {longest:.3} long: its ends may not be of one bone"
+                    ));
+                }
+            }
+            let [left, right] = [sides[0][1], sides[1][1]];
+            if left.min(right) > 0.0 && left.min(right) < (1.0 - ALIKE) * left.max(right) {
+                faults.push(format!(
+                    "the left {name} is {left:.3} long and the right one {right:.3}"
+                ));
+            }
+        }
+        faults
+    }
+}

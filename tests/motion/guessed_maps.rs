@@ -1,0 +1,327 @@
+//! Promise: known skeletons and bodies are told by their names whatever stands before them, others by what their names say; a
+//! guess says what it leaves out, is read again as it was written, and is refused where names tell of no body.
+
+use kinopt::Model;
+use kinopt::model::{JointId, Limits, ModelBuilder};
+use kinopt::motion::retarget::{BodyMap, BodyPart, Capture, KnownSkeleton, RetargetError};
+use kinopt::spatial::{Placement, Vector3};
+
+/// A model whose only sense is its frames' names.
+fn model(frames: &[&str]) -> Model {
+    let mut builder = ModelBuilder::new("body");
+    let limits = Limits::new(-1.0, 1.0);
+    let mut on: Option<JointId> = None;
+    for (k, frame) in frames.iter().enumerate() {
+        let up = Placement::translation(Vector3::new(0.0, 0.0, 0.1));
+        on = Some(builder.revolute(format!("joint{k}"), on, up, Vector3::UNITS[k % 3], limits));
+        builder.frame(*frame, on, Placement::identity());
+    }
+    builder.build().unwrap()
+}
+
+/// A capture whose joints stand apart in one frame.
+fn capture(joints: &[String]) -> Capture {
+    let places: Vec<f64> = (0..3 * joints.len()).map(|k| 0.1 * k as f64).collect();
+    Capture::new(joints.to_vec(), &places, 30.0).unwrap()
+}
+
+fn drives(map: &BodyMap) -> Vec<(String, String)> {
+    let pairs = map.drives.iter();
+    pairs
+        .map(|drive| (drive.joint.clone(), drive.frame.clone()))
+        .collect()
+}
+
+const HUMANOID: [&str; 17] = [
+    "pelvis",
+    "upper_chest",
+    "head",
+    "left_thigh",
+    "left_shin",
+    "left_foot",
+    "left_toes",
+    "left_upper_arm",
+    "left_forearm",
+    "left_hand",
+    "right_thigh",
+    "right_shin",
+    "right_foot",
+    "right_toes",
+    "right_upper_arm",
+    "right_forearm",
+    "right_hand",
+];
+
+#[test]
+fn all_known_skeletons_are_told_by_their_names_and_drive_all_of_the_humanoid() {
+    let humanoid = model(&HUMANOID);
+    for name in KnownSkeleton::names() {
+        let known = KnownSkeleton::named(name).unwrap();
+        let mixamo = [
+            "Hips",
+            "Spine2",
+            "Head",
+            "LeftUpLeg",
+            "LeftLeg",
+            "LeftFoot",
+            "LeftToeBase",
+            "LeftArm",
+            "LeftForeArm",
+            "LeftHand",
+            "RightUpLeg",
+            "RightLeg",
+            "RightFoot",
+            "RightToeBase",
+            "RightArm",
+            "RightForeArm",
+            "RightHand",
+        ];
+        let joints = match known.joints() {
+            [] => mixamo.map(str::to_owned).to_vec(),
+            joints => joints.to_vec(),
+        };
+        for before in ["", "mixamorig:", "mixamorig1:", "someone:"] {
+            let called: Vec<String> = joints
+                .iter()
+                .map(|joint| format!("{before}{joint}"))
+                .collect();
+            let own = capture(&called);
+            let guess = BodyMap::guess(&own, &humanoid).unwrap();
+            assert_eq!((guess.skeleton, guess.body), (Some(name), Some("humanoid")));
+            assert_eq!(guess.map.drives.len(), BodyPart::ALL.len());
+            assert!(
+                guess
+                    .map
+                    .drives
+                    .iter()
+                    .all(|drive| called.contains(&drive.joint))
+            );
+            let said = BodyMap::from_skeleton(&known, &own, &humanoid).unwrap();
+            assert_eq!(said.map, guess.map);
+            assert_eq!(
+                BodyMap::from_json(&guess.map.to_json(), "").unwrap(),
+                guess.map
+            );
+            // Of each side what is of it.
+            for (joint, frame) in drives(&guess.map) {
+                for side in ["left", "right"] {
+                    let own = joint.to_lowercase().contains(side);
+                    assert_eq!(own, frame.starts_with(side), "{joint} drives {frame}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn names_of_many_kinds_tell_of_the_same_parts() {
+    let humanoid = model(&HUMANOID);
+    let kinds: [[&str; 10]; 6] = [
+        [
+            "hips",
+            "thigh.L",
+            "shin.L",
+            "foot.L",
+            "toe.L",
+            "upper_arm.L",
+            "forearm.L",
+            "hand.L",
+            "thigh.R",
+            "head",
+        ],
+        [
+            "pelvis",
+            "thigh_l",
+            "calf_l",
+            "foot_l",
+            "ball_l",
+            "upperarm_l",
+            "lowerarm_l",
+            "hand_l",
+            "thigh_r",
+            "head",
+        ],
+        [
+            "Hips",
+            "LeftUpLeg",
+            "LeftLeg",
+            "LeftFoot",
+            "LeftToe",
+            "LeftArm",
+            "LeftForeArm",
+            "LeftHand",
+            "RightUpLeg",
+            "Head",
+        ],
+        [
+            "Bip01 Pelvis",
+            "Bip01 L Thigh",
+            "Bip01 L Calf",
+            "Bip01 L Foot",
+            "Bip01 L Toe",
+            "Bip01 L UpperArm",
+            "Bip01 L Forearm",
+            "Bip01 L Hand",
+            "Bip01 R Thigh",
+            "Bip01 Head",
+        ],
+        [
+            "pelvis",
+            "leftUpperLeg",
+            "leftLowerLeg",
+            "leftFoot",
+            "leftToes",
+            "leftUpperArm",
+            "leftLowerArm",
+            "leftHand",
+            "rightUpperLeg",
+            "head",
+        ],
+        [
+            "Pelvis",
+            "L_Hip",
+            "L_Knee",
+            "L_Ankle",
+            "L_Foot",
+            "L_Shoulder",
+            "L_Elbow",
+            "L_Wrist",
+            "R_Hip",
+            "Head",
+        ],
+    ];
+    let driven = [
+        "pelvis",
+        "left_thigh",
+        "left_shin",
+        "left_foot",
+        "left_toes",
+        "left_upper_arm",
+        "left_forearm",
+        "left_hand",
+        "right_thigh",
+        "head",
+    ];
+    for names in kinds {
+        let joints = names.map(str::to_owned);
+        let guess = BodyMap::guess(&capture(&joints), &humanoid).unwrap();
+        let told = drives(&guess.map);
+        for (joint, frame) in names.iter().zip(driven) {
+            let found = told.iter().find(|(own, _)| own == joint);
+            assert_eq!(
+                found.map(|(_, frame)| frame.as_str()),
+                Some(frame),
+                "{joint} of {names:?}"
+            );
+        }
+        assert!(
+            guess
+                .notes
+                .iter()
+                .any(|note| note.starts_with("right_knee: the capture"))
+        );
+    }
+}
+
+#[test]
+fn a_robot_s_links_are_told_by_name_where_it_is_not_known() {
+    let links = [
+        "base_link",
+        "left_hip_roll_link",
+        "left_hip_pitch_link",
+        "left_knee_link",
+        "left_ankle_roll_link",
+        "left_shoulder_pitch_link",
+        "left_elbow_link",
+        "left_wrist_yaw_link",
+        "head_link",
+    ];
+    let known = KnownSkeleton::named("lafan1").unwrap();
+    let guess = BodyMap::guess(&capture(known.joints()), &model(&links)).unwrap();
+    assert_eq!(guess.body, None);
+    let told = drives(&guess.map);
+    for (joint, frame) in [
+        ("Hips", "base_link"),
+        ("LeftUpLeg", "left_hip_roll_link"),
+        ("LeftLeg", "left_knee_link"),
+        ("LeftFoot", "left_ankle_roll_link"),
+        ("LeftArm", "left_shoulder_pitch_link"),
+        ("LeftForeArm", "left_elbow_link"),
+        ("LeftHand", "left_wrist_yaw_link"),
+        ("Head", "head_link"),
+    ] {
+        assert!(
+            told.contains(&(joint.to_owned(), frame.to_owned())),
+            "{joint}: {told:?}"
+        );
+    }
+    assert_eq!(guess.map.contacts, Some(vec!["LeftFoot".to_owned()]));
+    assert!(
+        guess
+            .notes
+            .iter()
+            .any(|note| note.starts_with("left_toe: the model"))
+    );
+}
+
+#[test]
+fn limbs_of_no_bone_s_length_are_told_of() {
+    let joints = [
+        "hips",
+        "left_thigh",
+        "left_shin",
+        "left_foot",
+        "right_thigh",
+        "right_shin",
+        "right_foot",
+    ];
+    let stands = [
+        [0.0, 0.0, 1.0],
+        [0.0, 0.1, 0.9],
+        [0.0, 0.1, 0.5],
+        [0.0, 0.1, 0.5],
+        [0.0, -0.1, 0.9],
+        [0.0, -0.1, 0.7],
+        [0.0, -0.1, 0.1],
+    ];
+    let mut numbers = stands.concat();
+    let mut second = stands;
+    second[5][2] = 0.8;
+    numbers.extend(second.concat());
+    let capture = Capture::new(joints.map(str::to_owned).to_vec(), &numbers, 30.0).unwrap();
+    let guess = BodyMap::guess(&capture, &model(&HUMANOID)).unwrap();
+    let told = guess.notes.join("\n");
+    for words in [
+        "the left shin has no length",
+        "the right thigh is between 0.100 and 0.200",
+        "the left thigh is 0.400 long",
+    ] {
+        assert!(told.contains(words), "{words}: {told}");
+    }
+}
+
+#[test]
+fn names_of_nobody_are_refused_by_name() {
+    let humanoid = model(&HUMANOID);
+    let strangers = ["a", "b", "c"].map(str::to_owned);
+    let refused = BodyMap::guess(&capture(&strangers), &humanoid).unwrap_err();
+    assert!(matches!(refused, RetargetError::NoBody { .. }));
+    assert!(refused.to_string().contains("a, b, c"), "{refused}");
+    let lafan = KnownSkeleton::named("lafan1").unwrap();
+    let refused = BodyMap::guess(&capture(lafan.joints()), &model(&["one", "two"])).unwrap_err();
+    assert!(refused.to_string().contains("one, two"), "{refused}");
+    let smpl = KnownSkeleton::named("smpl").unwrap();
+    let refused = BodyMap::from_skeleton(&smpl, &capture(lafan.joints()), &humanoid).unwrap_err();
+    assert!(refused.to_string().contains("smpl"), "{refused}");
+    let refused = BodyMap::guess(
+        &capture(lafan.joints()),
+        &model(&["tail", "head", "jaw", "neck"]),
+    )
+    .unwrap_err();
+    assert!(refused.to_string().contains("tell of no body"), "{refused}");
+    let unknown = KnownSkeleton::named("cmy").unwrap_err().to_string();
+    assert!(unknown.contains("did you mean `cmu`"), "{unknown}");
+    assert_eq!(smpl.joints_of_array(22).map(<[String]>::len), Some(22));
+    assert_eq!(smpl.joints_of_array(21), None);
+    assert_eq!(smpl.joints_of_array(53), None);
+}

@@ -1,0 +1,105 @@
+//! Promise: a live follower answers each frame by itself, within limits of position and speed, holds what stands once it is known
+//! to, keeps where it is while places are lost, and refuses other joints; limits and errors are told as they are.
+
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::motion::clip::MotionBound;
+use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting};
+use kinopt::robot::{BaseJoint, Robot};
+use kinopt::spatial::Vector3;
+
+const MAP: &str = r#"{"joints": ["hips", "left", "right"], "contacts": ["left", "right"],
+    "drives": {"hips": "torso", "left": "left_sole", "right": "right_sole"}}"#;
+
+fn nao() -> Robot {
+    // Its file states no speeds.
+    let text = std::fs::read_to_string("models/aldebaran_nao.urdf").unwrap();
+    let text = text.replace("velocity=\"0\"", "velocity=\"3\"");
+    let nao = Robot::reader().parse(&text, "nao.urdf").unwrap();
+    nao.with_base_joint(BaseJoint::FREE).unwrap()
+}
+
+/// A hip that sways over two feet; from some frame on it is further aside.
+fn sway(frames: usize, leap: usize) -> Capture {
+    let places = (0..frames).flat_map(|frame| {
+        let leapt = if frame < leap { 0.0 } else { 0.3 };
+        let aside = leapt + 0.05 * (frame as f64 * 0.2).sin();
+        [0.0, aside, 0.9, 0.0, 0.15, 0.0, 0.0, -0.15, 0.0]
+    });
+    let names = BodyMap::from_json(MAP, "").unwrap().joints;
+    Capture::new(names, &places.collect::<Vec<_>>(), 30.0).unwrap()
+}
+
+#[test]
+fn a_live_follower_stands_where_the_person_does() {
+    let (robot, capture) = (nao(), sway(60, 60));
+    let map = BodyMap::from_json(MAP, "").unwrap();
+    let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
+    let mut live = retargeting.live().unwrap();
+    let known = retargeting.per_frame().unwrap();
+    let model = robot.model();
+    let soles = ["left_sole", "right_sole"].map(|sole| model.frame(sole).unwrap());
+    let torso = model.frame("torso").unwrap();
+    let mut kinematics = ForwardKinematics::new(model);
+    let mut anchor: Option<[Vector3<f64>; 2]> = None;
+    let most = robot.moves_within(1.0 / 30.0);
+    let mut before: Option<Vec<f64>> = None;
+    for frame in 0..capture.frames() {
+        let q = live.step(capture.frame(frame).unwrap()).unwrap().to_vec();
+        assert!(model.is_within_limits(&q));
+        for (k, (now, then)) in q.iter().zip(before.iter().flatten()).enumerate() {
+            assert!((now - then).abs() <= most[k], "number {k} of frame {frame}");
+        }
+        let placed = kinematics.place(&q).unwrap();
+        let at = soles.map(|sole| placed[sole.index()].translation);
+        let own = placed[torso.index()].translation;
+        if frame >= 10 {
+            let anchor = anchor.get_or_insert(at);
+            assert!(
+                (0..2).all(|k| (at[k] - anchor[k]).norm() < 1e-3),
+                "frame {frame}"
+            );
+            let q = &known.q[frame * known.configuration_len..][..known.configuration_len];
+            let expected = kinematics.place(q).unwrap()[torso.index()].translation;
+            assert!((own - expected).norm() < 0.02, "frame {frame}");
+        }
+        before = Some(q);
+    }
+    let lost = [Vector3::new(f64::NAN, 0.0, 0.0); 3];
+    assert_eq!(live.step(&lost).unwrap(), before.unwrap());
+    assert!(live.step(&lost[..2]).is_err());
+}
+
+#[test]
+fn limits_and_errors_are_told_as_they_are() {
+    let (robot, capture) = (nao(), sway(20, 10));
+    let map = BodyMap::from_json(MAP, "").unwrap();
+    let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
+    let found = retargeting.per_frame().unwrap();
+    let errors = retargeting.errors(&found).unwrap();
+    let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+    assert!((mean - found.mean_error).abs() < 1e-12);
+    let met = retargeting.limits_met(&found);
+    let model = robot.model();
+    let most = robot.moves_within(1.0 / 30.0);
+    assert!(
+        met.iter()
+            .any(|met| met.bound == MotionBound::Speed && met.frames.contains(&10))
+    );
+    for met in met {
+        let id = model.joint(&met.joint).unwrap();
+        let at = model.coordinate(id).unwrap();
+        let value = |frame: usize| found.q[frame * found.configuration_len + at];
+        for frame in met.frames {
+            let off = match met.bound {
+                MotionBound::Speed => (value(frame) - value(frame - 1)).abs() - most[at],
+                MotionBound::Position => {
+                    let limits = model.joints()[id.index()].limits;
+                    (value(frame) - limits.lower)
+                        .abs()
+                        .min((value(frame) - limits.upper).abs())
+                }
+            };
+            assert!(off.abs() < 1e-8, "{} in frame {frame}: {off}", met.joint);
+        }
+    }
+}
