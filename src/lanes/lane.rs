@@ -91,6 +91,7 @@ impl<const L: usize, const FMA: bool> Scalar for Lanes<L, FMA> {
     }
 
     #[inline(always)]
+    #[allow(clippy::disallowed_methods)] // One instruction where it is reached.
     fn mul_add(self, factor: Self, addend: Self) -> Self {
         Self(if FMA {
             each!(L, i, 0.0, self.0[i].mul_add(factor.0[i], addend.0[i]))

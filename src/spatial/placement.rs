@@ -75,7 +75,7 @@ impl Placement<f64> {
             return self;
         }
         let Quaternion { w, v } = Quaternion::from_matrix(&self.rotation);
-        let scale = 1.0 / w.mul_add(w, v.norm_squared()).sqrt();
+        let scale = 1.0 / (w * w + v.norm_squared()).sqrt();
         let unit = Quaternion {
             w: w * scale,
             v: v * scale,

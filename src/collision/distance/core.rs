@@ -49,7 +49,7 @@ impl<'a> Core<'a> {
                 half.z.copysign(along.z),
             ),
             Self::Cylinder { radius, half } => {
-                let across = along.x.mul_add(along.x, along.y * along.y).sqrt();
+                let across = (along.x * along.x + along.y * along.y).sqrt();
                 // Straight along the axis any point of the disc is as far.
                 let scale = if across > 0.0 { radius / across } else { 0.0 };
                 Vector3::new(along.x * scale, along.y * scale, half.copysign(along.z))
@@ -97,7 +97,7 @@ impl<'a> Core<'a> {
                 ))
             }
             Self::Cylinder { radius, half } => {
-                let across = p.x.mul_add(p.x, p.y * p.y).sqrt();
+                let across = (p.x * p.x + p.y * p.y).sqrt();
                 match half - p.z.abs() < radius - across || across == 0.0 {
                     true => side(2),
                     false => Vector3::new(p.x / across, p.y / across, 0.0),

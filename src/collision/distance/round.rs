@@ -99,9 +99,9 @@ fn touched(
     };
     let inward = at.rotation.transpose_mul(along);
     let place = at.inverse().apply(near);
-    let side = inward.x.mul_add(inward.x, inward.y * inward.y).sqrt();
+    let side = (inward.x * inward.x + inward.y * inward.y).sqrt();
     if side < FACE {
-        let far = place.x.mul_add(place.x, place.y * place.y).sqrt();
+        let far = (place.x * place.x + place.y * place.y).sqrt();
         let scale = if far > *radius { radius / far } else { 1.0 };
         let on_end = Vector3::new(place.x * scale, place.y * scale, half.copysign(inward.z));
         return (2, at.apply(on_end));

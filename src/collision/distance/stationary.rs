@@ -143,7 +143,7 @@ impl OnCircle {
             return None;
         };
         let [x, y] = axes.map(|axis| axis.dot(along));
-        let length = x.mul_add(x, y * y).sqrt();
+        let length = (x * x + y * y).sqrt();
         let (cos, sin) = if length > 0.0 {
             (x / length, y / length)
         } else {
@@ -181,7 +181,7 @@ impl OnCircle {
             self.cos * cos - self.sin * sin,
             self.sin * cos + self.cos * sin,
         );
-        let scale = x.mul_add(x, y * y).sqrt().recip();
+        let scale = (x * x + y * y).sqrt().recip();
         (self.cos, self.sin) = (x * scale, y * scale);
     }
 }

@@ -51,7 +51,7 @@ fn from_core(p: Vector3<f64>, core: Vector3<f64>, radius: f64) -> Nearest {
 
 /// Of a cylinder along z.
 pub(crate) fn nearest_on_cylinder(p: Vector3<f64>, radius: f64, half: f64) -> Nearest {
-    let across = p.x.mul_add(p.x, p.y * p.y).sqrt();
+    let across = (p.x * p.x + p.y * p.y).sqrt();
     let (x, y) = match across > 0.0 {
         true => (p.x / across, p.y / across),
         false => (1.0, 0.0),

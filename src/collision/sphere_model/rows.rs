@@ -32,7 +32,7 @@ pub(super) fn row(
         0.0
     };
     let sphere = |k: usize| {
-        let z = step.mul_add(k as f64, first);
+        let z = step * k as f64 + first;
         Ball {
             centre: link_from_shape.apply(Vector3::new(0.0, 0.0, z)),
             radius: needed,
@@ -48,7 +48,7 @@ fn evened(radius: f64, length: f64, between: f64) -> (f64, f64) {
     }
     let side = |inset: f64| {
         let half = (length - 2.0 * inset) / between / 2.0;
-        half.mul_add(half, radius * radius).sqrt()
+        (half * half + radius * radius).sqrt()
     };
     let (mut low, mut high) = (0.0, length / 2.0);
     for _ in 0..60 {

@@ -8,7 +8,7 @@ const OFF: f64 = 1e-3;
 /// A quaternion of unit length next to a given one, or what is wrong with it.
 pub(super) fn unit_quaternion(given: Quaternion<f64>) -> Result<Quaternion<f64>, String> {
     let Quaternion { w, v } = given;
-    let length = w.mul_add(w, v.norm_squared()).sqrt();
+    let length = (w * w + v.norm_squared()).sqrt();
     if (length - 1.0).abs() <= OFF {
         let scale = length.recip();
         return Ok(Quaternion {
