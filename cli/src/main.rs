@@ -81,7 +81,7 @@ Examples:
   kinopt animate arm.json --fps 24 --out frames
   kinopt animate fox.glb --clip Run --time 0.2 --out posed.glb
   kinopt spheres robot.urdf --overhang 0.02 --out spheres.yml
-  kinopt retarget walk.bvh g1.urdf --map g1.json --base-joint free --out walk.npz
+  kinopt retarget walk.bvh g1.urdf --base-joint free --out walk.npz
   kinopt skin-report --out twist.svg
   kinopt bench robot.urdf --problems random:100 --out results
 

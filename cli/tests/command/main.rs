@@ -24,6 +24,8 @@ mod pages;
 mod path;
 mod posed_mesh;
 mod retarget;
+mod retarget_files;
+mod retarget_folders;
 mod robot_files;
 mod robots;
 mod room_and_weights;

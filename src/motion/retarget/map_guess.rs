@@ -22,7 +22,7 @@ pub struct MapGuess {
     pub skeleton: Option<&'static str>,
     /// The known body whose frames the model has.
     pub body: Option<&'static str>,
-    /// What is to be looked at: parts that one of both has not, and proportions that are no body's.
+    /// What is to be looked at: parts that one of both has not by its names, and proportions that are no body's.
     pub notes: Vec<String>,
 }
 
@@ -103,6 +103,8 @@ impl BodyMap {
                     driving.insert(part, joint);
                     drives.push(frame);
                 }
+                // What a known body has none of, it has none of.
+                (Some(_), None) if body.is_some() => {}
                 (Some(_), None) => notes.push(format!("{name}: the model has none by its names")),
                 (None, Some(_)) => notes.push(format!("{name}: the capture has none by its names")),
                 (None, None) => {}

@@ -1,0 +1,252 @@
+//! `kinopt retarget`: people's movements on robots and figures.
+
+mod folder;
+mod map_choice;
+mod movement_file;
+mod source;
+mod target;
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use kinopt::motion::retarget::{RetargetOptions, Retargeting};
+use serde::Serialize;
+
+use self::map_choice::{MapChoice, MapOptions};
+use self::movement_file::Format;
+use self::source::{SourceOptions, Up};
+use self::target::Target;
+use crate::failure::Outcome;
+use crate::help_headings::OUTPUT;
+use crate::model_options::ModelOptions;
+use crate::output;
+
+const EXAMPLES: &str = "\
+Examples:
+  kinopt retarget walk.bvh g1.urdf --base-joint free --out walk.npz
+                                               frame by frame, as a live follower does; the map goes by names
+  kinopt retarget climb.npy g1.urdf --map g1.json --base-joint free --fps 120 --whole --out climb.npz
+                                               all frames as one: smooth, and feet stand to a micrometre
+  kinopt retarget walk.bvh g1.urdf --print-map > map.json
+                                               which joint would drive which frame, to be corrected
+  kinopt retarget poses.npy g1.urdf --map smpl --base-joint free --out poses.csv
+                                               an array (frames, 24, 3) in the order of SMPL's joints
+  kinopt retarget walk.bvh character.glb --out walking.glb
+                                               the character's file, with one clip more
+  kinopt retarget captures g1.urdf --base-joint free --out movements --format csv
+                                               a folder, in parallel; given again it goes on where it was
+
+The map, with all but drives left out where it may be:
+  {\"joints\": [\"Hips\", \"LeftFoot\", …], \"fps\": 120, \"up\": \"z\",
+   \"drives\": {\"Hips\": \"pelvis\", \"LeftFoot\": {\"frame\": \"left_ankle\", \"weight\": 2, \"offset\": [0, 0, -0.05]}},
+   \"contacts\": [\"LeftFoot\"]}";
+
+/// Brings a captured movement onto a robot or a figure, within its limits of position and speed in every frame.
+///
+/// Limbs are scaled by their lengths, the ground is found, and feet are held where they stand. A figure is put on a free
+/// base. A .npz or .json has the configurations `q` (frames × numbers of a configuration), `fps`, `names` (of those
+/// numbers) and `contacts` (frames × what stands, named in `standing`). A .csv has a line a frame without a header: x, y, z, the quaternion x,
+/// y, z, w of a free base, then the joints, as the retargeted LAFAN1 of Unitree is written. A .bvh or .glb is of a figure.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Arguments {
+    /// The movement: .bvh, a clip of a .glb or .gltf, .npy of (frames, joints, 3), the keyframes of a rig's .json; or a folder of all but
+    /// those.
+    #[arg(value_name = "SOURCE")]
+    source: PathBuf,
+
+    /// The robot's .urdf or MJCF .xml file, or a figure's: a rig's .json, .glb, .gltf or .bvh.
+    #[arg(value_name = "TARGET")]
+    target: PathBuf,
+
+    #[command(flatten)]
+    map: MapOptions,
+
+    #[command(flatten)]
+    source_options: SourceOptions,
+
+    /// The axis that points upward in a figure's file. Default: y of .glb, .gltf and .bvh, z of a rig's .json.
+    #[arg(long, value_enum, value_name = "AXIS")]
+    target_up: Option<Up>,
+
+    /// Solve the whole movement as one instead of frame by frame. Default: frame by frame.
+    #[arg(long)]
+    whole: bool,
+
+    /// Where to write: .npz, .json, .csv, .bvh or .glb; of a folder, a folder.
+    #[arg(long, value_name = "FILE|DIR", help_heading = OUTPUT, required_unless_present_any = ["print_map", "save_map"])]
+    out: Option<PathBuf>,
+
+    /// Of a folder: what is written. Default: npz.
+    #[arg(long, value_enum, help_heading = OUTPUT, hide_default_value = true)]
+    format: Option<Format>,
+
+    /// Of a .csv: a first line of names, times before and what stands behind, the quaternion w, x, y, z. Default: the numbers alone.
+    #[arg(long, help_heading = OUTPUT)]
+    header: bool,
+
+    /// Of a folder: do all of it anew. Default: what is done stays.
+    #[arg(long, help_heading = OUTPUT)]
+    again: bool,
+
+    #[command(flatten)]
+    model_options: ModelOptions,
+}
+
+/// What came of a movement.
+#[derive(Debug, Serialize)]
+struct Clip {
+    out: PathBuf,
+    frames: usize,
+    fps: f64,
+    /// Metres, in the mean over all driven points and frames.
+    mean_error: f64,
+    /// Metres, at most.
+    slip: f64,
+    standing: Vec<String>,
+}
+
+impl Clip {
+    /// In a line.
+    fn told(&self) -> String {
+        format!(
+            "{}: {} frames, {} a second; {:.1} mm off in the mean; what stands slips by {:.3} mm at most\n",
+            self.out.display(),
+            self.frames,
+            self.fps,
+            1e3 * self.mean_error,
+            1e3 * self.slip
+        )
+    }
+}
+
+/// What is done with every movement.
+struct Job<'a> {
+    arguments: &'a Arguments,
+    target: Target,
+    map: MapChoice,
+    format: Format,
+}
+
+impl<'a> Job<'a> {
+    fn new(arguments: &'a Arguments, format: Format) -> Outcome<Self> {
+        let target = Target::read(
+            &arguments.target,
+            arguments.target_up,
+            &arguments.model_options,
+        )?;
+        format.check(&target)?;
+        let map = arguments.map.read(&arguments.target)?;
+        Ok(Self {
+            arguments,
+            target,
+            map,
+            format,
+        })
+    }
+
+    fn run(&self, source: &Path, out: &Path) -> Outcome<Clip> {
+        let file = source.display().to_string();
+        let (given, skeleton) = (self.map.given(), self.map.skeleton());
+        let read = self
+            .arguments
+            .source_options
+            .read(source, given, skeleton)?;
+        let robot = &self.target.robot;
+        let mut map = self.map.of(&file, &read.capture, robot.model())?;
+        // What the command says comes first.
+        map.up = Some(read.up);
+        let options = RetargetOptions::default();
+        let found =
+            Retargeting::new(robot, &map, &read.capture, options).and_then(
+                |retargeting| match self.arguments.whole {
+                    true => retargeting.whole(),
+                    false => retargeting.per_frame(),
+                },
+            );
+        let found = found.map_err(|error| self.map.failed(&file, &error))?;
+        let name = source.file_stem().unwrap_or_default().to_string_lossy();
+        let header = self.arguments.header;
+        self.format
+            .write(&self.target, &found, &name, header, out)?;
+        Ok(Clip {
+            out: out.to_owned(),
+            frames: found.frames(),
+            fps: found.frame_rate,
+            mean_error: found.mean_error,
+            slip: found.slip,
+            standing: found.standing,
+        })
+    }
+}
+
+impl Arguments {
+    /// What tells the answers of one question from another's.
+    fn question(&self) -> Vec<String> {
+        let target = self.target.display();
+        vec![
+            format!("target {target}, {:?}", self.target_up),
+            format!("whole {}, header {}", self.whole, self.header),
+            format!("{:?}", self.map),
+            format!("{:?}", self.source_options),
+            format!("{:?}", self.model_options),
+        ]
+    }
+
+    /// The map alone.
+    fn show_map(&self) -> Outcome<()> {
+        let target = Target::read(&self.target, self.target_up, &self.model_options)?;
+        let choice = self.map.read(&self.target)?;
+        let (given, skeleton) = (choice.given(), choice.skeleton());
+        let read = self.source_options.read(&self.source, given, skeleton)?;
+        let file = self.source.display().to_string();
+        let mut map = choice.of(&file, &read.capture, target.robot.model())?;
+        if source::is_array(&self.source) {
+            map.joints = read.capture.names().to_vec();
+        }
+        let text = map.to_json();
+        if let Some(path) = &self.map.save_map {
+            let told = |error: std::io::Error| failure!("{}: {error}", path.display());
+            std::fs::write(path, &text).map_err(told)?;
+        }
+        match self.map.print_map {
+            true => output::result(false, || (), || text),
+            false => Ok(()),
+        }
+    }
+}
+
+pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
+    let folder = arguments.source.is_dir();
+    if arguments.map.asks_for_map() {
+        if folder {
+            return Err(usage!(
+                "--print-map and --save-map are of one movement, not of a folder"
+            ));
+        }
+        arguments.show_map()?;
+    }
+    let Some(out) = arguments
+        .out
+        .as_deref()
+        .filter(|_| !arguments.map.print_map)
+    else {
+        return Ok(());
+    };
+    if folder {
+        return folder::run(arguments, out, json);
+    }
+    for (given, option) in [
+        (arguments.format.is_some(), "--format"),
+        (arguments.again, "--again"),
+    ] {
+        if given {
+            return Err(usage!(
+                "{option} is for folders; {} is none",
+                arguments.source.display()
+            ));
+        }
+    }
+    let clip = Job::new(arguments, Format::of(out)?)?.run(&arguments.source, out)?;
+    output::result(json, || &clip, || clip.told())
+}

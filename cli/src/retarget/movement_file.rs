@@ -1,0 +1,250 @@
+//! A movement as a file, which is there when it is whole.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use clap::ValueEnum;
+use kinopt::animation::{Armature, Clip, Pose};
+use kinopt::io::bvh;
+use kinopt::io::gltf::{self, Scene, WriteOptions};
+use kinopt::motion::retarget::Retargeted;
+use serde::Serialize;
+
+use super::target::{BASE, Target};
+use crate::animated_armature::extension;
+use crate::failure::Outcome;
+use crate::mesh_output::Skin;
+use crate::numpy_file::{self, Column};
+use crate::scene_output;
+
+/// What is written, by the ending of its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Format {
+    Npz,
+    Json,
+    Csv,
+    Bvh,
+    Glb,
+}
+
+/// As many influences as every program reads.
+const INFLUENCES: usize = 4;
+
+impl Format {
+    /// That of a file, by its ending.
+    pub(super) fn of(path: &Path) -> Outcome<Self> {
+        let known = Self::from_str(&extension(path), true);
+        known.map_err(|_| {
+            usage!(
+                "--out {}: .npz, .json, .csv, .bvh or .glb is written",
+                path.display()
+            )
+        })
+    }
+
+    /// Its ending, without the dot.
+    pub(super) fn ending(self) -> String {
+        self.to_possible_value()
+            .map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+
+    /// Refuses what a target cannot be written as.
+    pub(super) fn check(self, target: &Target) -> Outcome<()> {
+        let figure = target.skeleton().is_some();
+        match matches!(self, Self::Bvh | Self::Glb) && !figure {
+            true => Err(usage!(
+                "{}: .bvh and .glb are of figures; a robot's movement is written as .npz, .json or .csv",
+                target.loaded.file
+            )),
+            false => Ok(()),
+        }
+    }
+
+    /// Writes a movement under another name first, so that none is there by halves.
+    pub(super) fn write(
+        self,
+        target: &Target,
+        found: &Retargeted,
+        name: &str,
+        header: bool,
+        out: &Path,
+    ) -> Outcome<()> {
+        let unfinished = unfinished(out);
+        let written = self.write_to(target, found, name, header, &unfinished);
+        let told = |error: std::io::Error| failure!("{}: {error}", out.display());
+        let moved = written.and_then(|()| std::fs::rename(&unfinished, out).map_err(told));
+        if moved.is_err() {
+            let _ = std::fs::remove_file(&unfinished);
+        }
+        moved
+    }
+
+    fn write_to(
+        self,
+        target: &Target,
+        found: &Retargeted,
+        name: &str,
+        header: bool,
+        to: &Path,
+    ) -> Outcome<()> {
+        let names = target.names();
+        let bytes = match self {
+            Self::Npz => as_npz(found, &names)?,
+            Self::Json => serde_json::to_vec(&document(found, &names))?,
+            Self::Csv if header => as_table(found, &names).into_bytes(),
+            Self::Csv => as_rows(found, names.len(), target.is_free()).into_bytes(),
+            Self::Bvh | Self::Glb => return self.write_figure(target, found, name, to),
+        };
+        std::fs::write(to, bytes).map_err(|error| failure!("{}: {error}", to.display()))
+    }
+
+    fn write_figure(
+        self,
+        target: &Target,
+        found: &Retargeted,
+        name: &str,
+        to: &Path,
+    ) -> Outcome<()> {
+        let loaded = &target.loaded;
+        let lacks = || failure!("{}: it is no figure", loaded.file);
+        let skeleton = target.skeleton().ok_or_else(lacks)?;
+        let posed = |armature: &Armature| -> Outcome<(Vec<Pose>, Clip)> {
+            let poses = target.poses(armature, &found.q)?;
+            let times = (0..poses.len()).map(|frame| (frame as f64 / found.frame_rate) as f32);
+            let times: Vec<f32> = times.collect();
+            let clip = Clip::through_poses(name, armature, &times, &poses)?;
+            Ok((poses, clip))
+        };
+        if self == Self::Bvh {
+            let own = match (&loaded.scene, &loaded.capture) {
+                (Some(scene), _) => scene.file.scene().armature.clone(),
+                (None, Some(capture)) => capture.armature.clone(),
+                _ => Armature::of_skeleton(skeleton),
+            };
+            return Ok(bvh::write_poses(
+                &own,
+                &posed(&own)?.0,
+                found.frame_rate,
+                to,
+            )?);
+        }
+        if let Some(scene) = &loaded.scene {
+            let file = scene.file.clone();
+            let (_, clip) = posed(&file.scene().armature)?;
+            let other = format!("{name} retargeted");
+            scene_output::write_with_clip(file, clip, None, &other, to)?;
+            return Ok(());
+        }
+        let mut scene = match loaded.skin(None) {
+            Ok(Skin::Rig { mesh, weights, .. }) => {
+                let (weights, _) = weights.pruned(INFLUENCES)?;
+                Scene::of_skeleton(skeleton, Some((mesh, &weights)))?
+            }
+            _ => Scene::of_skeleton(skeleton, None)?,
+        };
+        let (_, clip) = posed(&scene.armature)?;
+        scene.clips.push(clip);
+        Ok(gltf::write(&scene, &WriteOptions::default(), to)?)
+    }
+}
+
+/// Where a file is written before it is whole.
+pub(super) fn unfinished(out: &Path) -> PathBuf {
+    let name = out.file_name().unwrap_or_default().to_string_lossy();
+    // The ending stays, by which formats are told.
+    out.with_file_name(format!(".part.{name}"))
+}
+
+/// Whether a file is what an interrupted command left.
+pub(super) fn is_unfinished(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    name.starts_with(".part.")
+}
+
+fn as_npz(found: &Retargeted, names: &[String]) -> Outcome<Vec<u8>> {
+    let (frames, width) = (found.frames(), names.len());
+    let standing = found.standing.len();
+    numpy_file::npz(&[
+        ("q", &[frames, width], Column::Numbers(&found.q)),
+        ("fps", &[], Column::Numbers(&[found.frame_rate])),
+        ("names", &[width], Column::Words(names)),
+        (
+            "contacts",
+            &[frames, standing],
+            Column::Flags(&found.contacts),
+        ),
+        ("standing", &[standing], Column::Words(&found.standing)),
+    ])
+}
+
+/// What a .json file holds.
+#[derive(Serialize)]
+struct Document<'a> {
+    fps: f64,
+    names: &'a [String],
+    standing: &'a [String],
+    q: Vec<&'a [f64]>,
+    contacts: Vec<&'a [bool]>,
+}
+
+fn document<'a>(found: &'a Retargeted, names: &'a [String]) -> Document<'a> {
+    Document {
+        fps: found.frame_rate,
+        names,
+        standing: &found.standing,
+        q: found.q.chunks_exact(names.len().max(1)).collect(),
+        contacts: contacts(found).collect(),
+    }
+}
+
+/// What stands, frame by frame.
+fn contacts(found: &Retargeted) -> impl Iterator<Item = &[bool]> {
+    let width = found.standing.len();
+    (0..found.frames()).map(move |frame| {
+        found
+            .contacts
+            .get(frame * width..(frame + 1) * width)
+            .unwrap_or_default()
+    })
+}
+
+/// A line a frame without a header, the base's quaternion x, y, z, w: as the retargeted LAFAN1 of Unitree is written and what learns
+/// from it reads.
+fn as_rows(found: &Retargeted, width: usize, is_free: bool) -> String {
+    let mut text = String::new();
+    for q in found.q.chunks_exact(width.max(1)) {
+        let mut row = q.to_vec();
+        if is_free {
+            row[3..BASE].rotate_left(1);
+        }
+        let row: Vec<String> = row.iter().map(ToString::to_string).collect();
+        text += &row.join(",");
+        text.push('\n');
+    }
+    text
+}
+
+/// A line of names, and one a frame: its time, the configuration, and 1 for what stands.
+fn as_table(found: &Retargeted, names: &[String]) -> String {
+    let standing = found.standing.iter().map(|frame| format!("{frame} stands"));
+    let columns = std::iter::once("time".to_owned())
+        .chain(names.iter().cloned())
+        .chain(standing);
+    let mut text = columns.collect::<Vec<_>>().join(",") + "\n";
+    let rows = found
+        .q
+        .chunks_exact(names.len().max(1))
+        .zip(contacts(found));
+    for (frame, (q, stands)) in rows.enumerate() {
+        let _ = write!(text, "{}", frame as f64 / found.frame_rate);
+        for number in q {
+            let _ = write!(text, ",{number}");
+        }
+        for stands in stands {
+            let _ = write!(text, ",{}", u8::from(*stands));
+        }
+        text.push('\n');
+    }
+    text
+}

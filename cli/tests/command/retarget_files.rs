@@ -1,0 +1,142 @@
+//! Promise: `retarget` takes arrays, motion capture, clips of scenes and keyframes of rigs, goes by a map that names tell where none is
+//! given, and writes tables as humanoid learning reads them and figures as .bvh and .glb that move as the source did.
+
+use crate::forked_rig::*;
+
+fn humanoid() -> String {
+    model("humanoid/humanoid.json")
+}
+
+fn text(path: &str) -> String {
+    std::fs::read_to_string(path).unwrap()
+}
+
+fn json(path: &str) -> serde_json::Value {
+    serde_json::from_str(&text(path)).unwrap()
+}
+
+fn rows(path: &str) -> Vec<Vec<f64>> {
+    let text = text(path);
+    let row = |line: &str| {
+        line.split(',')
+            .map(|number| number.parse().unwrap())
+            .collect()
+    };
+    text.lines().map(row).collect()
+}
+
+#[test]
+fn a_rig_s_keyframes_move_a_robot_by_names_alone() {
+    let folder = Folder::new("retarget-by-names");
+    let (rig, robot) = (humanoid(), model("aldebaran_nao.urdf"));
+    let out = folder.file("walk.json");
+    let run = kinopt!("retarget {rig} {robot} --base-joint free --fps 10 --out {out}");
+    assert_eq!(run.status.code(), Some(0));
+    let told = String::from_utf8(run.stderr).unwrap();
+    assert!(told.contains("--print-map"), "{told}");
+    let guessed = json(&out);
+    // What is printed, saved and given again says the same.
+    let printed = kinopt!("retarget {rig} {robot} --base-joint free --fps 10 --print-map");
+    let printed = String::from_utf8(printed.stdout).unwrap();
+    let saved = folder.file("map.json");
+    let _ = kinopt!("retarget {rig} {robot} --base-joint free --fps 10 --save-map {saved}");
+    assert_eq!(text(&saved), printed);
+    assert!(printed.contains("\"left_thigh\": \"left_thigh\"") && printed.contains("left_shank"));
+    let _ = answer!("retarget {rig} {robot} --map {saved} --base-joint free --fps 10 --out {out}");
+    assert_eq!(json(&out), guessed);
+    assert_eq!(guessed["fps"], 10.0);
+}
+
+#[test]
+fn a_table_is_as_learning_reads_it() {
+    let folder = Folder::new("retarget-csv");
+    let (rig, robot) = (humanoid(), model("aldebaran_nao.urdf"));
+    let (csv, out) = (folder.file("walk.csv"), folder.file("walk.json"));
+    let asked = format!("retarget {rig} {robot} --base-joint free --fps 5");
+    let _ = answer!("{asked} --out {csv}");
+    let _ = answer!("{asked} --out {out}");
+    let q = json(&out);
+    for (row, q) in rows(&csv).iter().zip(list(&q["q"])) {
+        let q: Vec<f64> = list(q)
+            .iter()
+            .map(|number| number.as_f64().unwrap())
+            .collect();
+        // The quaternion w, x, y, z is x, y, z, w there.
+        assert_eq!(
+            (&row[..3], &row[3..6], row[6], &row[7..]),
+            (&q[..3], &q[4..7], q[3], &q[7..])
+        );
+    }
+    let _ = answer!("{asked} --header --out {csv}");
+    assert!(text(&csv).starts_with("time,root_joint/x,"));
+}
+
+#[test]
+fn figures_move_as_the_source_did() {
+    let folder = Folder::new("retarget-figures");
+    let rig = humanoid();
+    let (glb, bvh) = (folder.file("walk.glb"), folder.file("walk.bvh"));
+    for out in [&glb, &bvh] {
+        let told = answer!("retarget {rig} {rig} --fps 10 --out {out}");
+        // Onto itself.
+        assert!(told["mean_error"].as_f64().unwrap() < 0.02, "{told}");
+    }
+    // What was written, read again, moves the rig where it moved.
+    let named = "humanoid";
+    for (source, options) in [
+        (&glb, format!("--clip {named} --up z --fps 10")),
+        (&bvh, "--up z".to_owned()),
+    ] {
+        let again = folder.file("again.json");
+        let told = answer!("retarget {source} {rig} {options} --out {again}");
+        assert!(
+            told["mean_error"].as_f64().unwrap() < 0.02,
+            "{source}: {told}"
+        );
+    }
+    // A scene's file gets one clip more, in its own axes.
+    let more = folder.file("more.glb");
+    let told = answer!("retarget {bvh} {glb} --up z --target-up z --fps 10 --out {more}");
+    assert!(told["mean_error"].as_f64().unwrap() < 0.03, "{told}");
+    let info = answer!("info {more}");
+    assert_eq!(list(&info["clips"]).len(), 2);
+}
+
+#[test]
+fn an_array_of_a_known_skeleton_needs_its_name_alone() {
+    let folder = Folder::new("retarget-smpl");
+    let names = 24;
+    let mut bytes = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': (2, {names}, 3), }}");
+    bytes.extend(format!("{header:<117}\n").bytes());
+    for _ in 0..2 {
+        for joint in 0..names {
+            let at = [
+                0.01 * f64::from(joint),
+                0.02 * f64::from(joint),
+                1.0 - 0.03 * f64::from(joint),
+            ];
+            bytes.extend(at.iter().flat_map(|number| number.to_le_bytes()));
+        }
+    }
+    let source = folder.file("poses.npy");
+    std::fs::write(&source, bytes).unwrap();
+    let (rig, out) = (humanoid(), folder.file("poses.npz"));
+    let told = answer!("retarget {source} {rig} --map smpl --fps 30 --out {out}");
+    assert_eq!(told["frames"], 2);
+    for (map, words) in [
+        ("lafan1", "no array of the skeleton lafan1"),
+        ("smpk", "did you mean `smpl`"),
+    ] {
+        let run = kinopt!("retarget {source} {rig} --map {map} --fps 30 --out {out}x.npz");
+        let told = String::from_utf8(run.stderr).unwrap();
+        assert!(
+            run.status.code() != Some(0) && told.contains(words),
+            "{told}"
+        );
+    }
+    let run = kinopt!("retarget {source} {rig} --fps 30 --out {out}x.npz");
+    let told = String::from_utf8(run.stderr).unwrap();
+    assert!(told.contains("what its 24 joints are called"), "{told}");
+    assert!(!std::path::Path::new(&format!("{out}x.npz")).exists());
+}

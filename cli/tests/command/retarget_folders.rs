@@ -1,0 +1,114 @@
+//! Promise: `retarget` takes folders: each movement becomes a file that is whole, what is done stays done where the command is
+//! given again, what fails is told and keeps no other from being done, and a folder holds the answers to one question.
+
+use std::path::Path;
+
+use crate::forked_rig::*;
+
+/// A figure of three joints that sinks for a second.
+fn capture(named: &str) -> String {
+    let joint = |name: &str, x: f64| {
+        format!(
+            "JOINT {name}\n{{\nOFFSET {x} -0.9 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{{\nOFFSET 0 0 0.1\n}}\n}}\n"
+        )
+    };
+    let rows: String = (0..10)
+        .map(|frame| format!("0 {} 0{}\n", 0.9 - 0.005 * f64::from(frame), " 0".repeat(9)))
+        .collect();
+    format!(
+        "HIERARCHY\nROOT {named}\n{{\nOFFSET 0 0 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n\
+         {}{}}}\nMOTION\nFrames: 10\nFrame Time: 0.1\n{rows}",
+        joint("LeftFoot", 0.1),
+        joint("RightFoot", -0.1)
+    )
+}
+
+#[test]
+fn a_folder_goes_on_where_it_was() {
+    let folder = Folder::new("retarget-folder");
+    let (from, into) = (folder.file("from"), folder.file("into"));
+    std::fs::create_dir_all(format!("{from}/deeper")).unwrap();
+    for name in ["one.bvh", "two.bvh", "deeper/three.bvh"] {
+        std::fs::write(format!("{from}/{name}"), capture("Hips")).unwrap();
+    }
+    std::fs::write(format!("{from}/broken.bvh"), "none").unwrap();
+    std::fs::write(
+        format!("{from}/nobody.bvh"),
+        capture("Hips").replace("Foot", "Fin"),
+    )
+    .unwrap();
+    std::fs::write(format!("{from}/notes.txt"), "not read").unwrap();
+    let robot = model("aldebaran_nao.urdf");
+    let asked = format!("retarget {from} {robot} --base-joint free --out {into} --json");
+    let told = |extra: &str, code: i32| -> serde_json::Value {
+        let run = kinopt!("{asked} {extra}");
+        assert_eq!(
+            run.status.code(),
+            Some(code),
+            "{}",
+            String::from_utf8_lossy(&run.stderr)
+        );
+        serde_json::from_slice(&run.stdout).unwrap()
+    };
+    let first = told("", 1);
+    assert_eq!(
+        (&first["done"], &first["done_before"], &first["failed"]),
+        (&3.into(), &0.into(), &2.into())
+    );
+    let errors: Vec<&str> = list(&first["clips"])
+        .iter()
+        .filter_map(|clip| clip["error"].as_str())
+        .collect();
+    assert!(
+        errors[0].contains("HIERARCHY") && errors[1].contains("tell of no body"),
+        "{errors:?}"
+    );
+    let written = |name: &str| Path::new(&into).join(name);
+    for name in ["one.npz", "two.npz", "deeper/three.npz"] {
+        assert!(written(name).exists(), "{name}");
+    }
+    assert!(!written("broken.npz").exists() && !written("nobody.npz").exists());
+    // As if it had been interrupted: one is missing, and half of it is there under another name.
+    let whole = std::fs::read(written("two.npz")).unwrap();
+    std::fs::rename(written("two.npz"), written(".part.two.npz")).unwrap();
+    std::fs::write(format!("{from}/broken.bvh"), capture("Hips")).unwrap();
+    std::fs::remove_file(format!("{from}/nobody.bvh")).unwrap();
+    let second = told("", 0);
+    assert_eq!(
+        (&second["done"], &second["done_before"], &second["failed"]),
+        (&2.into(), &2.into(), &0.into())
+    );
+    assert_eq!(std::fs::read(written("two.npz")).unwrap(), whole);
+    assert!(!written(".part.two.npz").exists());
+    assert_eq!(told("--again", 0)["done"], 4);
+    // Another question.
+    let run = kinopt!("{asked} --whole");
+    let message = String::from_utf8(run.stderr).unwrap();
+    assert!(
+        run.status.code() == Some(1) && message.contains("another question"),
+        "{message}"
+    );
+}
+
+#[test]
+fn folders_that_cannot_be_done_are_refused() {
+    let folder = Folder::new("retarget-folders-wrong");
+    let (from, into) = (folder.file("from"), folder.file("into"));
+    std::fs::create_dir_all(&from).unwrap();
+    let robot = model("aldebaran_nao.urdf");
+    let refused = |options: &str, words: &str| {
+        let run = kinopt!("retarget {from} {robot} --base-joint free --out {into} {options}");
+        let told = String::from_utf8(run.stderr).unwrap();
+        assert!(
+            run.status.code() != Some(0) && told.contains(words),
+            "{told}"
+        );
+    };
+    refused("", "there is no .npy");
+    std::fs::write(format!("{from}/a.bvh"), capture("Hips")).unwrap();
+    std::fs::write(format!("{from}/a.npy"), "").unwrap();
+    refused("", "would both be written");
+    refused("--format glb", "are of figures");
+    refused("--print-map", "of one movement");
+    assert!(!Path::new(&into).exists());
+}
