@@ -74,6 +74,8 @@ pub use ik_layer::{
     Aim, AimError, AimGoal, EndRotation, Limb, LimbError, LimbGoal, NoEffector, PoseAngles,
     PoseTurns, ReachError, ReachLayer,
 };
+pub(crate) use ik_layer::{bone_angles, bone_rotation};
+pub(crate) use pose::scales_evenly;
 pub use pose::{Armature, ArmatureBone, ArmatureError, LocalError, LocalTransform, Pose};
 pub use state_machine::{
     BlendClip, BlendDefinition, ConditionDefinition, Interruption, MotionDefinition,

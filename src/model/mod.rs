@@ -176,6 +176,13 @@ impl Model {
         }
     }
 
+    /// Puts a joint elsewhere on its parent and turns it; for layers that own the model.
+    pub(crate) fn place_joint(&mut self, joint: JointId, parent_from_joint: Placement<f64>) {
+        if let Some(own) = self.joints.get_mut(joint.index()) {
+            own.parent_from_joint = parent_from_joint;
+        }
+    }
+
     /// Puts a frame elsewhere on its joint, turned as it was.
     pub(crate) fn move_frame(&mut self, frame: FrameId, translation: Vector3<f64>) {
         if let Some(own) = self.frames.get_mut(frame.index()) {

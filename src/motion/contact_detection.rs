@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::bad_option::{AT_LEAST_0, BadOption, NOT_NEGATIVE};
 use crate::spatial::Vector3;
 
 /// When something that may stand does: by its speed, and how high it is, on a body of the model's size.
@@ -30,6 +31,14 @@ impl Default for ContactDetection {
 }
 
 impl ContactDetection {
+    /// Whether its numbers are in their ranges.
+    pub(super) fn check(&self) -> Result<(), BadOption> {
+        BadOption::check("the speed of what stands", self.speed, AT_LEAST_0)?;
+        BadOption::check("the height of what stands", self.height, AT_LEAST_0)?;
+        BadOption::check("shortest_s", self.shortest_s, NOT_NEGATIVE)?;
+        BadOption::check("lead_s", self.lead_s, NOT_NEGATIVE)
+    }
+
     /// The spans of frames over which a point hardly moves and is not high: by where it is in each frame, its height
     /// over the ground there, and how many frames a second there are.
     pub(super) fn spans(

@@ -1,6 +1,7 @@
 //! Whole motions, above single poses.
 
 pub mod clip;
+pub mod clip_ik;
 mod contact_detection;
 pub mod path;
 pub mod retarget;

@@ -17,5 +17,6 @@ mod paths_keep_clear;
 mod shapes;
 mod sphere_covers;
 mod sphere_files;
+mod tops;
 mod world_files;
 mod worlds;

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod bad_motions;
+mod clip_ik;
 mod clip_minima;
 mod contacts;
 mod guessed_maps;

@@ -6,9 +6,11 @@ use clap::Args;
 use kinopt::animation::{Armature, Clip, KeyTolerance, Playback, Pose, PoseAngles};
 use kinopt::glam::Vec3;
 use kinopt::io::gltf::{self, Scene, SceneFile, WriteOptions};
+use kinopt::skeleton::Skeleton;
 use serde::Serialize;
 
 use super::frames::Frames;
+use super::ik_options::{IkOptions, IkReport};
 use crate::animated_armature::{AnimatedArmature, extension};
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
@@ -46,6 +48,9 @@ pub(super) struct ClipOptions {
     /// Default: none is dropped.
     #[arg(long, value_name = "LENGTH,RADIANS", requires = "fps", value_parser = tolerance)]
     fewer_keys: Option<KeyTolerance>,
+
+    #[command(flatten)]
+    ik: IkOptions,
 }
 
 fn tolerance(text: &str) -> Result<KeyTolerance, String> {
@@ -70,6 +75,8 @@ struct Document<'a> {
     /// What was done without or made up.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     notes: &'a [String],
+    #[serde(flatten)]
+    ik: Option<&'a IkReport>,
 }
 
 impl ClipOptions {
@@ -82,10 +89,8 @@ impl ClipOptions {
             ("--close-seam", self.close_seam.is_some()),
             ("--fewer-keys", self.fewer_keys.is_some()),
         ];
-        options
-            .into_iter()
-            .find(|(_, given)| *given)
-            .map(|(name, _)| name)
+        let own = options.into_iter().find(|(_, given)| *given);
+        own.map(|(name, _)| name).or_else(|| self.ik.given())
     }
 
     /// Writes a rig's keyframes with its skin.
@@ -125,32 +130,39 @@ impl ClipOptions {
         let mut scene = Scene::of_skeleton(skeleton, Some((mesh, &weights)))?;
         let angles = PoseAngles::new(skeleton);
         let mut q = vec![0.0; skeleton.angles()];
-        let clip = self.clip("keys", &scene.armature, frames, |time, pose| {
+        let clip = sampled("keys", &scene.armature, frames, |time, pose| {
             keys.sample(time, playback, &mut q)?;
             angles.pose_of(&q, pose);
             Ok(())
         })?;
+        let (clip, told) = self.changed(clip, &scene.armature, Some(skeleton), frames)?;
         let clip = clip.renamed(self.clip_name.clone().unwrap_or_else(|| "keys".into()));
         scene.clips.push(clip.clone());
         gltf::write(&scene, &WriteOptions::default(), out)?;
-        say(out, &clip, &scene.armature, &notes, json)
+        say(out, &clip, &scene.armature, (&notes, told.as_ref()), json)
     }
 
-    /// Writes a scene's file with its clip, by samples, added; or with --into adds that to another file.
+    /// Writes a scene's file with its clip, by samples, added; or with --into adds that to another file. Of a `whole` clip keys
+    /// that nothing changes stay as they are.
     pub(super) fn write_scene(
         &self,
         animated: &AnimatedArmature,
         own: &SceneFile,
         clip: &Clip,
-        (frames, playback): (Frames, Playback),
+        (frames, playback, whole): (Frames, Playback, bool),
         out: &Path,
         json: bool,
     ) -> Outcome<()> {
         let armature = &animated.armature;
-        let made = self.clip(clip.name(), armature, frames, |time, pose| {
-            *pose = animated.pose_at(clip, time, playback)?;
-            Ok(())
-        })?;
+        // Keys that nothing is asked of stay as they are.
+        let made = match whole && self.ik.given().is_some() {
+            true => clip.clone(),
+            false => sampled(clip.name(), armature, frames, |time, pose| {
+                *pose = animated.pose_at(clip, time, playback)?;
+                Ok(())
+            })?,
+        };
+        let (made, told) = self.changed(made, armature, None, frames)?;
         let file = match &self.into {
             Some(into) => scene_output::file_to_add_to(own, into)?,
             None => own.clone(),
@@ -160,26 +172,19 @@ impl ClipOptions {
             format!("{} at {}", clip.name(), frames.per_second()),
         );
         let made = scene_output::write_with_clip(file, made, given, &at_rate, out)?;
-        say(out, &made, armature, &[], json)
+        say(out, &made, armature, (&[], told.as_ref()), json)
     }
 
-    /// The clip through the poses of frames, from 0 s on, as the options have it.
-    fn clip(
+    /// The clip as the options have it.
+    fn changed(
         &self,
-        name: &str,
+        clip: Clip,
         armature: &Armature,
+        skeleton: Option<&Skeleton>,
         frames: Frames,
-        mut posed: impl FnMut(f64, &mut Pose) -> Outcome<()>,
-    ) -> Outcome<Clip> {
-        let (mut times, mut poses) = (Vec::new(), Vec::new());
-        let mut pose = armature.rest().clone();
-        for (_, time) in frames.iter() {
-            posed(time, &mut pose)?;
-            times.push((time - frames.start()) as f32);
-            poses.push(pose.clone());
-        }
-        let mut clip = Clip::through_poses(name, armature, &times, &poses)?;
+    ) -> Outcome<(Clip, Option<IkReport>)> {
         let rate = frames.per_second();
+        let (mut clip, told) = self.ik.over(clip, armature, skeleton, rate)?;
         if let Some(bone) = &self.in_place {
             (clip, _) = clip.without_root_motion(armature, armature.bone(bone)?, UP, rate)?;
         }
@@ -189,8 +194,25 @@ impl ClipOptions {
         if let Some(tolerance) = &self.fewer_keys {
             clip = clip.with_fewer_keys(armature, tolerance)?;
         }
-        Ok(clip)
+        Ok((clip, told))
     }
+}
+
+/// The clip through the poses of frames, from 0 s on.
+fn sampled(
+    name: &str,
+    armature: &Armature,
+    frames: Frames,
+    mut posed: impl FnMut(f64, &mut Pose) -> Outcome<()>,
+) -> Outcome<Clip> {
+    let (mut times, mut poses) = (Vec::new(), Vec::new());
+    let mut pose = armature.rest().clone();
+    for (_, time) in frames.iter() {
+        posed(time, &mut pose)?;
+        times.push((time - frames.start()) as f32);
+        poses.push(pose.clone());
+    }
+    Ok(Clip::through_poses(name, armature, &times, &poses)?)
 }
 
 /// Whether a file is written as glTF, by its name.
@@ -198,7 +220,13 @@ pub(super) fn is_gltf(path: &Path) -> bool {
     matches!(extension(path).as_str(), "glb" | "gltf")
 }
 
-fn say(out: &Path, clip: &Clip, armature: &Armature, notes: &[String], json: bool) -> Outcome<()> {
+fn say(
+    out: &Path,
+    clip: &Clip,
+    armature: &Armature,
+    (notes, told): (&[String], Option<&IkReport>),
+    json: bool,
+) -> Outcome<()> {
     let keys = clip
         .channels(armature)?
         .iter()
@@ -210,13 +238,15 @@ fn say(out: &Path, clip: &Clip, armature: &Armature, notes: &[String], json: boo
         duration: clip.duration(),
         keys,
         notes,
+        ik: told,
     };
     let text = || {
         format!(
-            "clip `{}`: {:.3} s, {keys} keys, in {}\n",
+            "clip `{}`: {:.3} s, {keys} keys, in {}\n{}",
             clip.name(),
             clip.duration(),
-            out.display()
+            out.display(),
+            told.map_or_else(String::new, IkReport::text)
         )
     };
     if !json {

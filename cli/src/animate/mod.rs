@@ -2,6 +2,7 @@
 
 mod clip_file;
 mod frames;
+mod ik_options;
 
 use std::path::{Path, PathBuf};
 
@@ -33,6 +34,10 @@ Examples:
                                                         one animated file: bones, skin and clip
   kinopt animate fox.glb --clip Run --fps 30 --in-place b_Hip_01 --clip-name Run_on_the_spot --into fox.glb
                                                         the file keeps all that it holds, and has one clip more
+  kinopt animate fox.glb --clip Walk --loop --to 4 --fps 30 --travel feet --plant b_LeftFoot02_018 --plant b_RightFoot02_022 --ground
+        stairs.json --into fox.glb                      the walk, repeated, goes up stairs on planted feet
+  kinopt animate hero.glb --clip Idle --fps 30 --reach hand.r=0.4,1.2,0.3 --span 1,2.5 --fade 0.3 --into hero.glb
+                                                        a hand reaches for a point within a second and a half of the clip
   kinopt animate arm.json --fps 60 --from 1 --to 2 --format ply --skinning dqs --out frames
                                                         one second of them";
 
@@ -170,7 +175,8 @@ fn run_scene(arguments: &Arguments, json: bool) -> Outcome<()> {
         Err(_) => None,
     };
     if let (Some((frames, out)), Some(own)) = (one_file, own) {
-        let playing = (frames, playback(arguments.looped));
+        let whole = arguments.from.is_none() && arguments.to.is_none();
+        let playing = (frames, playback(arguments.looped), whole);
         let options = &arguments.clip_options;
         return options.write_scene(&animated, own, clip?, playing, out, json);
     }

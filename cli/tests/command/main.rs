@@ -10,6 +10,7 @@ mod balance;
 mod ball_figures;
 mod base_joints;
 mod check;
+mod clip_ik;
 mod derivatives;
 mod exit_codes_and_errors;
 mod figures_settle;

@@ -15,6 +15,7 @@ mod stance;
 pub use aim::{Aim, AimError, AimGoal};
 pub use limb::{EndRotation, Limb, LimbError, LimbGoal};
 pub use pose_angles::PoseAngles;
+pub(crate) use pose_angles::{bone_angles, bone_rotation};
 pub use pose_turns::PoseTurns;
 pub use reach::{NoEffector, ReachLayer};
 pub use reach_error::ReachError;

@@ -9,7 +9,7 @@ use crate::model::Limits;
 use crate::skeleton::{ANGLES_PER_BONE, BoneId, Skeleton};
 
 /// The rotation of a bone by its angles θ₁, θ₂, θ₃: R_x(θ₃) R_z(θ₂) R_x(θ₁), in radians.
-pub(super) fn bone_rotation([first, bend, second]: [f64; 3]) -> DQuat {
+pub(crate) fn bone_rotation([first, bend, second]: [f64; 3]) -> DQuat {
     EulerOrder::Xzx.to_quaternion([second, bend, first])
 }
 
@@ -17,7 +17,7 @@ pub(super) fn bone_rotation([first, bend, second]: [f64; 3]) -> DQuat {
 /// (θ₁, θ₂, θ₃) and (θ₁ ± π, −θ₂, θ₃ ± π): those that are outside the limits by less, or else that
 /// twist less. Where the bend is 0 only the sum of the twists counts; then the second twist takes
 /// what its limits allow. The angles themselves are not moved into the limits.
-pub(super) fn bone_angles(rotation: DQuat, limits: &[Limits; 3]) -> [f64; 3] {
+pub(crate) fn bone_angles(rotation: DQuat, limits: &[Limits; 3]) -> [f64; 3] {
     let euler = EulerOrder::Xzx.from_quaternion(rotation);
     let [second, bend, first] = euler.angles;
     if euler.gimbal_lock && bend < 1.0 {

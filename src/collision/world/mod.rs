@@ -6,6 +6,7 @@ mod file;
 mod json;
 mod moveit;
 mod pose;
+mod top;
 
 use std::sync::Arc;
 

@@ -1,0 +1,329 @@
+//! Inverse kinematics over the clip that is written: what reaches, what stands.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use kinopt::animation::curve::KeyedCurve;
+use kinopt::animation::{Armature, Clip};
+use kinopt::collision::World;
+use kinopt::glam::{DVec3, Vec3};
+use kinopt::motion::clip_ik::{ClipIk, EditedClip, Reach, ground_speed};
+use kinopt::motion::path::{CartesianPath, QuaternionOrder};
+use kinopt::skeleton::{BoneId, Skeleton};
+use kinopt::spatial::Vector3;
+use serde::Serialize;
+
+use crate::animated_armature::extension;
+use crate::failure::Outcome;
+use crate::{number_list, numpy_file};
+
+/// What is asked over the clip.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Inverse kinematics over the clip")]
+pub(super) struct IkOptions {
+    /// Bring a bone's origin, of a rig's its tip, to a point of the model, or along a curve: a .csv with x, y, z and a time or without, or a .npy
+    /// of points × 3, or × 4 with the times first. Repeat it for more. Default: none.
+    ///
+    /// Without times the points are spread evenly over the span. Between points runs a Catmull-Rom spline.
+    #[arg(long, value_name = "BONE=X,Y,Z|FILE", requires = "fps", value_parser = ReachArgument::parse)]
+    reach: Vec<ReachArgument>,
+
+    /// Reach only within these seconds; once for all, or once for each --reach. Default: the whole clip.
+    #[arg(long, value_name = "FROM,TO", requires = "reach", allow_hyphen_values = true, value_parser = span)]
+    span: Vec<[f64; 2]>,
+
+    /// Lead there over so many seconds of the span, and back over as many. Default: 0.2, or half of a shorter span.
+    #[arg(long, value_name = "SECONDS", requires = "reach", value_parser = number_list::not_negative)]
+    fade: Option<f64>,
+
+    /// Have a bone, a foot say, stand still where it hardly moves in the clip. Repeat it for more. Default: none.
+    #[arg(long, value_name = "BONE", requires = "fps")]
+    plant: Vec<String>,
+
+    /// Obstacles for planted feet to stand on, in a file as --world has them elsewhere. Default: the level that the clip walks on.
+    #[arg(long, value_name = "FILE", requires = "plant")]
+    ground: Option<PathBuf>,
+
+    /// Have a clip on the spot travel by so much a second, or `feet`: as fast as the ground passes under planted feet.
+    #[arg(long, value_name = "X,Y,Z|feet", requires = "plant", allow_hyphen_values = true, value_parser = Travel::parse)]
+    travel: Option<Travel>,
+
+    /// The bone that moves where limbs are too short, and below which bones turn. Default: the first that carries all of them and
+    /// branches.
+    #[arg(long, value_name = "BONE", requires = "fps")]
+    root: Option<String>,
+
+    /// Which axis is up. Default: y.
+    #[arg(long, value_enum, requires = "fps", hide_default_value = true)]
+    up: Option<UpAxis>,
+}
+
+/// A reach as it is typed.
+#[derive(Clone, Debug)]
+struct ReachArgument {
+    bone: String,
+    target: Target,
+}
+
+#[derive(Clone, Debug)]
+enum Target {
+    Point([f64; 3]),
+    File(PathBuf),
+}
+
+impl ReachArgument {
+    fn parse(text: &str) -> Result<Self, String> {
+        let (bone, target) = text
+            .rsplit_once('=')
+            .ok_or("expected BONE=X,Y,Z or BONE=FILE")?;
+        let is_file = matches!(extension(Path::new(target)).as_str(), "csv" | "npy" | "txt");
+        Ok(Self {
+            bone: bone.to_owned(),
+            target: match is_file {
+                true => Target::File(target.into()),
+                false => Target::Point(number_list::parse_exactly(target, "a point")?),
+            },
+        })
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Travel {
+    By([f64; 3]),
+    AsFeet,
+}
+
+impl Travel {
+    fn parse(text: &str) -> Result<Self, String> {
+        match text {
+            "feet" => Ok(Self::AsFeet),
+            _ => number_list::parse_exactly(text, "--travel").map(Self::By),
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum UpAxis {
+    X,
+    Y,
+    Z,
+}
+
+fn span(text: &str) -> Result<[f64; 2], String> {
+    number_list::parse_exactly(text, "--span")
+}
+
+/// What came of it.
+#[derive(Serialize)]
+pub(super) struct IkReport {
+    stances: Vec<StanceReport>,
+    led: Vec<LedReport>,
+    /// How far the root moves at most from where the clip has it, in the file's unit.
+    root_moved: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    travel: Option<[f32; 3]>,
+}
+
+#[derive(Serialize)]
+struct StanceReport {
+    bone: String,
+    span: [f64; 2],
+    place: [f64; 3],
+    slide: f64,
+}
+
+#[derive(Serialize)]
+struct LedReport {
+    bone: String,
+    miss: f64,
+    at: f64,
+}
+
+impl IkOptions {
+    /// The option about inverse kinematics that was given, if one was.
+    pub(super) fn given(&self) -> Option<&'static str> {
+        let options = [
+            ("--reach", !self.reach.is_empty()),
+            ("--plant", !self.plant.is_empty()),
+            ("--root", self.root.is_some()),
+            ("--up", self.up.is_some()),
+        ];
+        options
+            .into_iter()
+            .find(|(_, given)| *given)
+            .map(|(name, _)| name)
+    }
+
+    /// The clip with what is asked solved over it, and what came of that; the clip itself where nothing is.
+    pub(super) fn over(
+        &self,
+        clip: Clip,
+        armature: &Armature,
+        skeleton: Option<&Skeleton>,
+        fps: f64,
+    ) -> Outcome<(Clip, Option<IkReport>)> {
+        if self.reach.is_empty() && self.plant.is_empty() {
+            return match self.given() {
+                Some(option) => Err(usage!("{option} is for --reach and --plant")),
+                None => Ok((clip, None)),
+            };
+        }
+        let up = match self.up.unwrap_or(UpAxis::Y) {
+            UpAxis::X => Vec3::X,
+            UpAxis::Y => Vec3::Y,
+            UpAxis::Z => Vec3::Z,
+        };
+        let mut ik = ClipIk::new(armature).up(up).keys_per_second(fps);
+        if let Some(skeleton) = skeleton {
+            ik = ik.joints_of(skeleton);
+        }
+        for (k, reach) in self.reach.iter().enumerate() {
+            ik = ik.reach(self.reach(k, reach, armature, &clip)?);
+        }
+        let feet = self.plant.iter().map(|name| armature.bone(name));
+        let feet = feet.collect::<Result<Vec<BoneId>, _>>()?;
+        for &foot in &feet {
+            ik = ik.plant(foot);
+        }
+        if let Some(root) = &self.root {
+            ik = ik.root(armature.bone(root)?);
+        }
+        let travel = match self.travel {
+            None => None,
+            Some(Travel::By(by)) => Some(DVec3::from(by).as_vec3()),
+            Some(Travel::AsFeet) => Some(ground_speed(armature, &clip, &feet, up, fps)?),
+        };
+        ik = ik.travel(travel.unwrap_or(Vec3::ZERO));
+        if let Some(file) = &self.ground {
+            let (world, up) = (World::read(file)?, Vector3::from(up.as_dvec3().to_array()));
+            ik = ik.ground(move |at| {
+                let at = Vector3::from(at.to_array());
+                world.top(at, up).unwrap_or(0.0).max(0.0)
+            });
+        }
+        let edited = ik.solve(&clip)?;
+        let report = report(&edited, armature, travel);
+        Ok((edited.clip, Some(report)))
+    }
+
+    fn reach(
+        &self,
+        k: usize,
+        argument: &ReachArgument,
+        armature: &Armature,
+        clip: &Clip,
+    ) -> Outcome<Reach> {
+        let span = match &self.span[..] {
+            [] => None,
+            [one] => Some(*one),
+            all if all.len() == self.reach.len() => Some(all[k]),
+            all => {
+                return Err(usage!(
+                    "{} --span for {} --reach: one for all, or one for each",
+                    all.len(),
+                    self.reach.len()
+                ));
+            }
+        };
+        let bone = armature.bone(&argument.bone)?;
+        let mut reach = match &argument.target {
+            Target::Point(point) => Reach::to(bone, *point)?,
+            Target::File(file) => {
+                let span = span.unwrap_or(clip.span().map(f64::from));
+                let curve = curve(file, span);
+                Reach::along(bone, curve?)
+            }
+        };
+        if let Some([from, to]) = span {
+            reach = reach.over(from..=to);
+        }
+        if let Some(fade) = self.fade {
+            reach = reach.fade(fade);
+        }
+        Ok(reach)
+    }
+}
+
+/// A curve through the points of a file, over its own times or evenly over a span.
+fn curve(file: &Path, [from, to]: [f64; 2]) -> Outcome<KeyedCurve<DVec3>> {
+    let named = |problem: String| failure!("{}: {problem}", file.display());
+    let (times, points): (Option<Vec<f64>>, Vec<DVec3>) = match extension(file).as_str() {
+        "npy" => {
+            let array = numpy_file::read(file)?;
+            let [_, columns @ (3 | 4)] = array.shape[..] else {
+                return Err(named(format!(
+                    "an array of shape {:?}; it must be points × 3, or × 4 with the times first",
+                    array.shape
+                )));
+            };
+            let rows = array.numbers.chunks_exact(columns);
+            let times = rows.clone().map(|row| row[0]);
+            let last = |row: &[f64]| DVec3::from_slice(&row[columns - 3..]);
+            (
+                (columns == 4).then(|| times.collect()),
+                rows.map(last).collect(),
+            )
+        }
+        _ => {
+            let (path, _) = CartesianPath::read(file, QuaternionOrder::WFirst)?;
+            let points = path.points().iter();
+            let points = points.map(|at| DVec3::from(at.translation.to_array()));
+            (path.times().map(<[f64]>::to_vec), points.collect())
+        }
+    };
+    let times = times.unwrap_or_else(|| {
+        let steps = points.len().saturating_sub(1).max(1) as f64;
+        let moments = 0..points.len();
+        moments
+            .map(|k| from + (to - from) * k as f64 / steps)
+            .collect()
+    });
+    KeyedCurve::catmull_rom(times, points).map_err(|error| named(error.to_string()))
+}
+
+fn report(edited: &EditedClip, armature: &Armature, travel: Option<Vec3>) -> IkReport {
+    let name = |bone: BoneId| armature.names()[bone.index()].clone();
+    let stances = edited.stances.iter().map(|stance| StanceReport {
+        bone: name(stance.bone),
+        span: stance.span,
+        place: stance.place.to_array(),
+        slide: stance.slide,
+    });
+    let led = edited.led.iter().map(|led| LedReport {
+        bone: name(led.bone),
+        miss: led.miss,
+        at: led.at,
+    });
+    IkReport {
+        stances: stances.collect(),
+        led: led.collect(),
+        root_moved: edited.root_moved,
+        travel: travel.map(|by| by.to_array()),
+    }
+}
+
+impl IkReport {
+    /// What it says to people.
+    pub(super) fn text(&self) -> String {
+        let mut lines = Vec::new();
+        if !self.stances.is_empty() {
+            let slides = self.stances.iter().map(|stance| stance.slide);
+            lines.push(format!(
+                "{} stances, which slide by {:.2e} at most",
+                self.stances.len(),
+                slides.fold(0.0, f64::max)
+            ));
+        }
+        for led in &self.led {
+            lines.push(format!(
+                "`{}` misses by {:.2e} at most, at {:.3} s",
+                led.bone, led.miss, led.at
+            ));
+        }
+        if let Some([x, y, z]) = self.travel {
+            lines.push(format!("it travels by {x:.4}, {y:.4}, {z:.4} a second"));
+        }
+        lines.push(format!("the root moves by {:.2e} at most", self.root_moved));
+        lines.join("\n") + "\n"
+    }
+}

@@ -1,0 +1,124 @@
+//! Promise: `animate --reach` and `--plant` solve over a clip and add it to a file that keeps what it held.
+
+use std::fs;
+
+use crate::forked_rig::*;
+use kinopt::animation::{Cursor, Playback};
+use kinopt::io::gltf::{self, Scene};
+
+/// Hips with an arm of two bones and two legs, which stand for two seconds; a material and something unknown.
+const FIGURE: &str = r#"{"asset":{"version":"2.0"},"extensionsUsed":["ACME_mood"],"extensions":{"ACME_mood":{"glad":1.50}},
+ "materials":[{"name":"wool","pbrMetallicRoughness":{"metallicFactor":0.10}}],
+ "nodes":[{"name":"hips","children":[1,4,7],"translation":[0,1,0]},
+  {"name":"arm","children":[2],"translation":[0,0.5,0]},{"name":"forearm","children":[3],"translation":[0.3,0,0.05]},{"name":"hand","translation":[0.3,0,0.05]},
+  {"name":"thigh.l","children":[5],"translation":[0.1,0,0]},{"name":"shin.l","children":[6],"translation":[0,-0.5,0.05]},{"name":"foot.l","translation":[0,-0.5,-0.05]},
+  {"name":"thigh.r","children":[8],"translation":[-0.1,0,0]},{"name":"shin.r","children":[9],"translation":[0,-0.5,0.05]},{"name":"foot.r","translation":[0,-0.5,-0.05]}],
+ "scene":0,"scenes":[{"nodes":[0]}],
+ "buffers":[{"byteLength":32,"uri":"data:application/octet-stream;base64,AAAAAAAAAEAAAAAAAACAPwAAAAAAAAAAAACAPwAAAAA="}],
+ "bufferViews":[{"buffer":0,"byteLength":8},{"buffer":0,"byteOffset":8,"byteLength":24}],
+ "accessors":[{"bufferView":0,"componentType":5126,"type":"SCALAR","count":2,"min":[0],"max":[2]},{"bufferView":1,"componentType":5126,"type":"VEC3","count":2}],
+ "animations":[{"name":"stand","samplers":[{"input":0,"output":1}],"channels":[{"sampler":0,"target":{"node":0,"path":"translation"}}]}]}"#;
+
+fn place(scene: &Scene, clip: &str, bone: &str, time: f64) -> kinopt::glam::Vec3 {
+    let mut pose = scene.armature.rest().clone();
+    let clip = scene.clip(clip).unwrap();
+    clip.sample(time, Playback::Hold, &mut Cursor::new(), &mut pose)
+        .unwrap();
+    let bone = scene.armature.bone(bone).unwrap();
+    scene
+        .armature
+        .model_from_bone(&pose, bone)
+        .unwrap()
+        .translation
+        .into()
+}
+
+#[test]
+fn a_hand_reaches_and_feet_stand_in_a_file_that_keeps_the_rest() {
+    let folder = Folder::new("clip-ik");
+    let (file, out) = (
+        folder.text("figure.gltf", FIGURE),
+        folder.file("figure.glb"),
+    );
+    let document = answer!(
+        "animate {file} --fps=30 --reach hand=0.2,1.2,0.4 --span 0.5,1.5 --fade 0.25 --plant foot.l --plant foot.r --clip-name wave --into {out}"
+    );
+    assert_eq!(document["clip"], "wave");
+    let stances = document["stances"].as_array().unwrap();
+    assert_eq!(stances.len(), 2);
+    assert!(
+        stances
+            .iter()
+            .all(|stance| stance["slide"].as_f64().unwrap() < 1e-5)
+    );
+    assert_eq!(document["root_moved"], 0.0);
+    let text = String::from_utf8_lossy(&fs::read(&out).unwrap()).into_owned();
+    for own in [r#""ACME_mood":{"glad":1.50}"#, r#""metallicFactor":0.10"#] {
+        assert!(text.contains(own), "{own}");
+    }
+    let scene = gltf::read(&out).unwrap();
+    let hand = |clip: &str, time| place(&scene, clip, "hand", time);
+    let target = kinopt::glam::Vec3::new(0.2, 1.2, 0.4);
+    assert!(hand("wave", 1.0).distance(target) < 1e-4);
+    for time in [0.0, 0.49, 1.51, 2.0] {
+        assert!(hand("wave", time).distance(hand("stand", time)) < 1e-6);
+    }
+}
+
+#[test]
+fn a_file_of_points_is_a_curve_and_feet_stand_on_what_is_there() {
+    let folder = Folder::new("clip-ik-curve");
+    let (file, out) = (
+        folder.text("figure.gltf", FIGURE),
+        folder.file("figure.glb"),
+    );
+    let curve = folder.text(
+        "curve.csv",
+        "time,x,y,z\n0,0.3,1.3,0.3\n1,0.2,1.5,0.4\n2,0.3,1.7,0.2\n",
+    );
+    let ground = folder.text(
+        "box.json",
+        r#"{"boxes": [{"name": "step", "size": [0.1, 0.2, 1], "position": [0.1, 0.1, 0]}]}"#,
+    );
+    let document = answer!(
+        "animate {file} --fps=30 --reach hand={curve} --plant foot.l --plant foot.r --ground {ground} --into {out} --clip-name up"
+    );
+    assert!(
+        document["led"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .all(|led| led["miss"].as_f64().unwrap() < 1e-4),
+        "{document}"
+    );
+    let scene = gltf::read(&out).unwrap();
+    assert!(
+        place(&scene, "up", "hand", 1.0).distance(kinopt::glam::Vec3::new(0.2, 1.5, 0.4)) < 1e-4
+    );
+    // One foot on the step, the other beside it; the hips go up by half of it.
+    let height = |bone: &str| place(&scene, "up", bone, 1.0).y;
+    assert!((height("foot.l") - 0.2).abs() < 1e-4 && height("foot.r").abs() < 1e-4);
+    assert!((height("hips") - 1.1).abs() < 0.1, "{}", height("hips"));
+    refused!("animate {file} --fps=30 --reach hand=0,0 --into {out}" => 2, "3 numbers");
+    refused!("animate {file} --fps=30 --reach wing=0,0,0 --into {out}" => 1, "`wing` | forearm");
+    refused!("animate {file} --fps=30 --reach hand=0,1,0 --span 3,4 --into {out}" => 1, "from 3 s to 4 s");
+    refused!("animate {file} --fps=30 --up z --into {out}" => 2, "--up | --plant");
+    refused!("animate {file} --fps=30 --reach hand=0,1,0 --out {out}.obj" => 2, "--reach | .glb");
+}
+
+#[test]
+fn a_rig_reaches_within_its_limits_and_is_written_as_one_file() {
+    let folder = Folder::new("clip-ik-rig");
+    let out = folder.file("humanoid.glb");
+    let rig = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../models/humanoid/humanoid.json"
+    );
+    let document = answer!(
+        "animate {rig} --fps=20 --reach left_hand=0.35,0.25,1.1 --span 1.2,2.6 --out {out}"
+    );
+    let led = &document["led"][0];
+    assert_eq!(led["bone"], "left_hand");
+    assert!(led["miss"].as_f64().unwrap() < 1e-3, "{led}");
+    assert_eq!(document["root_moved"], 0.0);
+}

@@ -1,0 +1,289 @@
+//! What is asked over a clip, and how it is solved.
+
+use std::fmt;
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+
+use super::edited::EditedClip;
+use super::posed_bones::Hinges;
+use super::solving::solve;
+use super::{ClipIkError, Reach};
+use crate::SizeMismatch;
+use crate::animation::{Armature, ChannelError, Clip};
+use crate::motion::ContactDetection;
+use crate::skeleton::{BoneId, Skeleton};
+use crate::spatial::Vector3;
+
+/// The height of a place in the model, along the axis up.
+type Height = Arc<dyn Fn(DVec3) -> f64 + Send + Sync>;
+
+/// Inverse kinematics over a clip.
+///
+/// A bone [reaches](Self::reach) for a point or along a curve over a span; feet are [planted](Self::plant) where they hardly
+/// move. Each frame keeps as near to the clip as that allows. The root, and with it the whole character, moves only where
+/// a limb would be too short, and as little as it must; on a [ground](Self::ground) that is not level it goes up and down with
+/// the feet. What hangs on neither is as the clip has it.
+///
+/// ```no_run
+/// use kinopt::io::gltf::SceneFile;
+/// use kinopt::motion::clip_ik::{ClipIk, Reach};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let file = SceneFile::read("character.glb")?;
+/// let (scene, armature) = (file.scene(), &file.scene().armature);
+/// let hand = Reach::to(armature.bone("hand.r")?, [0.4, 1.2, 0.3])?.over(0.5..=1.5).fade(0.3);
+/// let edited = ClipIk::new(armature)
+///     .plant(armature.bone("foot.l")?)
+///     .plant(armature.bone("foot.r")?)
+///     .reach(hand)
+///     .solve(scene.clip("Walk")?)?;
+/// assert!(edited.stances.iter().all(|stance| stance.slide < 1e-3));
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone)]
+pub struct ClipIk<'a> {
+    pub(super) armature: &'a Armature,
+    skeleton: Option<&'a Skeleton>,
+    pub(super) reaches: Vec<Reach>,
+    pub(super) planted: Vec<BoneId>,
+    root: Option<BoneId>,
+    up: Vec3,
+    pub(super) rate: f64,
+    detection: Option<ContactDetection>,
+    pub(super) ground: Option<Height>,
+    travel: Vec3,
+}
+
+impl fmt::Debug for ClipIk<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("ClipIk")
+            .field("reaches", &self.reaches)
+            .field("planted", &self.planted)
+            .field("root", &self.root)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Contacts are told on a limb of this many metres.
+const USUAL_LEG_M: f64 = 0.9;
+/// A foot that is further up than this share of its limb over where it is lowest does not stand.
+const RAISED: f64 = 0.125;
+
+/// What stands moves at no more than this share of the foot's mean speed: clips of games hardly stop a foot.
+const SLOW: f64 = 0.5;
+
+/// What is asked of a clip, checked.
+pub(super) struct Asked {
+    /// Those that are planted first, in their order.
+    pub(super) bones: Vec<BoneId>,
+    pub(super) root: Option<BoneId>,
+    /// The clip's, in seconds.
+    pub(super) span: [f64; 2],
+    pub(super) up: Vector3<f64>,
+    /// A second.
+    pub(super) travel: DVec3,
+}
+
+impl<'a> ClipIk<'a> {
+    /// Over clips of an armature, whose bones turn any way. At 60 frames a second, up is y.
+    #[must_use]
+    pub fn new(armature: &'a Armature) -> Self {
+        Self {
+            armature,
+            skeleton: None,
+            reaches: Vec::new(),
+            planted: Vec::new(),
+            root: None,
+            up: Vec3::Y,
+            rate: 60.0,
+            detection: None,
+            ground: None,
+            travel: Vec3::ZERO,
+        }
+    }
+
+    setters! {
+        /// Bones turn about the joints of a skeleton, within its limits, and it is their tips that reach and stand: of the
+        /// one that the armature [is of](Armature::of_skeleton), behind whose bones it may have others.
+        pub fn joints_of(mut self, skeleton: &'a Skeleton) { self.skeleton = Some(skeleton) }
+        /// Something to reach for.
+        pub fn reach(mut self, reach: Reach) { self.reaches.push(reach) }
+        /// A bone, most often a foot or its toes, whose origin stands still where it hardly moves in the clip. It keeps how
+        /// it is turned in the model.
+        pub fn plant(mut self, bone: BoneId) { self.planted.push(bone) }
+        /// The bone that moves where limbs are too short, and below which bones turn. Unless set, the first from the top
+        /// that carries all bones asked for and at which the armature branches; without one, all bones turn.
+        pub fn root(mut self, bone: BoneId) { self.root = Some(bone) }
+        /// Which way is up in the model: y unless set, as in glTF.
+        pub fn up(mut self, axis: Vec3) { self.up = axis }
+        /// How many frames a second are solved, and keys made.
+        pub fn keys_per_second(mut self, rate: f64) { self.rate = rate }
+        /// When a foot stands, in the armature's unit of length. Unless set, as long as it moves by less than 0.28 lengths of
+        /// its limb a second or half of its mean speed in the clip, and is no higher than an eighth of its limb over where
+        /// it is lowest, for a tenth of a second.
+        pub fn detection(mut self, detection: ContactDetection) { self.detection = Some(detection) }
+        /// The clip walks on the spot, and the character travels by so much a second: the root carries it, and contacts are
+        /// those on the way. [`ground_speed`](super::ground_speed) tells it from the feet.
+        pub fn travel(mut self, per_second: Vec3) { self.travel = per_second }
+        /// How high the ground is at a place, in a model whose clip walks on a ground of height 0. Feet stand on it, and the
+        /// root follows it.
+        pub fn ground(mut self, height: impl Fn(DVec3) -> f64 + Send + Sync + 'static) {
+            self.ground = Some(Arc::new(height));
+        }
+    }
+
+    /// Solves over a clip.
+    ///
+    /// # Errors
+    /// Nothing is asked; a bone of another armature, asked for twice at one time, or not below the root; a span or fade that
+    /// is not within the clip; settings out of range; a bone whose scale shears what hangs on it. What cannot be reached is no
+    /// error: [`EditedClip::led`] says by how much.
+    pub fn solve(&self, clip: &Clip) -> Result<EditedClip, ClipIkError> {
+        let asked = self.check(clip)?;
+        solve(self, &asked, clip)
+    }
+
+    /// Checks what is asked of a clip.
+    fn check(&self, clip: &Clip) -> Result<Asked, ClipIkError> {
+        SizeMismatch::check("bones in the clip", clip.bones(), self.armature.bones())?;
+        for (index, bone) in self
+            .skeleton
+            .iter()
+            .flat_map(|own| own.bones().iter().enumerate())
+        {
+            if self.armature.names().get(index) != Some(&bone.name) {
+                return Err(ClipIkError::OtherSkeleton {
+                    bone: bone.name.clone(),
+                });
+            }
+        }
+        if let Some(detection) = &self.detection {
+            detection.check()?;
+        }
+        let up = self.up.try_normalize();
+        let up = up.ok_or(ChannelError::BadUp {
+            up: self.up.to_array(),
+        })?;
+        let span = clip.span().map(f64::from);
+        let mut bones: Vec<BoneId> = Vec::new();
+        for &bone in &self.planted {
+            if bones.contains(&bone) {
+                return Err(self.twice(bone)?);
+            }
+            bones.push(bone);
+        }
+        for (k, reach) in self.reaches.iter().enumerate() {
+            reach.check(span)?;
+            let mut before = self.reaches[..k].iter();
+            let taken = self.planted.contains(&reach.bone);
+            if taken || before.any(|other| reach.clashes(other, span)) {
+                return Err(self.twice(reach.bone)?);
+            }
+            if !bones.contains(&reach.bone) {
+                bones.push(reach.bone);
+            }
+        }
+        if bones.is_empty() {
+            return Err(ClipIkError::Nothing);
+        }
+        for &bone in bones.iter().chain(&self.root) {
+            self.name(bone)?;
+        }
+        let root = self.root.or_else(|| self.branching_above(&bones));
+        for (&bone, &root) in bones
+            .iter()
+            .flat_map(|bone| root.iter().map(move |root| (bone, root)))
+        {
+            if !self.above(bone).contains(&root) {
+                return Err(ClipIkError::NotBelowRoot {
+                    bone: self.name(bone)?.to_owned(),
+                    root: self.name(root)?.to_owned(),
+                });
+            }
+        }
+        if !self.travel.is_finite() || (self.travel != Vec3::ZERO && root.is_none()) {
+            return Err(ClipIkError::Travel {
+                travel: self.travel.to_array(),
+            });
+        }
+        Ok(Asked {
+            bones,
+            root,
+            travel: self.travel.as_dvec3(),
+            span,
+            up: Vector3::from(up.as_dvec3().to_array()),
+        })
+    }
+
+    fn twice(&self, bone: BoneId) -> Result<ClipIkError, ClipIkError> {
+        let bone = self.name(bone)?.to_owned();
+        Ok(ClipIkError::Twice { bone })
+    }
+
+    fn name(&self, bone: BoneId) -> Result<&str, ClipIkError> {
+        let names = self.armature.names();
+        let own = names.get(bone.index()).map(String::as_str);
+        own.ok_or(ClipIkError::UnknownBone {
+            bone: bone.index(),
+            bones: names.len(),
+        })
+    }
+
+    /// What a bone hangs on, from its parent up.
+    fn above(&self, bone: BoneId) -> Vec<BoneId> {
+        let parent = |bone: &BoneId| self.armature.parent(*bone);
+        std::iter::successors(parent(&bone), parent).collect()
+    }
+
+    /// The topmost bone that carries all of these and at which the armature branches.
+    fn branching_above(&self, bones: &[BoneId]) -> Option<BoneId> {
+        let carried: Vec<Vec<BoneId>> = bones.iter().map(|&bone| self.above(bone)).collect();
+        let branches = |bone: &BoneId| {
+            let children = self.armature.bone_ids();
+            children
+                .filter(|child| self.armature.parent(*child) == Some(*bone))
+                .count()
+                > 1
+        };
+        let mut from_top = carried.first()?.iter().rev();
+        from_top
+            .find(|bone| carried.iter().all(|above| above.contains(bone)) && branches(bone))
+            .copied()
+    }
+
+    /// How a rig's bone turns.
+    pub(super) fn hinges(&self, bone: BoneId) -> Option<Hinges> {
+        let own = self.skeleton?.bones().get(bone.index())?;
+        let rest = self
+            .armature
+            .rest()
+            .local_of(bone)
+            .rotation
+            .as_dquat()
+            .normalize();
+        Some(Hinges {
+            rest,
+            limits: own.limits,
+            length: own.length,
+        })
+    }
+
+    /// When a foot stands that goes along `way`, on a limb of some length.
+    pub(super) fn detection_of(
+        &self,
+        way: &[Vector3<f64>],
+        length: f64,
+        rate: f64,
+    ) -> ContactDetection {
+        let usual = ContactDetection::default();
+        let gone: f64 = way.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
+        let mean = gone * rate / way.len().saturating_sub(1).max(1) as f64;
+        self.detection.unwrap_or(ContactDetection {
+            speed: (usual.speed * length / USUAL_LEG_M).max(SLOW * mean),
+            height: RAISED * length,
+            ..usual
+        })
+    }
+}

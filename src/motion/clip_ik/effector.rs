@@ -1,0 +1,105 @@
+//! What is asked of a bone over a clip.
+
+use std::ops::RangeInclusive;
+
+use glam::DVec3;
+
+use super::ClipIkError;
+use crate::animation::curve::KeyedCurve;
+use crate::motion::contact_detection::smooth;
+use crate::skeleton::BoneId;
+
+/// A bone whose origin, of a rig's its tip, goes to a point, or along a curve, over a span of a clip.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reach {
+    pub(super) bone: BoneId,
+    target: KeyedCurve<DVec3>,
+    span: Option<[f64; 2]>,
+    fade_s: Option<f64>,
+}
+
+/// How long a reach fades unless that is said, where its span is long enough.
+const FADE_S: f64 = 0.2;
+
+impl Reach {
+    /// To a point in the model, over the whole clip.
+    ///
+    /// # Errors
+    /// A point that is not finite.
+    pub fn to(bone: BoneId, point: impl Into<DVec3>) -> Result<Self, ClipIkError> {
+        let curve = KeyedCurve::step(vec![0.0], vec![point.into()])?;
+        Ok(Self::along(bone, curve))
+    }
+
+    /// Along a curve in the model, by the clip's time in seconds, over the whole clip.
+    #[must_use]
+    pub fn along(bone: BoneId, curve: KeyedCurve<DVec3>) -> Self {
+        Self {
+            bone,
+            target: curve,
+            span: None,
+            fade_s: None,
+        }
+    }
+
+    setters! {
+        /// Only within these seconds of the clip.
+        pub fn over(mut self, seconds: RangeInclusive<f64>) {
+            self.span = Some([*seconds.start(), *seconds.end()]);
+        }
+        /// Led there over the first so many seconds of the span, and back over the last: 0.2, or half of a shorter span,
+        /// unless set. Where the clip itself begins or ends, nothing has to be led.
+        pub fn fade(mut self, seconds: f64) { self.fade_s = Some(seconds) }
+    }
+
+    /// Its span within a clip's.
+    pub(super) fn span(&self, clip: [f64; 2]) -> [f64; 2] {
+        self.span.unwrap_or(clip)
+    }
+
+    fn fade_s(&self, clip: [f64; 2]) -> f64 {
+        let [from, to] = self.span(clip);
+        self.fade_s.unwrap_or(FADE_S.min(0.5 * (to - from)))
+    }
+
+    /// Where it should be at a time.
+    pub(super) fn target(&self, time: f64) -> DVec3 {
+        self.target.at(time)
+    }
+
+    /// How much of the way it goes there at a time: from 0 to 1.
+    pub(super) fn weight(&self, time: f64, clip: [f64; 2]) -> f64 {
+        let [from, to] = self.span(clip);
+        if time < from || time > to {
+            return 0.0;
+        }
+        let fade = self.fade_s(clip);
+        let side = |since: f64, at_end_of_clip: bool| match at_end_of_clip || since >= fade {
+            true => 1.0,
+            false => smooth(since / fade),
+        };
+        side(time - from, from <= clip[0]) * side(to - time, to >= clip[1])
+    }
+
+    /// Whether span and fade are within a clip.
+    pub(super) fn check(&self, clip: [f64; 2]) -> Result<(), ClipIkError> {
+        let [from, to] = self.span(clip);
+        let fade = self.fade_s(clip);
+        let within = from < to && from < clip[1] && to > clip[0] || self.span.is_none();
+        match within && fade >= 0.0 && (2.0 * fade <= to - from || fade == 0.0) {
+            true => Ok(()),
+            false => Err(ClipIkError::BadSpan {
+                from,
+                to,
+                fade,
+                clip,
+            }),
+        }
+    }
+
+    /// Whether both are asked of one bone at one time.
+    pub(super) fn clashes(&self, other: &Self, clip: [f64; 2]) -> bool {
+        let ([a, b], [c, d]) = (self.span(clip), other.span(clip));
+        self.bone == other.bone && a < d && c < b
+    }
+}

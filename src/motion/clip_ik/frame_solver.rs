@@ -1,0 +1,106 @@
+//! One frame: effectors brought to where they should be, the rest as near to the clip as that allows.
+
+use glam::DVec3;
+
+use super::ClipIkError;
+use super::posed_bones::PosedBones;
+use crate::animation::{Armature, Pose};
+use crate::ik::{Restarts, Solver, Workspace};
+use crate::kinematics::{Tree, TreeMemory};
+use crate::problem::{Problem, Question, Targets, TaskId};
+use crate::skeleton::BoneId;
+use crate::spatial::{Matrix3, Vector3};
+use crate::task::{Orientation, Point, Posture, Quantity, Task};
+
+/// Effectors count as there within this share of the longest limb: what single precision can hold.
+const TOLERANCE: f64 = 1e-6;
+/// How much more a foot keeps its turn in the model than joints keep theirs.
+const KEPT_TURN: f64 = 10.0;
+
+/// Solves frames one by one, each from the clip's own pose, so that frames do not depend on each other.
+#[derive(Debug)]
+pub(super) struct FrameSolver {
+    problem: Problem,
+    targets: Targets,
+    tree: Tree,
+    places: TreeMemory,
+    points: Vec<TaskId<Point>>,
+    /// Of those that keep their turn.
+    turns: Vec<(BoneId, TaskId<Orientation>)>,
+    posture: TaskId<Posture>,
+    solver: Solver,
+    workspace: Workspace,
+    q: Vec<f64>,
+}
+
+impl FrameSolver {
+    /// For effectors, of which some keep how they are turned, on limbs of this length.
+    pub(super) fn new(
+        bones: &PosedBones,
+        effectors: &[(BoneId, bool)],
+        longest: f64,
+    ) -> Result<Self, ClipIkError> {
+        let model = bones.model();
+        let q = model.neutral();
+        let mut builder = Problem::builder(model);
+        let (mut points, mut turns) = (Vec::new(), Vec::new());
+        for &(bone, keeps_turn) in effectors {
+            let Some(frame) = bones.frame(bone) else {
+                continue;
+            };
+            points.push(builder.add(Point::new(frame, [0.0; 3])));
+            if keeps_turn {
+                let kept = Orientation::new(frame, Matrix3::identity());
+                turns.push((
+                    bone,
+                    builder.add(Task::new(kept).times(KEPT_TURN).preference()),
+                ));
+            }
+        }
+        let posture = builder.add(Posture::new(model, &q));
+        if longest > 0.0 {
+            builder.tolerance(Quantity::Metres, TOLERANCE * longest);
+        }
+        let problem = builder.build()?;
+        Ok(Self {
+            targets: problem.targets(),
+            tree: problem.tree().clone(),
+            places: TreeMemory::default(),
+            problem,
+            points,
+            turns,
+            posture,
+            solver: Solver::default().with_restarts(Restarts::none()),
+            workspace: Workspace::new(),
+            q,
+        })
+    }
+
+    /// Brings the effectors, in their order, to `places`, with the root moved by `moved`, from the pose that the bones have
+    /// last taken, and writes it into that pose.
+    pub(super) fn solve(
+        &mut self,
+        (armature, bones): (&Armature, &mut PosedBones),
+        places: &[DVec3],
+        moved: DVec3,
+        pose: &mut Pose,
+    ) -> Result<(), ClipIkError> {
+        bones.stand(moved, &mut self.q);
+        self.tree
+            .compile(bones.model(), self.problem.parameters(), &mut self.places);
+        for (point, place) in self.points.iter().zip(places) {
+            self.targets
+                .get_mut(*point)?
+                .set_target(Vector3::from(place.to_array()));
+        }
+        for (bone, turn) in &self.turns {
+            self.targets.get_mut(*turn)?.set_target(bones.turn(*bone));
+        }
+        self.targets.get_mut(self.posture)?.set_reference(&self.q);
+        let question = Question::from(&self.problem);
+        let question = question.with_targets(&self.targets).with_places(&self.tree);
+        let solution = self.solver.solve(question, &self.q, &mut self.workspace)?;
+        bones.pose(&solution.q, moved, armature, pose);
+        Ok(())
+    }
+}

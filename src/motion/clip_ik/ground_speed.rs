@@ -1,0 +1,57 @@
+//! How fast the ground passes under feet that walk on the spot.
+
+use glam::{DVec3, Vec3};
+
+use super::ClipIkError;
+use super::posed_bones::PosedBones;
+use super::sampling::{limb_ways, sample_times};
+use crate::animation::{Armature, ChannelError, Clip};
+use crate::skeleton::BoneId;
+
+/// A foot within this share of its range of heights from its lowest place is near the ground.
+const NEAR_GROUND: f64 = 0.2;
+
+/// The way that a walk on the spot has to travel so that its feet stand still: across the axis `up`, in the armature's unit a
+/// second. It is against the median way of the feet while they are near the ground; zero of none.
+///
+/// # Errors
+/// An axis up without a direction, a rate that is none, another armature, a bone of another one.
+pub fn ground_speed(
+    armature: &Armature,
+    clip: &Clip,
+    feet: &[BoneId],
+    up: Vec3,
+    keys_per_second: f64,
+) -> Result<Vec3, ClipIkError> {
+    let axis = up.try_normalize();
+    let up = axis
+        .ok_or(ChannelError::BadUp { up: up.to_array() })?
+        .as_dvec3();
+    let (times, rate) = sample_times(clip, keys_per_second, std::iter::empty())?;
+    let names = armature.names().len();
+    if let Some(bone) = feet.iter().find(|bone| bone.index() >= names) {
+        return Err(ClipIkError::UnknownBone {
+            bone: bone.index(),
+            bones: names,
+        });
+    }
+    let mut posed = PosedBones::new(armature, None, feet, |_| None)?;
+    let limbs = limb_ways(armature, clip, &times, feet, &mut posed)?;
+    let mut steps: Vec<DVec3> = Vec::new();
+    for limb in &limbs {
+        let way = &limb.way;
+        let heights = way.iter().map(|at| at.dot(up));
+        let lowest = heights.clone().fold(f64::INFINITY, f64::min);
+        let highest = heights.fold(f64::NEG_INFINITY, f64::max);
+        let low = |at: DVec3| at.dot(up) - lowest <= NEAR_GROUND * (highest - lowest);
+        let pairs = way.windows(2).filter(|pair| pair.iter().all(|at| low(*at)));
+        steps.extend(pairs.map(|pair| (pair[1] - pair[0]) * rate));
+    }
+    let median = |axis: usize| {
+        let mut values: Vec<f64> = steps.iter().map(|step| step[axis]).collect();
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).copied().unwrap_or(0.0)
+    };
+    let passes = DVec3::new(median(0), median(1), median(2));
+    Ok((up * passes.dot(up) - passes).as_vec3())
+}

@@ -1,0 +1,24 @@
+//! Inverse kinematics over a clip: bones that reach over spans of it, and feet that stand where it has them stand.
+//!
+//! Each frame keeps as near to the clip as its goals allow, and the root moves only where limbs would be too short. A
+//! [`ClipIk`] says what is asked, its [`solve`](ClipIk::solve) makes an [`EditedClip`]; [`ground_speed`] tells how fast
+//! the ground passes under feet that walk on the spot.
+
+mod door;
+mod edited;
+mod effector;
+mod error;
+mod frame_solver;
+mod ground_speed;
+mod planting;
+mod posed_bones;
+mod root;
+mod sampling;
+mod solving;
+mod splice;
+
+pub use door::ClipIk;
+pub use edited::{EditedClip, Led, Stance};
+pub use effector::Reach;
+pub use error::ClipIkError;
+pub use ground_speed::ground_speed;

@@ -1,0 +1,141 @@
+//! Feet that stand in a clip: where each does, and how it gets there and away.
+
+use std::ops::Range;
+
+use crate::motion::ContactDetection;
+use crate::motion::contact_detection::{mean_place, smooth};
+use crate::spatial::Vector3;
+
+/// The ground: how high it is over the clip's own at a place.
+pub(super) type Ground<'a> = &'a dyn Fn(Vector3<f64>) -> f64;
+
+/// How much higher than a straight way a swinging foot goes at most to clear an edge, in heights of the step.
+const HIGHEST_ARC: f64 = 1.5;
+
+/// The share of a swing over which a foot goes up or down a step.
+const STEPPING: f64 = 0.7;
+
+/// A foot over a clip.
+#[derive(Clone, Debug)]
+pub(super) struct Planted {
+    /// Where it stands, by frames, and the place.
+    pub(super) stances: Vec<(Range<usize>, Vector3<f64>)>,
+    /// Where it goes, by frame.
+    pub(super) way: Vec<Vector3<f64>>,
+    /// How high the ground is for it, by frame: where it stands, and evenly from one stance to the next.
+    pub(super) ground: Vec<f64>,
+}
+
+/// Plants a foot that a clip leads along `way`: in each stance at the middle of where it went, on the ground.
+///
+/// Out of a stance and into the next it is led over `detection.lead_s`, and over the whole swing where the ground rises
+/// or falls, high enough for the edges between.
+pub(super) fn plant(
+    detection: &ContactDetection,
+    way: &[Vector3<f64>],
+    up: Vector3<f64>,
+    ground: Option<Ground<'_>>,
+    rate: f64,
+) -> Planted {
+    let lowest = way
+        .iter()
+        .map(|at| at.dot(up))
+        .fold(f64::INFINITY, f64::min);
+    let spans = detection.spans(way, |frame| way[frame].dot(up) - lowest, rate);
+    let height = |at: Vector3<f64>| ground.map_or(0.0, |ground| ground(at));
+    let stands: Vec<(Vector3<f64>, f64)> = spans
+        .iter()
+        .map(|span| {
+            let place = mean_place(&way[span.clone()]);
+            (place, height(place))
+        })
+        .collect();
+    let (mut planted, mut lifts) = (way.to_vec(), vec![0.0; way.len()]);
+    for (span, (place, lift)) in spans.iter().zip(&stands) {
+        planted[span.clone()].fill(*place);
+        lifts[span.clone()].fill(*lift);
+    }
+    let mut ground_of = lifts.clone();
+    let lead = detection.lead_frames(rate).max(1);
+    for gap in gaps(&spans, way.len()) {
+        let stand = |k: Option<usize>, frame: usize| {
+            let (place, lift) = k.and_then(|k| stands.get(k))?;
+            Some((*place - *way.get(frame)?, *lift))
+        };
+        let from = stand(gap.after, gap.frames.start.wrapping_sub(1));
+        let to = stand(gap.before, gap.frames.end);
+        // Where the clip begins or ends in the air, the ground below counts.
+        let below = |frame: usize| way.get(frame).map_or(0.0, |at| height(*at));
+        let first = from.map_or_else(|| below(gap.frames.start), |(_, lift)| lift);
+        let last = to.map_or_else(|| below(gap.frames.end - 1), |(_, lift)| lift);
+        let steps = (gap.frames.len() + 1) as f64;
+        let since = |frame: usize| (frame + 1 - gap.frames.start) as f64;
+        for frame in gap.frames.clone() {
+            let left = |frames: f64| 1.0 - smooth((frames / steps.min(lead as f64)).min(1.0));
+            let slip = |end: Option<(Vector3<f64>, f64)>, frames: f64| {
+                end.map_or(Vector3::zero(), |(slip, _)| slip * left(frames))
+            };
+            planted[frame] = way[frame] + slip(from, since(frame)) + slip(to, steps - since(frame));
+            lifts[frame] = first + (last - first) * risen(since(frame) / steps, last > first);
+        }
+        ground_of[gap.frames.clone()].copy_from_slice(&lifts[gap.frames.clone()]);
+        let stood = [gap.after, gap.before].into_iter().flatten();
+        let sole = stood.map(|k| stands[k].0.dot(up)).reduce(f64::min);
+        let sole = sole.unwrap_or(lowest);
+        // 1 in the middle, level at both ends.
+        let arc = |frame: usize| {
+            let share = since(frame) / steps;
+            16.0 * share * share * (1.0 - share) * (1.0 - share)
+        };
+        let lacks = |frame: usize| {
+            let at = planted[frame];
+            (height(at) + sole - at.dot(up) - lifts[frame]) / arc(frame)
+        };
+        let highest = HIGHEST_ARC * (last - first).abs();
+        let arched = gap
+            .frames
+            .clone()
+            .map(lacks)
+            .fold(0.0, f64::max)
+            .min(highest);
+        for frame in gap.frames.clone() {
+            lifts[frame] += arched * arc(frame);
+        }
+    }
+    for (at, lift) in planted.iter_mut().zip(&lifts) {
+        *at += up * *lift;
+    }
+    let places = stands.iter().map(|(place, lift)| *place + up * *lift);
+    Planted {
+        stances: spans.into_iter().zip(places).collect(),
+        way: planted,
+        ground: ground_of,
+    }
+}
+
+/// How much of a step is risen or fallen by a share of the swing: up early, down late.
+fn risen(share: f64, up: bool) -> f64 {
+    let begun = if up { 0.0 } else { 1.0 - STEPPING };
+    smooth(((share - begun) / STEPPING).clamp(0.0, 1.0))
+}
+
+/// Frames between two stances, before the first or after the last.
+struct Gap {
+    frames: Range<usize>,
+    after: Option<usize>,
+    before: Option<usize>,
+}
+
+fn gaps(spans: &[Range<usize>], frames: usize) -> impl Iterator<Item = Gap> + '_ {
+    (0..=spans.len()).filter_map(move |k| {
+        let after = k.checked_sub(1);
+        let before = (k < spans.len()).then_some(k);
+        let start = after.map_or(0, |k| spans[k].end);
+        let end = before.map_or(frames, |k| spans[k].start);
+        (start < end).then_some(Gap {
+            frames: start..end,
+            after,
+            before,
+        })
+    })
+}

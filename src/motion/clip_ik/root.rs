@@ -1,0 +1,113 @@
+//! How far the root moves so that every limb is long enough: as little as it must, and smoothly.
+
+use glam::DVec3;
+
+use super::ClipIkError;
+use crate::kinematics::ForwardKinematics;
+use crate::model::{FrameId, Limits, Model};
+use crate::motion::clip::{MotionProblem, MotionSolver, RateCost};
+use crate::scalar::Scalar;
+use crate::spatial::{Placement, Vector3};
+use crate::task::{Point, Quantity, Residual, Rows};
+
+/// The root follows its own way as smoothly as if it passed changes over so many seconds.
+const SMOOTH_S: f64 = 0.1;
+/// What a limb that is too short costs, in what moving the root as far does.
+const TOO_SHORT: f64 = 100.0;
+
+/// Where a limb must come to from where it hangs on the root, and how long it is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Demand {
+    /// From the limb's upper end to its target while the root has not moved.
+    pub(super) apart: Vector3<f64>,
+    pub(super) length: f64,
+}
+
+/// r = max(0, ‖d − a‖ − ℓ) of one limb, with d how far the root has moved.
+#[derive(Clone, Copy, Debug)]
+struct LongEnough {
+    root: FrameId,
+    demand: Demand,
+}
+
+impl Residual for LongEnough {
+    fn kind(&self) -> &'static str {
+        "limb long enough"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.root]
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Metres, 1)]
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], residual: &mut [S]) {
+        let apart = frames[0].translation - Vector3::constant(self.demand.apart);
+        let beyond = apart.norm() - S::constant(self.demand.length);
+        let zero = S::constant(0.0);
+        residual[0] = S::select(zero.less_than(beyond), beyond, zero);
+    }
+}
+
+/// How far the root moves in each frame. `wanted` is its own way, which it leaves where a limb would be too short:
+/// `demands` has those of each limb by frame. Ends that are fixed do not move.
+pub(super) fn moves(
+    wanted: &[DVec3],
+    demands: Vec<Vec<Demand>>,
+    [first_fixed, last_fixed]: [bool; 2],
+    time_step_s: f64,
+) -> Result<Vec<DVec3>, ClipIkError> {
+    let frames = wanted.len();
+    let too_short = |frame: usize| {
+        let moved = Vector3::from(wanted[frame].to_array());
+        demands
+            .iter()
+            .any(|limb| (moved - limb[frame].apart).norm() > limb[frame].length)
+    };
+    let level = wanted.iter().all(|moved| *moved == DVec3::ZERO);
+    if frames == 0 || (level && !(0..frames).any(too_short)) {
+        return Ok(wanted.to_vec());
+    }
+    let mut builder = Model::builder("root");
+    let (mut joint, at) = (None, Placement::identity());
+    for (name, axis) in ["x", "y", "z"].into_iter().zip(Vector3::UNITS) {
+        joint = Some(builder.prismatic(name, joint, at, axis, Limits::UNBOUNDED));
+    }
+    let root = builder.frame("root", joint, at);
+    let model = builder.build()?;
+    let mut motion = MotionProblem::builder(&model, frames, time_step_s);
+    let own = wanted.to_vec();
+    let way = motion.add(Point::new(root, [0.0; 3]));
+    motion.follow(way, move |frame, point| {
+        point.set_target(own[frame].to_array());
+    });
+    for limb in demands {
+        let demand = limb[0];
+        let task = crate::task::Task::new(LongEnough { root, demand }).times(TOO_SHORT);
+        let task = motion.add(task);
+        motion.follow(task, move |frame, own| own.demand = limb[frame]);
+    }
+    motion.rate_cost(RateCost::acceleration(SMOOTH_S * SMOOTH_S));
+    let still = model.neutral();
+    if first_fixed {
+        motion.first(&still);
+    }
+    if last_fixed {
+        motion.last(&still);
+    }
+    let motion = motion.build()?;
+    let start: Vec<f64> = wanted.iter().flat_map(|moved| moved.to_array()).collect();
+    let solved = MotionSolver::default().solve_near(&motion, &start)?;
+    let mut kinematics = ForwardKinematics::new(&model);
+    let place = |q: &[f64]| {
+        let placed = kinematics.place(q)?;
+        Ok(DVec3::from(placed[root.index()].translation.to_array()))
+    };
+    solved
+        .q()
+        .chunks_exact(model.configuration_len())
+        .map(place)
+        .collect()
+}

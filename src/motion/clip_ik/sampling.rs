@@ -1,0 +1,115 @@
+//! When a clip is looked at, and where its bones are then.
+
+use glam::DVec3;
+
+use super::ClipIkError;
+use super::posed_bones::PosedBones;
+use crate::animation::{Armature, ChannelError, Clip, Cursor, Playback, Pose};
+use crate::skeleton::BoneId;
+
+/// More frames than this are a slip.
+const MOST_FRAMES: f64 = 4e6;
+/// Moments nearer to one another than this share of a frame are one.
+const SAME: f64 = 0.5;
+
+/// Evenly spaced times over a clip, at least so many a second, with those of `also` that are within it instead of their
+/// neighbours; and how many a second there are.
+pub(super) fn sample_times(
+    clip: &Clip,
+    rate: f64,
+    also: impl Iterator<Item = f64>,
+) -> Result<(Vec<f32>, f64), ClipIkError> {
+    let [start, end] = clip.span().map(f64::from);
+    let steps = (clip.duration() * rate).ceil();
+    if !(rate > 0.0 && steps < MOST_FRAMES) {
+        let keys_per_second = rate;
+        return Err(ChannelError::BadRate { keys_per_second }.into());
+    }
+    let steps = steps.max(1.0);
+    let step = (end - start) / steps;
+    let mut times: Vec<f64> = (0..=steps as usize)
+        .map(|k| start + k as f64 * step)
+        .collect();
+    for time in also.filter(|time| *time > start && *time < end) {
+        times.retain(|own| {
+            let is_end = *own == start || *own == end;
+            is_end || (own - time).abs() > SAME * step
+        });
+        times.push(time);
+        times.sort_by(f64::total_cmp);
+    }
+    let mut times: Vec<f32> = times.into_iter().map(|time| time as f32).collect();
+    times.dedup();
+    let rate = if step > 0.0 { 1.0 / step } else { rate };
+    Ok((times, rate))
+}
+
+/// The poses of a clip at rising times.
+#[derive(Debug)]
+pub(super) struct Poses<'a> {
+    clip: &'a Clip,
+    cursor: Cursor,
+    pose: Pose,
+}
+
+impl<'a> Poses<'a> {
+    pub(super) fn new(armature: &Armature, clip: &'a Clip) -> Self {
+        let pose = armature.rest().clone();
+        let cursor = Cursor::new();
+        Self { clip, cursor, pose }
+    }
+
+    pub(super) fn at(&mut self, time: f32) -> Result<&mut Pose, ClipIkError> {
+        let elapsed = f64::from(time) - f64::from(self.clip.span()[0]);
+        self.clip
+            .sample(elapsed, Playback::Hold, &mut self.cursor, &mut self.pose)?;
+        Ok(&mut self.pose)
+    }
+}
+
+/// A bone over the frames of a clip, and the limb that it ends.
+#[derive(Clone, Debug, Default)]
+pub(super) struct LimbWay {
+    /// Where the bone is, by frame.
+    pub(super) way: Vec<DVec3>,
+    /// Where its limb hangs on the root, and how long it is.
+    pub(super) upper: Vec<DVec3>,
+    pub(super) lengths: Vec<f64>,
+}
+
+impl LimbWay {
+    /// Takes it elsewhere in each frame.
+    pub(super) fn move_by(&mut self, moved: &[DVec3]) {
+        for places in [&mut self.way, &mut self.upper] {
+            for (place, moved) in places.iter_mut().zip(moved) {
+                *place += *moved;
+            }
+        }
+    }
+
+    pub(super) fn longest(&self) -> f64 {
+        self.lengths.iter().copied().fold(0.0, f64::max)
+    }
+}
+
+/// Where bones of a clip are.
+pub(super) fn limb_ways(
+    armature: &Armature,
+    clip: &Clip,
+    times: &[f32],
+    bones: &[BoneId],
+    posed: &mut PosedBones,
+) -> Result<Vec<LimbWay>, ClipIkError> {
+    let mut limbs = vec![LimbWay::default(); bones.len()];
+    let mut poses = Poses::new(armature, clip);
+    for &time in times {
+        posed.take(armature, poses.at(time)?)?;
+        for (limb, &bone) in limbs.iter_mut().zip(bones) {
+            let (upper, length) = posed.limb(armature, bone);
+            limb.way.push(posed.place(bone));
+            limb.upper.push(upper);
+            limb.lengths.push(length);
+        }
+    }
+    Ok(limbs)
+}

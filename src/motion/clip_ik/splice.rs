@@ -1,0 +1,136 @@
+//! New keys in the stretches that were solved, a clip's own everywhere else.
+
+use std::ops::Range;
+
+use glam::{Quat, Vec3A};
+
+use super::ClipIkError;
+use crate::animation::curve::KeyedCurve;
+use crate::animation::rotation::RotationCurve;
+use crate::animation::{Armature, Channel, Clip, Cursor, Playback, Property};
+use crate::skeleton::BoneId;
+
+/// A bone's new values, one for each frame that was solved.
+#[derive(Clone, Debug, Default)]
+pub(super) struct NewKeys {
+    pub(super) rotations: Vec<(BoneId, Vec<Quat>)>,
+    pub(super) translations: Vec<(BoneId, Vec<Vec3A>)>,
+}
+
+/// A clip with new keys at the frames of `runs`, whose first and last are the clip's own unless the clip ends there. Channels
+/// of lines keep their other keys; others become lines through samples at their own keys and at all `times`.
+pub(super) fn spliced(
+    clip: &Clip,
+    armature: &Armature,
+    times: &[f32],
+    runs: &[Range<usize>],
+    new: NewKeys,
+) -> Result<Clip, ClipIkError> {
+    let solved: Vec<usize> = runs.iter().cloned().flatten().collect();
+    let mut builder = Clip::builder(clip.name(), armature);
+    let own = clip.channels(armature)?;
+    let channel_of = |bone: BoneId, property: Property| {
+        let mut own = own.iter();
+        let found = own.find(|(other, own)| *other == bone && own.property() == property);
+        found.map(|(_, channel)| channel)
+    };
+    let lines = Lines {
+        clip,
+        armature,
+        times,
+        runs,
+    };
+    let mut replaced = Vec::new();
+    for (bone, values) in new.rotations {
+        let (kept, straight) = match channel_of(bone, Property::Rotation) {
+            None => (&[][..], true),
+            Some(Channel::Rotation(curve)) => (curve.times(), curve.is_slerp()),
+            Some(other) => (other.times(), false),
+        };
+        let kept = lines.keys(kept, straight, |pose| pose.rotations()[bone.index()])?;
+        let (times, values) = lines.merged(kept, &solved, values);
+        let curve = RotationCurve::slerp(times, values)?;
+        builder.channel(bone, Channel::Rotation(curve))?;
+        replaced.push((bone, Property::Rotation));
+    }
+    for (bone, values) in new.translations {
+        let (kept, straight) = match channel_of(bone, Property::Translation) {
+            None => (&[][..], true),
+            Some(Channel::Translation(curve)) => (curve.times(), curve.is_linear()),
+            Some(other) => (other.times(), false),
+        };
+        let kept = lines.keys(kept, straight, |pose| pose.translations()[bone.index()])?;
+        let (times, values) = lines.merged(kept, &solved, values);
+        let curve = KeyedCurve::linear(times, values)?;
+        builder.channel(bone, Channel::Translation(curve))?;
+        replaced.push((bone, Property::Translation));
+    }
+    for (bone, channel) in own {
+        if !replaced.contains(&(bone, channel.property())) {
+            builder.channel(bone, channel)?;
+        }
+    }
+    for (target, curve) in clip.morph_channels(armature)? {
+        builder.morph_weight(target, curve)?;
+    }
+    let [start, end] = clip.span();
+    builder.span(start, end)?;
+    for event in clip.events() {
+        builder.event(event.time, event.name.clone())?;
+    }
+    Ok(builder.build())
+}
+
+/// Where new keys go.
+struct Lines<'a> {
+    clip: &'a Clip,
+    armature: &'a Armature,
+    times: &'a [f32],
+    runs: &'a [Range<usize>],
+}
+
+impl Lines<'_> {
+    /// A channel's keys outside the stretches that were solved.
+    fn keys<V>(
+        &self,
+        own: &[f32],
+        straight: bool,
+        value: impl Fn(&crate::animation::Pose) -> V,
+    ) -> Result<Vec<(f32, V)>, ClipIkError> {
+        let mut times = own.to_vec();
+        if !straight {
+            times.extend(self.times);
+            times.sort_by(f32::total_cmp);
+            times.dedup();
+        }
+        times.retain(|time| {
+            let mut runs = self.runs.iter();
+            !runs.any(|run| (self.times[run.start]..=self.times[run.end - 1]).contains(time))
+        });
+        // One key is a value that does not change.
+        if own.len() < 2 {
+            times.clear();
+        }
+        let (mut cursor, start) = (Cursor::new(), f64::from(self.clip.span()[0]));
+        let mut pose = self.armature.rest().clone();
+        let keys = times.into_iter().map(|time| {
+            let elapsed = f64::from(time) - start;
+            self.clip
+                .sample(elapsed, Playback::Hold, &mut cursor, &mut pose)?;
+            Ok((time, value(&pose)))
+        });
+        keys.collect()
+    }
+
+    fn merged<V>(
+        &self,
+        kept: Vec<(f32, V)>,
+        solved: &[usize],
+        values: Vec<V>,
+    ) -> (Vec<f32>, Vec<V>) {
+        let new = solved.iter().map(|&frame| self.times[frame]).zip(values);
+        let mut all: Vec<(f32, V)> = kept.into_iter().chain(new).collect();
+        all.sort_by(|one, other| one.0.total_cmp(&other.0));
+        all.into_iter().unzip()
+    }
+}

@@ -1,0 +1,49 @@
+//! Promise: the top of a world over a place is where a line from above first meets it.
+
+use kinopt::collision::{Shape, World};
+use kinopt::spatial::{Matrix3, Placement, Vector3};
+
+const TO: f64 = 1e-7;
+
+#[test]
+fn steps_a_ball_and_a_slope_are_where_geometry_has_them() {
+    let mut world = World::new();
+    let at = |x: f64, y: f64, z: f64| Placement::translation(Vector3::new(x, y, z));
+    // Up is y: steps of 0.2 along x, each 0.5 long.
+    for step in 0..4 {
+        let (name, x) = (format!("step {step}"), 0.25 + 0.5 * f64::from(step));
+        let height = 0.2 * f64::from(step + 1);
+        let shape = Shape::cuboid([0.5, height, 2.0]).unwrap();
+        world.add(&name, shape, at(x, 0.5 * height, 0.0)).unwrap();
+    }
+    world
+        .add("ball", Shape::sphere(0.3).unwrap(), at(-2.0, 1.0, 0.0))
+        .unwrap();
+    let up = Vector3::UNITS[1];
+    let top = |x: f64, z: f64| world.top(Vector3::new(x, -7.0, z), up);
+    for (x, height) in [
+        (0.1, 0.2),
+        (0.4999, 0.2),
+        (0.5001, 0.4),
+        (1.2, 0.6),
+        (1.99, 0.8),
+    ] {
+        assert!((top(x, 0.3).unwrap() - height).abs() < TO, "{x}");
+    }
+    assert_eq!(top(2.1, 0.0), None);
+    assert_eq!(top(0.25, 1.5), None);
+    // x² + z² + (y − 1)² = 0.3².
+    let ball = 1.0 + (0.09_f64 - 0.01 - 0.04).sqrt();
+    assert!((top(-2.1, 0.2).unwrap() - ball).abs() < TO);
+    // A slope of a third, z′ along (−1, 3, 0).
+    let length = 10_f64.sqrt();
+    let normal = Vector3::new(-1.0 / length, 3.0 / length, 0.0);
+    let along = Vector3::new(3.0 / length, 1.0 / length, 0.0);
+    let turned = Matrix3::from_columns(along, normal.cross(along), normal);
+    let slope = Placement::new(turned, Vector3::new(0.0, -0.5, 0.0));
+    world.add("slope", Shape::half_space(), slope).unwrap();
+    let top = |x: f64| world.top(Vector3::new(x, 0.0, 0.0), up).unwrap();
+    assert!((top(30.0) - 9.5).abs() < 1e-6 && (top(0.1) - 0.2).abs() < TO);
+    assert!((top(-30.0) + 10.5).abs() < 1e-6);
+    assert_eq!(World::new().top(Vector3::zero(), up), None);
+}

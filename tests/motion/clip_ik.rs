@@ -1,0 +1,307 @@
+//! Promise: over a clip, feet that stand do not slide, hands reach over their spans without a jump, nothing outside of those
+//! changes, and the root moves no more than limbs are too short.
+#![allow(clippy::unwrap_used)]
+
+use std::f32::consts::TAU;
+
+use glam::{DVec3, Quat, Vec3, Vec3A};
+use kinopt::animation::{Armature, ArmatureBone, Clip, Cursor, LocalTransform, Playback, Pose};
+use kinopt::motion::clip_ik::{ClipIk, ClipIkError, Reach, ground_speed};
+use kinopt::skeleton::BoneId;
+
+/// Metres.
+const THIGH: f32 = 0.45;
+const SHIN: f32 = 0.45;
+/// How high the hips are.
+const HIPS: f32 = 0.88;
+/// Metres a second.
+const SPEED: f32 = 1.2;
+
+/// Hips with two legs and an arm on a chest.
+pub(crate) fn figure() -> Armature {
+    let bone = |name: &str, parent, at: [f32; 3]| ArmatureBone {
+        name: name.into(),
+        parent,
+        rest: LocalTransform {
+            translation: at.into(),
+            ..LocalTransform::IDENTITY
+        },
+    };
+    let bones = vec![
+        bone("hips", None, [0.0, HIPS, 0.0]),
+        bone("thigh.l", Some(0), [0.1, 0.0, 0.0]),
+        bone("shin.l", Some(1), [0.0, -THIGH, 0.0]),
+        bone("foot.l", Some(2), [0.0, -SHIN, 0.0]),
+        bone("thigh.r", Some(0), [-0.1, 0.0, 0.0]),
+        bone("shin.r", Some(4), [0.0, -THIGH, 0.0]),
+        bone("foot.r", Some(5), [0.0, -SHIN, 0.0]),
+        bone("chest", Some(0), [0.0, 0.4, 0.0]),
+        bone("arm", Some(7), [0.2, 0.1, 0.0]),
+        bone("forearm", Some(8), [0.3, 0.0, 0.0]),
+        bone("hand", Some(9), [0.25, 0.0, 0.0]),
+        bone("head", Some(7), [0.0, 0.2, 0.0]),
+    ];
+    Armature::new(bones, Vec::new()).unwrap()
+}
+
+/// Bends a leg so that its foot is at a place from its hip: the law of cosines, the knee forward.
+fn bend(pose: &mut Pose, [thigh, shin, foot]: [BoneId; 3], at: Vec3) {
+    let reach = at.length().min(THIGH + SHIN - 1e-4);
+    let cosine =
+        |a: f32, b: f32, c: f32| ((a * a + b * b - c * c) / (2.0 * a * b)).clamp(-1.0, 1.0);
+    let knee = std::f32::consts::PI - cosine(THIGH, SHIN, reach).acos();
+    let hip = cosine(THIGH, reach, SHIN).acos();
+    let swing = Quat::from_rotation_arc(Vec3::NEG_Y, at.normalize());
+    let thigh_turn = swing * Quat::from_rotation_x(-hip);
+    pose.set_rotation(thigh, thigh_turn).unwrap();
+    pose.set_rotation(shin, Quat::from_rotation_x(knee))
+        .unwrap();
+    let level = (thigh_turn * Quat::from_rotation_x(knee)).inverse();
+    pose.set_rotation(foot, level).unwrap();
+}
+
+/// A walk of two seconds along z, or on the spot, whose feet slip by centimetres while they stand.
+pub(crate) fn walk(armature: &Armature, travels: bool) -> Clip {
+    let id = |name: &str| armature.bone(name).unwrap();
+    let times: Vec<f32> = (0..=60).map(|k| k as f32 / 30.0).collect();
+    let poses = times.iter().map(|&time| {
+        let mut pose = armature.rest().clone();
+        let forward = if travels { SPEED * time } else { 0.0 };
+        let bob = 0.01 * (2.0 * TAU * time).sin();
+        let hips = Vec3::new(0.0, HIPS + bob - 0.08, forward);
+        pose.set_translation(id("hips"), hips.into()).unwrap();
+        for (side, x, phase) in [("l", 0.1_f32, 0.0), ("r", -0.1, 0.5)] {
+            let cycle = (time + phase).fract();
+            // Stands for six tenths of a second; its own slip is a wave of 1.5 cm.
+            let (z, y) = if cycle < 0.6 {
+                (
+                    0.36 - SPEED * cycle + 0.015 * (TAU * cycle / 0.6).sin(),
+                    0.0,
+                )
+            } else {
+                let share = (cycle - 0.6) / 0.4;
+                let eased = share * share * (3.0 - 2.0 * share);
+                (-0.36 + 0.72 * eased, 0.12 * (share * TAU / 2.0).sin())
+            };
+            let foot = Vec3::new(0.0, y - (HIPS + bob - 0.08), z);
+            let limb = ["thigh", "shin", "foot"].map(|part| id(&format!("{part}.{side}")));
+            let _ = x;
+            bend(&mut pose, limb, foot);
+        }
+        pose
+    });
+    let poses: Vec<Pose> = poses.collect();
+    Clip::through_poses("walk", armature, &times, &poses).unwrap()
+}
+
+/// Where a bone is in the model at a time.
+pub(crate) fn at(armature: &Armature, clip: &Clip, bone: &str, time: f64) -> Vec3A {
+    let pose = pose(armature, clip, time);
+    let place = armature.model_from_bone(&pose, armature.bone(bone).unwrap());
+    place.unwrap().translation
+}
+
+fn pose(armature: &Armature, clip: &Clip, time: f64) -> Pose {
+    let mut pose = armature.rest().clone();
+    clip.sample(time, Playback::Hold, &mut Cursor::new(), &mut pose)
+        .unwrap();
+    pose
+}
+
+fn planted<'a>(armature: &'a Armature) -> ClipIk<'a> {
+    let id = |name: &str| armature.bone(name).unwrap();
+    ClipIk::new(armature)
+        .plant(id("foot.l"))
+        .plant(id("foot.r"))
+}
+
+#[test]
+fn planted_feet_slide_by_less_than_2_mm() {
+    let armature = figure();
+    let walk = walk(&armature, true);
+    let edited = planted(&armature)
+        .keys_per_second(60.0)
+        .solve(&walk)
+        .unwrap();
+    // Two feet, two seconds, a step a second each.
+    assert!(edited.stances.len() >= 4, "{:?}", edited.stances);
+    let (mut before, mut after) = (0.0_f32, 0.0_f32);
+    for stance in &edited.stances {
+        let name = &armature.names()[stance.bone.index()];
+        let [from, to] = stance.span;
+        assert!(to - from > 0.05);
+        assert!(stance.slide < 1e-4);
+        // Between keys as well.
+        let moments = (0..=500).map(|k| from + (to - from) * f64::from(k) / 500.0);
+        let place = |clip: &Clip, time| at(&armature, clip, name, time);
+        let slide = |clip: &Clip| {
+            let first = place(clip, from);
+            let all = moments
+                .clone()
+                .map(|time| place(clip, time).distance(first));
+            all.fold(0.0, f32::max)
+        };
+        (before, after) = (before.max(slide(&walk)), after.max(slide(&edited.clip)));
+    }
+    assert!(before > 0.01, "{before}");
+    assert!(after < 0.002, "{after}");
+    // Nothing had to be stretched for it.
+    assert_eq!(edited.root_moved, 0.0);
+    for time in [0.0, 0.3, 1.1, 2.0] {
+        let [old, new] = [&walk, &edited.clip].map(|clip| at(&armature, clip, "hips", time));
+        assert_eq!(old, new);
+    }
+}
+
+#[test]
+fn a_walk_on_the_spot_travels_as_its_feet_say() {
+    let armature = figure();
+    let on_the_spot = walk(&armature, false);
+    let feet = ["foot.l", "foot.r"].map(|name| armature.bone(name).unwrap());
+    let speed = ground_speed(&armature, &on_the_spot, &feet, Vec3::Y, 60.0).unwrap();
+    assert!(speed.distance(Vec3::new(0.0, 0.0, SPEED)) < 0.1, "{speed}");
+    let travel = Vec3::new(0.0, 0.0, SPEED);
+    let edited = planted(&armature)
+        .travel(travel)
+        .solve(&on_the_spot)
+        .unwrap();
+    let same = planted(&armature).solve(&walk(&armature, true)).unwrap();
+    assert_eq!(edited.stances.len(), same.stances.len());
+    for time in [0.0, 0.37, 1.0, 1.9] {
+        for bone in ["hips", "foot.l", "foot.r", "hand"] {
+            let [one, other] = [&edited, &same].map(|made| at(&armature, &made.clip, bone, time));
+            assert!(
+                one.distance(other) < 2e-3,
+                "{bone} at {time}: {one} {other}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_hand_reaches_over_its_span_and_nothing_else_changes() {
+    let armature = figure();
+    let walk = walk(&armature, true);
+    let hand = armature.bone("hand").unwrap();
+    let target = DVec3::new(0.5, 1.3, 1.5);
+    let reach = Reach::to(hand, target).unwrap().over(0.8..=1.6).fade(0.3);
+    let edited = ClipIk::new(&armature).reach(reach).solve(&walk).unwrap();
+    for time in [1.1, 1.2, 1.3] {
+        let off = at(&armature, &edited.clip, "hand", time)
+            .as_dvec3()
+            .distance(target);
+        assert!(off < 1e-3, "{time} s: {off}");
+    }
+    for step in 0..=200 {
+        let time = f64::from(step) / 100.0;
+        let [old, new] = [&walk, &edited.clip].map(|clip| pose(&armature, clip, time));
+        for bone in armature.bone_ids() {
+            let moved =
+                ["chest", "arm", "forearm", "hand"].map(|name| armature.bone(name).unwrap());
+            let [old, new] = [old.local(bone).unwrap(), new.local(bone).unwrap()];
+            if !moved.contains(&bone) {
+                assert_eq!(old, new, "{time} s");
+            } else if !(0.8..=1.6).contains(&time) {
+                assert!(old.rotation.abs_diff_eq(new.rotation, 2e-7), "{time} s");
+            }
+        }
+    }
+    // No jump: a hundredth of a second's way is never much longer than its neighbours'.
+    let place = |step: i32| at(&armature, &edited.clip, "hand", f64::from(step) / 100.0);
+    let ways: Vec<f32> = (1..=200)
+        .map(|step| place(step).distance(place(step - 1)))
+        .collect();
+    for pair in ways.windows(2) {
+        assert!((pair[1] - pair[0]).abs() < 6e-3, "{pair:?}");
+    }
+}
+
+#[test]
+fn the_root_moves_by_what_limbs_are_too_short_for() {
+    let armature = figure();
+    let stand = Clip::through_poses(
+        "stand",
+        &armature,
+        &[0.0, 1.0],
+        &vec![armature.rest().clone(); 2],
+    )
+    .unwrap();
+    let foot = armature.bone("foot.l").unwrap();
+    // The leg hangs straight down: 5 cm lower is 5 cm too far, but for the 2 mm that it is not stretched by.
+    let hip = DVec3::new(0.1, f64::from(HIPS), 0.0);
+    let straight = f64::from(THIGH + SHIN);
+    let target = hip - DVec3::new(0.0, straight + 0.05, 0.0);
+    let edited = ClipIk::new(&armature)
+        .reach(Reach::to(foot, target).unwrap())
+        .solve(&stand)
+        .unwrap();
+    let hips = at(&armature, &edited.clip, "hips", 0.5).as_dvec3();
+    let expected = DVec3::new(0.0, f64::from(HIPS) - 0.05, 0.0);
+    assert!(hips.distance(expected) < 1e-3, "{hips}");
+    assert!((edited.root_moved - 0.05).abs() < 1e-3);
+    assert!(edited.led[0].miss < 1e-4, "{:?}", edited.led);
+    // Within reach nothing moves it.
+    let near = hip - DVec3::new(0.0, straight - 0.1, 0.1);
+    let edited = ClipIk::new(&armature)
+        .reach(Reach::to(foot, near).unwrap())
+        .solve(&stand)
+        .unwrap();
+    assert_eq!(edited.root_moved, 0.0);
+    assert!(edited.led[0].miss < 1e-5);
+}
+
+#[test]
+fn feet_stand_on_stairs() {
+    let armature = figure();
+    let stairs = |at: DVec3| 0.1 * ((at.z + 0.2) / 0.4).floor().max(0.0);
+    let edited = planted(&armature)
+        .ground(stairs)
+        .solve(&walk(&armature, true))
+        .unwrap();
+    let level = planted(&armature).solve(&walk(&armature, true)).unwrap();
+    for (stance, before) in edited.stances.iter().zip(&level.stances) {
+        let expected = before.place + DVec3::Y * stairs(before.place);
+        assert!(stance.place.distance(expected) < 1e-9);
+        assert!(stance.slide < 5e-4, "{stance:?}");
+    }
+    // No foot is in a step.
+    for step in 0..=200 {
+        let time = f64::from(step) / 100.0;
+        for foot in ["foot.l", "foot.r"] {
+            let at = at(&armature, &edited.clip, foot, time).as_dvec3();
+            assert!(at.y > stairs(at) - 0.02, "{foot} at {time} s: {at}");
+        }
+    }
+    let climbed =
+        at(&armature, &edited.clip, "hips", 2.0).y - at(&armature, &level.clip, "hips", 2.0).y;
+    assert!((0.3..0.7).contains(&climbed), "{climbed}");
+}
+
+#[test]
+fn what_is_wrong_is_named() {
+    let armature = figure();
+    let walk = walk(&armature, true);
+    let id = |name: &str| armature.bone(name).unwrap();
+    let says = |ik: ClipIk<'_>| ik.solve(&walk).unwrap_err().to_string();
+    let reach = |bone: &str| Reach::to(id(bone), [0.5, 1.0, 0.0]).unwrap();
+    let ik = || ClipIk::new(&armature);
+    assert_eq!(ik().solve(&walk).unwrap_err(), ClipIkError::Nothing);
+    assert!(
+        says(ik().reach(reach("hand")).root(id("shin.l")))
+            .contains("`hand` does not hang on the root `shin.l`")
+    );
+    assert!(
+        says(ik().reach(reach("hand")).plant(id("hand"))).contains("`hand` is asked for twice")
+    );
+    assert!(says(ik().reach(reach("hand")).reach(reach("hand"))).contains("twice"));
+    assert!(says(ik().reach(reach("hand").over(1.0..=0.5))).contains("from 1 s to 0.5 s"));
+    assert!(says(ik().reach(reach("hand").over(5.0..=6.0))).contains("0 s to 2 s"));
+    assert!(says(ik().reach(reach("hand").over(0.0..=1.0).fade(0.6))).contains("fades of 0.6 s"));
+    assert!(says(ik().reach(reach("hand").fade(f64::NAN))).contains("NaN"));
+    assert!(says(ik().plant(id("foot.l")).keys_per_second(0.0)).contains("keys a second"));
+    assert!(says(ik().plant(id("foot.l")).up(Vec3::ZERO)).contains("axis up"));
+    assert!(says(ik().reach(reach("hips")).travel(Vec3::X)).contains("root"));
+    assert!(Reach::to(id("hand"), [f64::NAN, 0.0, 0.0]).is_err());
+    let other = Armature::new(Vec::new(), Vec::new()).unwrap();
+    assert!(ClipIk::new(&other).plant(id("hand")).solve(&walk).is_err());
+}
