@@ -16,6 +16,7 @@ mod path_reconfigurations;
 mod path_times;
 mod path_world;
 mod paths_of_joints;
+mod retargeted_feet;
 mod retargeting;
 mod turning_bodies;
 mod walker;

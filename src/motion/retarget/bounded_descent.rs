@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 use crate::motion::clip::BlockBanded;
 use crate::solver::{InnerProducts, LeastSquares, dot, half_squared};
 
-/// The first damping, as a share of the largest diagonal entry, and how it follows success and failure.
+/// The first damping, as a share of the size of JᵀJ, and how it follows success and failure.
 const DAMPING: f64 = 1e-8;
 const LEAST_DAMPING: f64 = 1e-10;
 const MOST_DAMPING: f64 = 1.0;
@@ -17,6 +17,8 @@ const AFTER_SUCCESS: f64 = 0.2;
 const AFTER_FAILURE: f64 = 30.0;
 /// So often the step is solved anew with other variables on their bounds.
 const ROUNDS: usize = 8;
+/// So often a step that wins nothing is corrected, before it is damped.
+const CORRECTIONS: usize = 2;
 /// A step that wins less than this share of the cost is the last.
 const FLAT: f64 = 1e-4;
 
@@ -37,10 +39,13 @@ pub(super) struct BoundedDescent {
     trial: Vec<f64>,
     room: Vec<f64>,
     damping: f64,
+    /// How large a diagonal entry of JᵀJ is of what is not stiff.
+    size: f64,
 }
 
 impl BoundedDescent {
-    pub(super) fn new(rows: usize, variables: usize) -> Self {
+    /// For so many rows and variables; `size` is about that of the largest diagonal entry of JᵀJ, without stiff rows.
+    pub(super) fn new(rows: usize, variables: usize, size: f64) -> Self {
         let n = variables;
         let mut products = InnerProducts::default();
         products.reserve(n);
@@ -59,6 +64,7 @@ impl BoundedDescent {
             trial: vec![0.0; n],
             room: Vec::new(),
             damping: DAMPING,
+            size,
         }
     }
 
@@ -108,11 +114,16 @@ impl BoundedDescent {
                 for (k, trial) in self.trial.iter_mut().enumerate() {
                     *trial = (x[k] + self.step[k]).max(lower[k]).min(upper[k]);
                 }
-                problem.residual(&self.trial, &mut self.trial_residual);
-                let trial_cost = half_squared(&self.trial_residual);
-                if trial_cost < cost {
-                    self.damping = (AFTER_SUCCESS * self.damping).max(LEAST_DAMPING);
-                    return Some(trial_cost);
+                for correction in 0..=CORRECTIONS {
+                    if correction > 0 {
+                        self.correct(problem);
+                    }
+                    problem.residual(&self.trial, &mut self.trial_residual);
+                    let trial_cost = half_squared(&self.trial_residual);
+                    if trial_cost < cost {
+                        self.damping = (AFTER_SUCCESS * self.damping).max(LEAST_DAMPING);
+                        return Some(trial_cost);
+                    }
                 }
             }
             if self.damping >= MOST_DAMPING {
@@ -123,11 +134,27 @@ impl BoundedDescent {
         }
     }
 
+    /// Moves the trial by what its own residual asks of the same model: a long step along what is held bends off it, and would
+    /// be refused for that alone (Maratos 1978; Nocedal & Wright 2006, "Numerical optimization", 18.3).
+    fn correct(&mut self, problem: &dyn LeastSquares) {
+        let columns = self.jacobian.column_iter().enumerate();
+        for (right, (k, column)) in self.right.iter_mut().zip(columns) {
+            *right = match self.held[k] {
+                true => 0.0,
+                false => -dot(column.as_slice(), &self.trial_residual),
+            };
+        }
+        self.factor.solve(&mut self.right, &mut self.room);
+        let bounds = problem.lower().iter().zip(problem.upper());
+        for ((trial, by), (lower, upper)) in self.trial.iter_mut().zip(&self.right).zip(bounds) {
+            *trial = (*trial + by).max(*lower).min(*upper);
+        }
+    }
+
     /// Writes the step to the damped model's minimum within the bounds; false where the model has none.
     fn solve(&mut self, problem: &dyn LeastSquares, x: &[f64]) -> bool {
         let n = x.len();
         let (lower, upper) = (problem.lower(), problem.upper());
-        let largest = (0..n).map(|k| self.gram[k * n + k]).fold(0.0, f64::max);
         self.held.fill(false);
         self.step.fill(0.0);
         for _ in 0..ROUNDS {
@@ -137,7 +164,7 @@ impl BoundedDescent {
                 for (column, entry) in entries.iter_mut().enumerate() {
                     *entry = self.gram[(row + column) * n + row];
                 }
-                entries[0] += self.damping * largest;
+                entries[0] += self.damping * self.size;
             }
             for (k, right) in self.right.iter_mut().enumerate() {
                 *right = -self.gradient[k];

@@ -3,20 +3,28 @@
 use super::RetargetError;
 use super::bounded_descent::BoundedDescent;
 use super::driven_point::DrivenPoint;
+use super::hip_line::HipLine;
 use super::limbs::Limbs;
-use crate::model::{JointId, Model, Source};
+use crate::model::{JointId, Model};
 use crate::motion::clip::{MotionError, longest_moves};
 use crate::problem::{Evaluation, Problem, Question, Scratch, Targets, TaskId};
 use crate::robot::Robot;
 use crate::scalar::elementary;
+use crate::solver::dot;
 use crate::spatial::Vector3;
 use crate::task::{Posture, Task};
 
 /// Steps of the first frame, and of every other, at most.
 const FIRST_STEPS: usize = 300;
 const STEPS: usize = 3;
+/// So many more while what is held has slipped by more than this, metres.
+const MORE_STEPS: usize = 6;
+const SLIPPED: f64 = 5e-4;
+/// What a place counts that is held, for the most that any place counts: so all others together hardly move it.
+const HELD: f64 = 300.0;
+
 /// What a radian off the posture costs, in metres off a place …
-const POSTURE: f64 = 0.01;
+const POSTURE: f64 = 0.02;
 /// … and one off where a live follower was in the last frame: what hardly moves any place is not to tremble.
 const STAY: f64 = 0.1;
 
@@ -27,13 +35,16 @@ pub struct BodyFollower {
     problem: Problem,
     targets: Targets,
     points: Vec<TaskId<DrivenPoint>>,
+    hip_line: Option<TaskId<HipLine>>,
     /// What is between the posture and the last frame, and what of it each is.
     stay: TaskId<Posture>,
     posture: Vec<(usize, f64)>,
     reference: Vec<f64>,
     weights: Vec<f64>,
-    /// What a place counts more while it is held.
-    held_weight: f64,
+    /// What a place counts more where it lands.
+    landing_weight: f64,
+    /// The most that any place counts.
+    heaviest: f64,
     anchors: Vec<Option<Vector3<f64>>>,
     /// How far a place that was let go is still from its target, and for how many frames.
     left: Vec<(Vector3<f64>, usize)>,
@@ -76,7 +87,7 @@ impl BodyFollower {
         robot: &Robot,
         limbs: &Limbs,
         frame_rate: f64,
-        held_weight: f64,
+        landing_weight: f64,
         release_s: f64,
     ) -> Result<Self, RetargetError> {
         let model = robot.model();
@@ -85,6 +96,7 @@ impl BodyFollower {
         let points = limbs.all.iter();
         let points = points.map(|limb| tasks.add(DrivenPoint::new(limb.frame, limb.offset)));
         let points: Vec<_> = points.collect();
+        let hip_line = limbs.hip_line.clone().map(|line| tasks.add(line));
         let both = (POSTURE * POSTURE + STAY * STAY).sqrt();
         let stay = tasks.add(Task::new(Posture::of_joints(hinges(model))).times(both));
         let posture = hinges(model).filter_map(|(id, value)| Some((model.coordinate(id)?, value)));
@@ -94,23 +106,32 @@ impl BodyFollower {
         let q = model.neutral();
         problem.parameters().gather(&q, &mut x);
         let speeds = robot.moves_within(1.0);
+        let weights: Vec<f64> = limbs.all.iter().map(|limb| limb.weight).collect();
+        let heaviest = weights
+            .iter()
+            .fold(f64::MIN_POSITIVE, |most, own| most.max(*own));
+        let size = weights
+            .iter()
+            .fold(POSTURE * POSTURE, |sum, own| sum + own * own);
         Ok(Self {
             most: longest_moves(&problem, &speeds, 1.0 / frame_rate)?,
             lower: problem.lower().to_vec(),
             upper: problem.upper().to_vec(),
             targets: problem.targets(),
-            weights: limbs.all.iter().map(|limb| limb.weight).collect(),
+            weights,
             anchors: vec![None; points.len()],
             left: vec![(Vector3::zero(), 0); points.len()],
             release: (release_s * frame_rate).ceil() as usize,
             scratch: problem.scratch(),
-            descent: BoundedDescent::new(problem.rows(), problem.variables()),
+            descent: BoundedDescent::new(problem.rows(), problem.variables(), size),
             followed: false,
             reference: posture.iter().map(|(_, value)| *value).collect(),
             posture,
             stay,
-            held_weight,
+            landing_weight,
+            heaviest,
             points,
+            hip_line,
             problem,
             x,
             q,
@@ -158,7 +179,22 @@ impl BodyFollower {
         let question = Question::from(&self.problem).with_targets(&self.targets);
         let question = question.within(&self.lower, &self.upper, &[]);
         let mut evaluation = Evaluation::new(question, &mut self.scratch);
-        if self.descent.descend(&mut evaluation, &mut self.x, steps) {
+        let mut whole = self.descent.descend(&mut evaluation, &mut self.x, steps);
+        let slipped = |residual: &[f64]| {
+            let tasks = self.problem.compiled_tasks().iter().zip(&self.anchors);
+            tasks
+                .filter(|(_, anchor)| anchor.is_some())
+                .any(|(task, _)| {
+                    let miss = &residual[task.rows.clone()];
+                    dot(miss, miss).sqrt() > SLIPPED * HELD * self.heaviest
+                })
+        };
+        if whole && slipped(self.descent.residual()) {
+            whole = self
+                .descent
+                .descend(&mut evaluation, &mut self.x, MORE_STEPS);
+        }
+        if whole {
             question.space().project(&mut self.x);
             self.problem
                 .parameters()
@@ -188,10 +224,17 @@ impl BodyFollower {
                 Some(anchor) => anchor,
                 None => place + self.still_left(k),
             };
-            // From 1 to that of what is held, without a leap.
-            let weight = elementary::pow(self.held_weight, stands.clamp(0.0, 1.0));
+            let own = self.weights[k].max(f64::MIN_POSITIVE);
+            let weight = match self.anchors[k] {
+                Some(_) => HELD * self.heaviest,
+                // From 1 to that of what lands, without a leap.
+                None => own * elementary::pow(self.landing_weight, stands.clamp(0.0, 1.0)),
+            };
             let point = self.targets.get_mut(self.points[k])?;
-            point.set(target, weight * self.weights[k].max(f64::MIN_POSITIVE));
+            point.set(target, weight);
+        }
+        if let Some(line) = self.hip_line {
+            self.targets.get_mut(line)?.aim(places);
         }
         if self.followed {
             let share = STAY * STAY / (POSTURE * POSTURE + STAY * STAY);
@@ -230,50 +273,5 @@ impl BodyFollower {
             }
         }
         Ok(())
-    }
-}
-
-impl Limbs {
-    /// A configuration to begin from: the neutral one, its base where the root should be and turned as the body is.
-    pub(super) fn first_stance(&self, robot: &Robot, places: &[Vector3<f64>]) -> Vec<f64> {
-        let model = robot.model();
-        let mut q = model.neutral();
-        let Some(base) = model.free_coordinates().next() else {
-            return q;
-        };
-        let mut kinematics = crate::kinematics::ForwardKinematics::new(model);
-        let Ok(placed) = kinematics.place(&q) else {
-            return q;
-        };
-        let own: Vec<_> = self
-            .all
-            .iter()
-            .map(|limb| placed[limb.frame.index()].apply(limb.offset))
-            .collect();
-        let middle = |places: &[Vector3<f64>]| {
-            let sum = places.iter().fold(Vector3::zero(), |sum, at| sum + *at);
-            sum * (1.0 / places.len() as f64)
-        };
-        let (from, to) = (middle(&own), middle(places));
-        let (mut sine, mut cosine) = (0.0, 0.0);
-        for (a, b) in own.iter().zip(places) {
-            let (a, b) = (*a - from, *b - to);
-            sine += a.x * b.y - a.y * b.x;
-            cosine += a.x * b.x + a.y * b.y;
-        }
-        let yaw = elementary::atan2(sine, cosine);
-        let (sin, cos) = elementary::sin_cos(0.5 * yaw);
-        let fixed =
-            |coordinate: usize| matches!(robot.map().sources()[coordinate], Source::Constant(_));
-        if base.clone().any(fixed) {
-            return q;
-        }
-        // Turned about the vertical through the body's middle.
-        let (c, s) = (cos * cos - sin * sin, 2.0 * sin * cos);
-        let seen = Vector3::new(q[base.start], q[base.start + 1], q[base.start + 2]) - from;
-        let seen = Vector3::new(c * seen.x - s * seen.y, s * seen.x + c * seen.y, seen.z);
-        q[base.start..base.start + 3].copy_from_slice(&(to + seen).to_array());
-        q[base.start + 3..base.end].copy_from_slice(&[cos, 0.0, 0.0, sin]);
-        q
     }
 }

@@ -1,15 +1,14 @@
-//! How long limbs are, of a person and of a model, and where a capture's joints are on a body of the model's size.
+//! Where a capture's joints are on a body of a model's size.
 
+use super::hip_line::HipLine;
+use super::limb_lengths::{capture_places, lengths, model_places, quantile};
+use super::limb_tree::{hips, leg_limbs, order};
 use super::{BodyMap, Capture, RetargetError, UpAxis};
 use crate::bad_option::{BadOption, NOT_NEGATIVE, POSITIVE};
 use crate::kinematics::ForwardKinematics;
-use crate::model::{FrameId, JointId, Model, UnknownName};
+use crate::model::{FrameId, Model, UnknownName};
 use crate::spatial::Vector3;
 
-/// Frames of a capture, and configurations of a model, that lengths are measured in.
-const MEASURED: usize = 256;
-/// Lengths are those that so many of them do not exceed: a limb of two bones is as long as it gets.
-const QUANTILE: f64 = 0.9;
 /// A limb shorter than this share of the body is none: it is as long as the model's.
 const NO_LIMB: f64 = 1e-6;
 /// The ground is as high as so many of the lowest places of what stands.
@@ -39,6 +38,10 @@ pub(super) struct Limb {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Limbs {
     pub(super) all: Vec<Limb>,
+    /// The limbs between the root and the legs.
+    pub(super) hips: Vec<usize>,
+    /// Which way they are turned.
+    pub(super) hip_line: Option<HipLine>,
     up: UpAxis,
     /// How many times as large as the person's the model's steps are.
     pub(super) stride: f64,
@@ -105,7 +108,19 @@ impl Limbs {
         if let Some(root) = all.first_mut().filter(|root| !root.stands) {
             (root.ground, root.clearance) = (ground, sole);
         }
-        Ok(Self { all, up, stride })
+        let stood = all
+            .iter()
+            .map(|limb| placed[limb.frame.index()].apply(limb.offset));
+        let stood: Vec<_> = stood.collect();
+        let mut own = Self {
+            hips: hips(&all),
+            hip_line: None,
+            all,
+            up,
+            stride,
+        };
+        own.hip_line = HipLine::new(&own, &stood);
+        Ok(own)
     }
 
     /// Whether a limb is placed in the world, as the root and feet are, rather than at the end of its limb.
@@ -114,28 +129,50 @@ impl Limbs {
             .is_none_or(|parent| limb.stands && !self.all[parent].stands)
     }
 
-    /// Where the driven frames should be, metres: the root and feet in a world scaled as the
-    /// legs are, what hangs on them by the lengths of limbs.
+    /// Where the driven frames should be, metres: hips and feet in a world scaled as the legs are, the root over the
+    /// hips, what hangs on them by the lengths of limbs.
     pub(super) fn place(&self, captured: &[Vector3<f64>], to: &mut Vec<Vector3<f64>>) {
         to.clear();
+        let place = |limb: &Limb| upright(captured[limb.joint], self.up);
         for limb in &self.all {
-            let at = upright(captured[limb.joint], self.up);
+            let at = place(limb);
             to.push(match limb.parent {
                 Some(parent) if !self.is_in_world(limb) => {
-                    let from = upright(captured[self.all[parent].joint], self.up);
-                    to[parent] + (at - from) * limb.scale
+                    to[parent] + (at - place(&self.all[parent])) * limb.scale
                 }
-                _ => {
-                    let over_ground = Vector3::new(at.x, at.y, at.z - limb.ground);
-                    over_ground * self.stride + Vector3::new(0.0, 0.0, limb.clearance)
+                Some(_) => self.in_world(limb, at),
+                // Its hips are where the legs' lengths put them, however far it is from them.
+                None => {
+                    let off = |hip: &usize| at - place(&self.all[*hip]);
+                    let own = |hip: &usize| off(hip) * self.all[*hip].scale;
+                    let mean = |offs: Vector3<f64>| offs * (1.0 / self.hips.len().max(1) as f64);
+                    let person = mean(
+                        self.hips
+                            .iter()
+                            .map(off)
+                            .fold(Vector3::zero(), |a, b| a + b),
+                    );
+                    let model = mean(
+                        self.hips
+                            .iter()
+                            .map(own)
+                            .fold(Vector3::zero(), |a, b| a + b),
+                    );
+                    self.in_world(limb, at - person) + model
                 }
             });
         }
     }
+
+    /// A place in the model's world.
+    fn in_world(&self, limb: &Limb, at: Vector3<f64>) -> Vector3<f64> {
+        let over_ground = Vector3::new(at.x, at.y, at.z - limb.ground);
+        over_ground * self.stride + Vector3::new(0.0, 0.0, limb.clearance)
+    }
 }
 
 /// A capture's vector with z upward.
-fn upright(at: Vector3<f64>, up: UpAxis) -> Vector3<f64> {
+pub(super) fn upright(at: Vector3<f64>, up: UpAxis) -> Vector3<f64> {
     match up {
         UpAxis::Z => at,
         UpAxis::Y => Vector3::new(at.x, -at.z, at.y),
@@ -188,112 +225,4 @@ fn of_map(model: &Model, map: &BodyMap, capture: &Capture) -> Result<Vec<Limb>, 
         }),
         false => Ok(all),
     }
-}
-
-/// The joints from a frame up to the root.
-fn joints_above(model: &Model, frame: FrameId) -> Vec<JointId> {
-    let mut above = model.frames()[frame.index()].joint;
-    let joints = std::iter::from_fn(|| {
-        let joint = above?;
-        above = model.joints()[joint.index()].parent;
-        Some(joint)
-    });
-    joints.collect()
-}
-
-/// Puts parents first and finds them: the nearest driven frame towards the model's root, or the one nearest to it.
-fn order(model: &Model, all: &mut [Limb]) {
-    let moving = |limb: &Limb| {
-        let above = joints_above(model, limb.frame);
-        let moves = |joint: &JointId| model.joints()[joint.index()].kind.moves();
-        above.into_iter().filter(moves).collect::<Vec<_>>()
-    };
-    // Of those that one joint moves, the nearest to it first: a knee before the ankle at the shin's end.
-    let off = |limb: &Limb| {
-        model.frames()[limb.frame.index()]
-            .joint_from_frame
-            .apply(limb.offset)
-    };
-    all.sort_by(|a, b| {
-        let lengths = [a, b].map(|limb| moving(limb).len());
-        let offs = [a, b].map(|limb| off(limb).norm());
-        lengths[0]
-            .cmp(&lengths[1])
-            .then(offs[0].total_cmp(&offs[1]))
-    });
-    let chains: Vec<Vec<JointId>> = all.iter().map(moving).collect();
-    for k in 1..all.len() {
-        let carried_by = |other: &usize| {
-            let tip = chains[*other].first();
-            tip.is_some_and(|tip| chains[k].contains(tip))
-        };
-        all[k].parent = Some((0..k).rev().find(carried_by).unwrap_or(0));
-    }
-}
-
-/// The limbs between what stands and the root, without those at the root, which are hips; without any that stands, all.
-fn leg_limbs(all: &[Limb], stands: bool) -> Vec<usize> {
-    let mut found: Vec<usize> = Vec::new();
-    for (end, limb) in all.iter().enumerate() {
-        let mut at = if limb.stands || !stands {
-            Some(end)
-        } else {
-            None
-        };
-        while let Some(own) = at {
-            at = all[own].parent;
-            let is_hip = own != end && at.is_some_and(|parent| all[parent].parent.is_none());
-            if at.is_some() && !is_hip && !found.contains(&own) {
-                found.push(own);
-            }
-        }
-    }
-    found
-}
-
-/// Where the driven frames are in random configurations of a model.
-fn model_places(model: &Model, all: &[Limb]) -> Result<Vec<Vector3<f64>>, RetargetError> {
-    let mut kinematics = ForwardKinematics::new(model);
-    let mut places = Vec::with_capacity(MEASURED * all.len());
-    for seed in 0..MEASURED {
-        let q = model.random_configuration(seed as u64);
-        let placed = kinematics
-            .place(&q)
-            .map_err(|error| RetargetError::Map(error.to_string()))?;
-        places.extend(
-            all.iter()
-                .map(|limb| placed[limb.frame.index()].apply(limb.offset)),
-        );
-    }
-    Ok(places)
-}
-
-/// Where the driving joints are in frames all over a capture.
-fn capture_places(capture: &Capture, all: &[Limb], up: UpAxis) -> Vec<Vector3<f64>> {
-    let step = capture.frames().div_ceil(MEASURED).max(1);
-    let frames = (0..capture.frames())
-        .step_by(step)
-        .filter_map(|frame| capture.frame(frame));
-    let places = frames.flat_map(|at| all.iter().map(|limb| upright(at[limb.joint], up)));
-    places.collect()
-}
-
-/// How long each limb is at its most, but for outliers; 0 for the root.
-fn lengths(all: &[Limb], places: &[Vector3<f64>]) -> Vec<f64> {
-    let of_limb = |(k, limb): (usize, &Limb)| {
-        let Some(parent) = limb.parent else {
-            return 0.0;
-        };
-        let frames = places.chunks_exact(all.len());
-        let mut lengths: Vec<f64> = frames.map(|at| (at[k] - at[parent]).norm()).collect();
-        quantile(&mut lengths, QUANTILE)
-    };
-    all.iter().enumerate().map(of_limb).collect()
-}
-
-fn quantile(values: &mut [f64], share: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let last = values.len().saturating_sub(1);
-    let at = (share * last as f64) as usize;
-    values.get(at).copied().unwrap_or(0.0)
 }

@@ -2,6 +2,9 @@
 
 use crate::spatial::Vector3;
 
+/// What stands and is farther than this from where it came to stand, metres, stands no more.
+const SLIPPED: f64 = 1e-3;
+
 /// A movement on a model.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -20,6 +23,17 @@ pub struct Retargeted {
     pub mean_error: f64,
     /// How far a point that stands is from where it came to stand, at most, metres.
     pub slip: f64,
+    /// What could not be held until the person let go of it, as limits win: from each of these frames on it stands no more.
+    pub given_up: Vec<GivenUp>,
+}
+
+/// What stood, and could be held no longer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct GivenUp {
+    /// The first frame in which it has slipped by more than a millimetre.
+    pub frame: usize,
+    /// The frame of the model, as in [`Retargeted::standing`].
+    pub standing: String,
 }
 
 impl Retargeted {
@@ -35,8 +49,18 @@ impl Retargeted {
 pub(super) struct Measures {
     sum: f64,
     count: usize,
-    anchors: Vec<Option<Vector3<f64>>>,
+    footing: Vec<Footing>,
     pub(super) slip: f64,
+    /// The frames in which limbs were given up.
+    pub(super) given_up: Vec<(usize, usize)>,
+}
+
+/// Whether a limb stands, and where it came to.
+#[derive(Clone, Copy, Debug)]
+enum Footing {
+    None,
+    At(Vector3<f64>),
+    GivenUp,
 }
 
 impl Measures {
@@ -44,29 +68,39 @@ impl Measures {
         Self {
             sum: 0.0,
             count: 0,
-            anchors: vec![None; limbs],
+            footing: vec![Footing::None; limbs],
             slip: 0.0,
+            given_up: Vec::new(),
         }
     }
 
-    /// Takes one limb of one frame.
+    /// Takes one limb of one frame, which should stand or not; whether it does.
     pub(super) fn take(
         &mut self,
+        frame: usize,
         limb: usize,
         at: Vector3<f64>,
         target: Vector3<f64>,
         stands: bool,
-    ) {
+    ) -> bool {
         self.sum += (at - target).norm();
         self.count += 1;
-        let anchor = &mut self.anchors[limb];
-        match stands {
-            false => *anchor = None,
-            true => {
-                let slipped = (at - *anchor.get_or_insert(at)).norm();
-                self.slip = self.slip.max(slipped);
+        let footing = &mut self.footing[limb];
+        match (stands, *footing) {
+            (false, _) => *footing = Footing::None,
+            (true, Footing::None) => *footing = Footing::At(at),
+            (true, Footing::At(place)) => {
+                let slipped = (at - place).norm();
+                if slipped > SLIPPED {
+                    *footing = Footing::GivenUp;
+                    self.given_up.push((frame, limb));
+                } else {
+                    self.slip = self.slip.max(slipped);
+                }
             }
+            (true, Footing::GivenUp) => {}
         }
+        matches!(footing, Footing::At(_))
     }
 
     pub(super) fn mean_error(&self) -> f64 {

@@ -6,7 +6,7 @@ use super::contacts::Standing;
 use super::driven_point::DrivenPoint;
 use super::follower::posture;
 use super::limbs::Limbs;
-use super::retargeted::Measures;
+use super::retargeted::{GivenUp, Measures};
 use super::{BodyFollower, BodyMap, Capture, ContactDetection, RetargetError, Retargeted, UpAxis};
 use crate::bad_option::{BadOption, NOT_NEGATIVE, POSITIVE};
 use crate::kinematics::ForwardKinematics;
@@ -29,8 +29,9 @@ pub struct RetargetOptions {
     pub up: UpAxis,
     /// When feet stand.
     pub contacts: ContactDetection,
-    /// How much more a point counts while it stands.
-    pub held_weight: f64,
+    /// How much more a point counts where it lands on something. While it stands it is held wherever it came down, as its
+    /// own place may be none that a body of other proportions can keep.
+    pub landing_weight: f64,
     /// Of whole movements: what an acceleration of 1 rad/s² costs, in metres off a place.
     pub acceleration: f64,
     /// Of whole movements: where each window ends, as a share of its cost.
@@ -44,7 +45,7 @@ impl Default for RetargetOptions {
         Self {
             up: UpAxis::Z,
             contacts: ContactDetection::default(),
-            held_weight: 50.0,
+            landing_weight: 4.0,
             acceleration: 1e-4,
             tolerance: 1e-3,
             windows: Windows {
@@ -80,7 +81,7 @@ impl<'r> Retargeting<'r> {
         capture: &Capture,
         options: RetargetOptions,
     ) -> Result<Self, RetargetError> {
-        BadOption::check("held_weight", options.held_weight, POSITIVE)?;
+        BadOption::check("landing_weight", options.landing_weight, POSITIVE)?;
         BadOption::check("acceleration", options.acceleration, NOT_NEGATIVE)?;
         let model = robot.model();
         let up = map.up.unwrap_or(options.up);
@@ -154,7 +155,7 @@ impl<'r> Retargeting<'r> {
             self.robot,
             &self.limbs,
             self.frame_rate,
-            self.options.held_weight,
+            self.options.landing_weight,
             lead,
         )?;
         let first = self.targets(0).unwrap_or_default();
@@ -197,6 +198,12 @@ impl<'r> Retargeting<'r> {
                 point.set(targets[frame * n + k], weight)
             });
         }
+        if let Some(line) = self.limbs.hip_line.clone() {
+            let (line, targets) = (motion.add(line), Arc::clone(&self.targets));
+            motion.follow(line, move |frame, line| {
+                line.aim(&targets[frame * n..(frame + 1) * n]);
+            });
+        }
         motion.add(posture(model));
         motion.rate_cost(RateCost::acceleration(self.options.acceleration));
         for Standing { limb, span } in &self.standing {
@@ -234,18 +241,24 @@ impl<'r> Retargeting<'r> {
         for (frame, q) in q.chunks_exact(model.configuration_len()).enumerate() {
             let placed = kinematics.place(q).map_err(wrong)?;
             self.stand(frame, &mut stands);
-            contacts.extend(can_stand.iter().map(|&limb| stands[limb]));
             let targets = self.targets(frame).unwrap_or_default();
             for (k, (limb, target)) in self.limbs.all.iter().zip(targets).enumerate() {
-                measures.take(k, placed[k].apply(limb.offset), *target, stands[k]);
+                let at = placed[k].apply(limb.offset);
+                stands[k] = measures.take(frame, k, at, *target, stands[k]);
             }
+            contacts.extend(can_stand.iter().map(|&limb| stands[limb]));
         }
         let name = |limb: &usize| {
             model.frames()[self.limbs.all[*limb].frame.index()]
                 .name
                 .clone()
         };
+        let given_up = measures.given_up.iter().map(|(frame, limb)| GivenUp {
+            frame: *frame,
+            standing: name(limb),
+        });
         Ok(Retargeted {
+            given_up: given_up.collect(),
             configuration_len: model.configuration_len(),
             frame_rate: self.frame_rate,
             standing: can_stand.iter().map(name).collect(),

@@ -1,0 +1,52 @@
+//! Where a body stands before its first frame is known.
+
+use super::limbs::Limbs;
+use crate::model::Source;
+use crate::robot::Robot;
+use crate::scalar::elementary;
+use crate::spatial::Vector3;
+
+impl Limbs {
+    /// A configuration to begin from: the neutral one, its base where the root should be and turned as the body is.
+    pub(super) fn first_stance(&self, robot: &Robot, places: &[Vector3<f64>]) -> Vec<f64> {
+        let model = robot.model();
+        let mut q = model.neutral();
+        let Some(base) = model.free_coordinates().next() else {
+            return q;
+        };
+        let mut kinematics = crate::kinematics::ForwardKinematics::new(model);
+        let Ok(placed) = kinematics.place(&q) else {
+            return q;
+        };
+        let own: Vec<_> = self
+            .all
+            .iter()
+            .map(|limb| placed[limb.frame.index()].apply(limb.offset))
+            .collect();
+        let middle = |places: &[Vector3<f64>]| {
+            let sum = places.iter().fold(Vector3::zero(), |sum, at| sum + *at);
+            sum * (1.0 / places.len() as f64)
+        };
+        let (from, to) = (middle(&own), middle(places));
+        let (mut sine, mut cosine) = (0.0, 0.0);
+        for (a, b) in own.iter().zip(places) {
+            let (a, b) = (*a - from, *b - to);
+            sine += a.x * b.y - a.y * b.x;
+            cosine += a.x * b.x + a.y * b.y;
+        }
+        let yaw = elementary::atan2(sine, cosine);
+        let (sin, cos) = elementary::sin_cos(0.5 * yaw);
+        let fixed =
+            |coordinate: usize| matches!(robot.map().sources()[coordinate], Source::Constant(_));
+        if base.clone().any(fixed) {
+            return q;
+        }
+        // Turned about the vertical through the body's middle.
+        let (c, s) = (cos * cos - sin * sin, 2.0 * sin * cos);
+        let seen = Vector3::new(q[base.start], q[base.start + 1], q[base.start + 2]) - from;
+        let seen = Vector3::new(c * seen.x - s * seen.y, s * seen.x + c * seen.y, seen.z);
+        q[base.start..base.start + 3].copy_from_slice(&(to + seen).to_array());
+        q[base.start + 3..base.end].copy_from_slice(&[cos, 0.0, 0.0, sin]);
+        q
+    }
+}

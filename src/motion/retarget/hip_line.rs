@@ -1,0 +1,96 @@
+//! Which way the hips are turned.
+
+use super::limbs::Limbs;
+use crate::model::FrameId;
+use crate::scalar::Scalar;
+use crate::spatial::{Placement, Vector3};
+use crate::task::{LocalJacobian, Quantity, Residual, Rows};
+
+/// What a radian costs that the line of the hips is turned off, in metres off a place.
+const TURN: f64 = 0.3;
+/// Hips nearer to each other than this, in metres, are on no line.
+const NO_LINE: f64 = 1e-3;
+
+/// r = w (a − b − target): the way from one hip to the other. Hips are so near to each other that their places alone
+/// hardly tell which way a body is turned, and legs wind themselves up.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct HipLine {
+    limbs: [usize; 2],
+    frames: [FrameId; 2],
+    offsets: [Vector3<f64>; 2],
+    length: f64,
+    target: Vector3<f64>,
+}
+
+impl HipLine {
+    /// Of the first two hips, if there are; `stood` is where all limbs end in some configuration.
+    pub(super) fn new(limbs: &Limbs, stood: &[Vector3<f64>]) -> Option<Self> {
+        let [a, b] = *limbs.hips.first_chunk::<2>()?;
+        let frames = [a, b].map(|k| limbs.all[k].frame);
+        let length = (stood[a] - stood[b]).norm();
+        (length > NO_LINE && frames[0] != frames[1]).then(|| Self {
+            limbs: [a, b],
+            frames,
+            offsets: [a, b].map(|k| limbs.all[k].offset),
+            length,
+            target: stood[a] - stood[b],
+        })
+    }
+
+    /// Points the line where the hips' own places do; where these are one, it stays.
+    pub(super) fn aim(&mut self, places: &[Vector3<f64>]) {
+        let [a, b] = self.limbs;
+        let way = places[a] - places[b];
+        let length = way.norm();
+        if length > 0.0 {
+            self.target = way * (self.length / length);
+        }
+    }
+
+    fn weight(&self) -> f64 {
+        TURN / self.length
+    }
+}
+
+impl Residual for HipLine {
+    fn kind(&self) -> &'static str {
+        "hip line"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        self.frames.to_vec()
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Metres, 3)]
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+        let [a, b] = [0, 1].map(|k| frames[k].apply(Vector3::constant(self.offsets[k])));
+        let miss = (a - b - Vector3::constant(self.target)) * S::constant(self.weight());
+        residual.copy_from_slice(&miss.to_array());
+    }
+
+    fn differentiate(
+        &self,
+        frames: &[Placement<f64>],
+        _joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        for (k, weight) in [self.weight(), -self.weight()].into_iter().enumerate() {
+            for (row, unit) in jacobian.linear_mut(k).iter_mut().zip(Vector3::UNITS) {
+                *row = unit * weight;
+            }
+            // e · (ω × l) = ω · (l × e)
+            let lever = frames[k].rotation * self.offsets[k];
+            for (row, unit) in jacobian.angular_mut(k).iter_mut().zip(Vector3::UNITS) {
+                *row = lever.cross(unit) * weight;
+            }
+        }
+        true
+    }
+
+    fn has_edges(&self) -> bool {
+        false
+    }
+}

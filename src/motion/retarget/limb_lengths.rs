@@ -1,0 +1,62 @@
+//! How long limbs are, of a person and of a model.
+
+use super::limbs::{Limb, upright};
+use super::{Capture, RetargetError, UpAxis};
+use crate::kinematics::ForwardKinematics;
+use crate::model::Model;
+use crate::spatial::Vector3;
+
+/// Frames of a capture, and configurations of a model, that lengths are measured in.
+const MEASURED: usize = 256;
+/// Lengths are those that so many of them do not exceed: a limb of two bones is as long as it gets.
+const QUANTILE: f64 = 0.9;
+
+/// Where the driven frames are in random configurations of a model.
+pub(super) fn model_places(
+    model: &Model,
+    all: &[Limb],
+) -> Result<Vec<Vector3<f64>>, RetargetError> {
+    let mut kinematics = ForwardKinematics::new(model);
+    let mut places = Vec::with_capacity(MEASURED * all.len());
+    for seed in 0..MEASURED {
+        let q = model.random_configuration(seed as u64);
+        let placed = kinematics
+            .place(&q)
+            .map_err(|error| RetargetError::Map(error.to_string()))?;
+        places.extend(
+            all.iter()
+                .map(|limb| placed[limb.frame.index()].apply(limb.offset)),
+        );
+    }
+    Ok(places)
+}
+
+/// Where the driving joints are in frames all over a capture.
+pub(super) fn capture_places(capture: &Capture, all: &[Limb], up: UpAxis) -> Vec<Vector3<f64>> {
+    let step = capture.frames().div_ceil(MEASURED).max(1);
+    let frames = (0..capture.frames())
+        .step_by(step)
+        .filter_map(|frame| capture.frame(frame));
+    let places = frames.flat_map(|at| all.iter().map(|limb| upright(at[limb.joint], up)));
+    places.collect()
+}
+
+/// How long each limb is at its most, but for outliers; 0 for the root.
+pub(super) fn lengths(all: &[Limb], places: &[Vector3<f64>]) -> Vec<f64> {
+    let of_limb = |(k, limb): (usize, &Limb)| {
+        let Some(parent) = limb.parent else {
+            return 0.0;
+        };
+        let frames = places.chunks_exact(all.len());
+        let mut lengths: Vec<f64> = frames.map(|at| (at[k] - at[parent]).norm()).collect();
+        quantile(&mut lengths, QUANTILE)
+    };
+    all.iter().enumerate().map(of_limb).collect()
+}
+
+pub(super) fn quantile(values: &mut [f64], share: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let last = values.len().saturating_sub(1);
+    let at = (share * last as f64) as usize;
+    values.get(at).copied().unwrap_or(0.0)
+}

@@ -1,0 +1,93 @@
+//! Which limb hangs on which.
+
+use super::limbs::Limb;
+use crate::model::{FrameId, JointId, Model};
+use crate::spatial::Vector3;
+
+/// The joints from a frame up to the root.
+fn joints_above(model: &Model, frame: FrameId) -> Vec<JointId> {
+    let mut above = model.frames()[frame.index()].joint;
+    let joints = std::iter::from_fn(|| {
+        let joint = above?;
+        above = model.joints()[joint.index()].parent;
+        Some(joint)
+    });
+    joints.collect()
+}
+
+/// Where a limb's end is on the joint that moves it, beyond all that is fixed to that one.
+fn from_moving_joint(model: &Model, limb: &Limb) -> Vector3<f64> {
+    let frame = &model.frames()[limb.frame.index()];
+    let mut at = frame.joint_from_frame.apply(limb.offset);
+    let joints = joints_above(model, limb.frame).into_iter();
+    for joint in joints.map(|id| &model.joints()[id.index()]) {
+        if joint.kind.moves() {
+            break;
+        }
+        at = joint.parent_from_joint.apply(at);
+    }
+    at
+}
+
+/// Puts parents first and finds them: the nearest driven frame towards the model's root, or the one nearest to it.
+pub(super) fn order(model: &Model, all: &mut [Limb]) {
+    let moving = |limb: &Limb| {
+        let above = joints_above(model, limb.frame);
+        let moves = |joint: &JointId| model.joints()[joint.index()].kind.moves();
+        above.into_iter().filter(moves).collect::<Vec<_>>()
+    };
+    // Of those that one joint moves, the nearest to it first: a knee before the ankle at the shin's end.
+    let off = |limb: &Limb| from_moving_joint(model, limb).norm();
+    all.sort_by(|a, b| {
+        let lengths = [a, b].map(|limb| moving(limb).len());
+        let offs = [a, b].map(off);
+        lengths[0]
+            .cmp(&lengths[1])
+            .then(offs[0].total_cmp(&offs[1]))
+    });
+    let chains: Vec<Vec<JointId>> = all.iter().map(moving).collect();
+    for k in 1..all.len() {
+        let carried_by = |other: &usize| {
+            let tip = chains[*other].first();
+            tip.is_some_and(|tip| chains[k].contains(tip))
+        };
+        all[k].parent = Some((0..k).rev().find(carried_by).unwrap_or(0));
+    }
+}
+
+/// The limbs between what stands and the root, without those at the root, which are hips, and those beyond what stands,
+/// which are feet; without any that stands, all.
+pub(super) fn leg_limbs(all: &[Limb], stands: bool) -> Vec<usize> {
+    let mut found: Vec<usize> = Vec::new();
+    for (end, limb) in all.iter().enumerate() {
+        let mut at = if limb.stands || !stands {
+            Some(end)
+        } else {
+            None
+        };
+        while let Some(own) = at {
+            at = all[own].parent;
+            let is_hip = own != end && at.is_some_and(|parent| all[parent].parent.is_none());
+            let is_foot = at.is_some_and(|parent| all[parent].stands);
+            if at.is_some() && !is_hip && !is_foot && !found.contains(&own) {
+                found.push(own);
+            }
+        }
+    }
+    found
+}
+
+/// The limbs that end at the root and carry what stands, but for what stands itself.
+pub(super) fn hips(all: &[Limb]) -> Vec<usize> {
+    let mut found = Vec::new();
+    for end in all.iter().filter(|limb| limb.stands) {
+        let mut at = end.parent;
+        while let Some(own) = at {
+            at = all[own].parent;
+            if at == Some(0) && !all[own].stands && !found.contains(&own) {
+                found.push(own);
+            }
+        }
+    }
+    found
+}

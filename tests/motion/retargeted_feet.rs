@@ -1,0 +1,214 @@
+//! Promise: limbs of another body fit a model's own lengths in whichever order a map names them, and feet of two points, ankle
+//! and toe, stand still while what hangs on them is pulled away.
+
+use std::fmt::Write as _;
+
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeted, Retargeting};
+use kinopt::robot::{BaseJoint, Robot};
+use kinopt::spatial::Vector3;
+
+const RATE: f64 = 100.0;
+const FRAMES: usize = 240;
+/// The ankle's name comes before the knee's, and both are of one joint.
+const MAP: &str = r#"{
+    "joints": ["chest", "l_hip", "l_knee", "l_ankle", "l_toe", "r_hip", "r_knee", "r_ankle", "r_toe"],
+    "drives": {
+        "chest": "pelvis",
+        "l_hip": "left_thigh", "l_knee": "left_shank", "l_ankle": "left_heel_string", "l_toe": "left_toe",
+        "r_hip": "right_thigh", "r_knee": "right_shank", "r_ankle": "right_heel_string", "r_toe": "right_toe"
+    }
+}"#;
+
+/// Two legs whose ankle point is on the shank, a little above the joint.
+fn legs() -> Robot {
+    let mut text = String::from(r#"<robot name="legs"><link name="pelvis"/>"#);
+    let mut joint = |name: &str, kind: &str, parent: &str, child: &str, at: &str, more: &str| {
+        write!(
+            text,
+            r#"<link name="{child}"/><joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>
+               <origin xyz="{at}"/>{more}</joint>"#
+        )
+        .unwrap();
+    };
+    for (side, y) in [("left", 0.1), ("right", -0.1)] {
+        let link = |name: &str| format!("{side}_{name}");
+        let turn = |axis: &str, lower: f64, upper: f64| {
+            format!(
+                r#"<axis xyz="{axis}"/><limit lower="{lower}" upper="{upper}" velocity="10" effort="1"/>"#
+            )
+        };
+        for (name, parent, child, at, axis, range) in [
+            (
+                "roll",
+                "pelvis".to_owned(),
+                "hip",
+                format!("0 {y} -0.1"),
+                "1 0 0",
+                [-0.5, 0.5],
+            ),
+            (
+                "yaw",
+                link("hip"),
+                "socket",
+                "0 0 0".to_owned(),
+                "0 0 1",
+                [-1.0, 1.0],
+            ),
+            (
+                "pitch",
+                link("socket"),
+                "thigh",
+                "0 0 0".to_owned(),
+                "0 1 0",
+                [-2.0, 1.0],
+            ),
+            (
+                "knee",
+                link("thigh"),
+                "shank",
+                "0 0 -0.3".to_owned(),
+                "0 1 0",
+                [-0.09, 2.6],
+            ),
+            (
+                "ankle_pitch",
+                link("shank"),
+                "ankle",
+                "0 0 -0.3".to_owned(),
+                "0 1 0",
+                [-0.87, 0.52],
+            ),
+            (
+                "ankle_roll",
+                link("ankle"),
+                "foot",
+                "0 0 -0.02".to_owned(),
+                "1 0 0",
+                [-0.26, 0.26],
+            ),
+        ] {
+            let turn = turn(axis, range[0], range[1]);
+            joint(&link(name), "revolute", &parent, &link(child), &at, &turn);
+        }
+        for (parent, child, at) in [
+            ("shank", "heel_string", "0 0 -0.28"),
+            ("foot", "toe", "0.14 0 -0.03"),
+        ] {
+            let name = link(&format!("{child}_mount"));
+            joint(&name, "fixed", &link(parent), &link(child), at, "");
+        }
+    }
+    text.push_str("</robot>");
+    Robot::parse(&text, "legs.urdf")
+        .unwrap()
+        .with_base_joint(BaseJoint::FREE)
+        .unwrap()
+}
+
+/// A person with longer legs and larger feet who kneels, sways, and sets the left foot ahead; the chest is far above the hips.
+fn person() -> Vec<f64> {
+    let mut numbers = Vec::new();
+    for frame in 0..FRAMES {
+        let phase = frame as f64 / FRAMES as f64;
+        let step = ((phase - 0.4) * 5.0).clamp(0.0, 1.0);
+        let down = 0.14 * (1.0 - (phase * 19.0).cos());
+        let hips = Vector3::new(0.3 * phase, 0.06 * (phase * 12.0).sin(), 0.93 - down);
+        numbers.extend((hips + Vector3::new(0.1, 0.0, 0.45)).to_array());
+        for (y, step) in [(0.12, step), (-0.12, 0.0)] {
+            let hip = hips + Vector3::new(0.0, y, 0.0);
+            let lift = 0.6 * step * (1.0 - step);
+            let ankle = Vector3::new(0.3 * step, 1.2 * y, 0.09 + lift);
+            // The knee of two bones, ahead.
+            let way = ankle - hip;
+            let half = 0.5 * way.norm();
+            let (upper, lower) = (0.42, 0.45);
+            let along = half + (upper * upper - lower * lower) / (4.0 * half);
+            let ahead = (upper * upper - along * along).max(0.0).sqrt();
+            let forward = Vector3::new(1.0, 0.0, 0.0) - way * (way.x / (4.0 * half * half));
+            let knee = hip + way * (along / (2.0 * half)) + forward * (ahead / forward.norm());
+            let toe = ankle + Vector3::new(0.17, 0.2 * y, -0.06);
+            for at in [hip, knee, ankle, toe] {
+                numbers.extend(at.to_array());
+            }
+        }
+    }
+    numbers
+}
+
+fn check_limits(robot: &Robot, found: &Retargeted) {
+    let frames: Vec<&[f64]> = found.q.chunks(found.configuration_len).collect();
+    assert!(frames.iter().all(|q| robot.model().is_within_limits(q)));
+    for pair in frames.windows(2) {
+        for (k, speed) in robot.moves_within(1.0).iter().enumerate() {
+            assert!((pair[1][k] - pair[0][k]).abs() * RATE <= *speed);
+        }
+    }
+}
+
+#[test]
+fn ankles_and_toes_stand_together() {
+    let robot = legs();
+    let map = BodyMap::from_json(MAP, "legs").unwrap();
+    let capture = Capture::new(map.joints.clone(), &person(), RATE).unwrap();
+    let options = RetargetOptions::default();
+    let retargeting = Retargeting::new(&robot, &map, &capture, options).unwrap();
+    let found = retargeting.per_frame().unwrap();
+    check_limits(&robot, &found);
+    assert_eq!(found.standing.len(), 4);
+    assert!(found.given_up.is_empty(), "{:?}", found.given_up);
+    assert!(found.slip < 1e-3, "{} m", found.slip);
+    // Told anew from the configurations.
+    let mut kinematics = ForwardKinematics::new(robot.model());
+    for (k, name) in found.standing.iter().enumerate() {
+        let frame = robot.model().frame(name).unwrap();
+        let mut stood = None;
+        let mut standing = 0;
+        for (q, contacts) in found
+            .q
+            .chunks(found.configuration_len)
+            .zip(found.contacts.chunks(4))
+        {
+            let at = kinematics.place(q).unwrap()[frame.index()].translation;
+            stood = contacts[k].then(|| stood.unwrap_or(at));
+            standing += usize::from(contacts[k]);
+            assert!(stood.is_none_or(|stood| (at - stood).norm() < 1e-3));
+        }
+        assert!(standing > FRAMES / 2, "{name} stands in {standing} frames");
+    }
+}
+
+#[test]
+fn limbs_of_targets_are_as_long_as_the_models() {
+    let robot = legs();
+    let map = BodyMap::from_json(MAP, "legs").unwrap();
+    let capture = Capture::new(map.joints.clone(), &person(), RATE).unwrap();
+    let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
+    let driven = retargeting.driven();
+    let index = |name: &str| {
+        let frame = robot.model().frame(name).unwrap();
+        driven.iter().position(|own| *own == frame).unwrap()
+    };
+    // Legs of 0.6 m for 0.87; feet do not count.
+    assert!(
+        (retargeting.stride() - 0.58 / 0.87).abs() < 0.03,
+        "{}",
+        retargeting.stride()
+    );
+    for frame in [0, 60, 200] {
+        let targets = retargeting.targets(frame).unwrap();
+        let length = |from: &str, to: &str| (targets[index(from)] - targets[index(to)]).norm();
+        for side in ["left", "right"] {
+            let [thigh, shank] = ["thigh", "shank"].map(|name| format!("{side}_{name}"));
+            assert!(
+                (length(&thigh, &shank) - 0.3).abs() < 0.02,
+                "{}",
+                length(&thigh, &shank)
+            );
+            // However far the chest is above the hips: they are no higher than the legs reach.
+            let over_ground = targets[index(&thigh)].z;
+            assert!(over_ground < 0.66, "{over_ground}");
+        }
+        assert!(length("pelvis", "left_thigh") < 0.2);
+    }
+}
