@@ -35,13 +35,14 @@ pub(crate) mod retargeting {
 /// Places of named joints in frames a fixed time apart, in any unit of length.
 ///
 /// `positions` of shape (T, J, 3) are of the joints that `joints` names in order, `fps` frames a second; `up` is the axis that
-/// points upward, "y" or "z".
+/// points upward, "y" or "z". `bones` are pairs of joints' numbers, where they are known; they are for drawing.
 ///
 /// Raises `InvalidValueError` for another shape, a name twice, and numbers that are not finite, whose frame and joint it names.
 #[pyclass(frozen, module = "kinopt.retargeting")]
 pub(crate) struct Capture {
     inner: Arc<retarget::Capture>,
     up: UpAxis,
+    bones: Option<Vec<(usize, usize)>>,
 }
 
 fn up_axis(up: &str) -> PyResult<UpAxis> {
@@ -55,15 +56,23 @@ fn up_axis(up: &str) -> PyResult<UpAxis> {
 #[pymethods]
 impl Capture {
     #[new]
-    #[pyo3(signature = (positions, joints, fps, up = "z"))]
+    #[pyo3(signature = (positions, joints, fps, up = "z", bones = None))]
     fn new(
         py: Python<'_>,
         positions: &Bound<'_, PyAny>,
         joints: Vec<String>,
         fps: f64,
         up: &str,
+        bones: Option<Vec<(usize, usize)>>,
     ) -> PyResult<Self> {
         let up = up_axis(up)?;
+        let beyond = |&&(from, to): &&(usize, usize)| from.max(to) >= joints.len();
+        if let Some((from, to)) = bones.iter().flatten().find(beyond) {
+            return Err(invalid(format!(
+                "bones has ({from}, {to}), where there are {} joints",
+                joints.len()
+            )));
+        }
         let numbers: Numbers<'_, Ix3> =
             arrays::numbers(positions, "positions", "(frames, joints, 3)")?;
         let shape = numbers.shape();
@@ -79,6 +88,7 @@ impl Capture {
         Ok(Self {
             inner: Arc::new(capture.or_raise()?),
             up,
+            bones,
         })
     }
 
@@ -92,9 +102,12 @@ impl Capture {
         let clip = clip.get();
         let (bones, motion) = (&clip.armature, &clip.inner);
         let capture = py.detach(|| retarget::Capture::of_clip(bones, motion, fps));
+        let ids = bones.bone_ids();
+        let pairs = ids.filter_map(|bone| Some((bones.parent(bone)?.index(), bone.index())));
         Ok(Self {
             inner: Arc::new(capture.or_raise()?),
             up,
+            bones: Some(pairs.collect()),
         })
     }
 
@@ -117,6 +130,12 @@ impl Capture {
             UpAxis::Y => "y",
             UpAxis::Z => "z",
         }
+    }
+
+    /// Pairs of joints' numbers that bones join; None where that is not known.
+    #[getter]
+    fn bones(&self) -> Option<Vec<(usize, usize)>> {
+        self.bones.clone()
     }
 
     /// Where the joints are, shape (T, J, 3).
@@ -144,7 +163,10 @@ impl Capture {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         let own = slf.get();
         let positions = own.positions(slf.py())?;
-        pickling::by_class::<Self>(slf.py(), (positions, own.joints(), own.fps(), own.up()))
+        pickling::by_class::<Self>(
+            slf.py(),
+            (positions, own.joints(), own.fps(), own.up(), own.bones()),
+        )
     }
 }
 
@@ -194,7 +216,7 @@ type Told<'py> = (
     Vec<String>,
     Bound<'py, PyArray2<f64>>,
     Vec<String>,
-    (f64, f64),
+    (f64, f64, f64),
     Vec<(String, &'static str, usize, usize)>,
 );
 
@@ -221,9 +243,10 @@ fn capture_retargeted<'py>(
         let errors = retargeting.errors(&found)?;
         let limits = retargeting.limits_met(&found);
         let driving = retargeting.driving();
-        Ok::<_, RetargetError>((found, errors, limits, driving))
+        let stride = retargeting.stride();
+        Ok::<_, RetargetError>((found, errors, limits, driving, stride))
     });
-    let (found, errors, limits, driving) = found.or_raise()?;
+    let (found, errors, limits, driving, stride) = found.or_raise()?;
     let driven = driving.iter().map(|&joint| capture.names()[joint].clone());
     let limits = limits.into_iter().map(|met| {
         let side = match (met.bound, met.side) {
@@ -243,7 +266,7 @@ fn capture_retargeted<'py>(
         found.standing,
         arrays::list(py, &errors).reshape([frames, driving.len()])?,
         driven.collect(),
-        (found.mean_error, found.slip),
+        (found.mean_error, found.slip, stride),
         limits.collect(),
     ))
 }

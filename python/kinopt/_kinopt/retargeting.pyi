@@ -9,7 +9,14 @@ from .animation import Clip
 
 @final
 class Capture:
-    def __new__(cls, positions: ArrayLike, joints: list[str], fps: float, up: str = "z") -> Capture: ...
+    def __new__(
+        cls,
+        positions: ArrayLike,
+        joints: list[str],
+        fps: float,
+        up: str = "z",
+        bones: list[tuple[int, int]] | None = None,
+    ) -> Capture: ...
     @staticmethod
     def of_clip(clip: Clip, fps: float, up: str = "y") -> Capture: ...
     @property
@@ -18,6 +25,8 @@ class Capture:
     def fps(self) -> float: ...
     @property
     def up(self) -> Literal["y", "z"]: ...
+    @property
+    def bones(self) -> list[tuple[int, int]] | None: ...
     @property
     def positions(self) -> Floats: ...
     def __len__(self) -> int: ...
@@ -46,7 +55,7 @@ def capture_retargeted(
     list[str],
     Floats,
     list[str],
-    tuple[float, float],
+    tuple[float, float, float],
     list[tuple[str, str, int, int]],
 ]: ...
 def map_guessed(

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .._kinopt.retargeting import Capture
 from ..errors import FileError, InvalidValueError
 from ..types import Floats
 
@@ -50,12 +51,16 @@ class Retargeted:
     """Their mean over all frames, metres."""
     slip: float
     """How far what stands is from where it came to stand, at most, metres."""
+    stride: float
+    """How many times as large as the person's its steps are."""
     limits: list[LimitMet]
     """The limits that are met, by joint and then by frame."""
     map: dict[str, Any]
     """The map that it went by."""
     notes: list[str]
     """What a guessed map leaves to be looked at."""
+    capture: Capture
+    """What was brought there."""
 
     def __len__(self) -> int:
         return len(self.q)

@@ -45,7 +45,10 @@ def asked(
     if given is not None:
         joints = given.get("joints") or joints if joints is None else joints
         fps = given.get("fps") if fps is None else fps
-        up = given.get("up") if up is None else up
+        if up is not None:
+            # What is said here comes first.
+            given = {**given, "up": up}
+        up = given.get("up")
     capture = read_capture(source, joints=joints, skeleton=skeleton, fps=fps, up=up, clip=clip)
     if isinstance(target, (str, os.PathLike)):
         target = _read_robot(Path(target))
@@ -106,9 +109,10 @@ def retarget(
         contact_height=contact_height,
         acceleration=acceleration,
     )
-    q, names, contacts, standing, errors, driven, (mean_error, slip), limits = capture_retargeted(
+    q, names, contacts, standing, errors, driven, measured, limits = capture_retargeted(
         own.capture, own.target, json.dumps(own.map), whole, own.options
     )
+    mean_error, slip, stride = measured
     return Retargeted(
         q=q,
         fps=own.capture.fps,
@@ -119,9 +123,11 @@ def retarget(
         driven=driven,
         mean_error=mean_error,
         slip=slip,
+        stride=stride,
         limits=[LimitMet(*limit) for limit in limits],
         map=own.map,
         notes=own.notes,
+        capture=own.capture,
     )
 
 

@@ -9,10 +9,11 @@ if find_spec("viser") is None:
     raise ImportError("kinopt.view needs viser: pip install 'kinopt[view]'")
 
 from .body import Body, Clip, Piece
+from .movement import Movement
 from .obstacles import Obstacles
 from .robot_body import RobotBody
 from .scene import Scene
 from .solids import Solid
 from .target import Target
 
-__all__ = ["Body", "Clip", "Obstacles", "Piece", "RobotBody", "Scene", "Solid", "Target"]
+__all__ = ["Body", "Clip", "Movement", "Obstacles", "Piece", "RobotBody", "Scene", "Solid", "Target"]

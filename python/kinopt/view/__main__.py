@@ -44,6 +44,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "--world", metavar="FILE", help="obstacles that a robot, or a rig with a skin, keeps clear of: .json, or MoveIt's .yaml"
     )
     parser.add_argument("--margin", type=float, default=0.0, metavar="METRES", help="how far; 0 unless said")
+    parser.add_argument(
+        "--retarget", metavar="SOURCE", help="a person's movement that the model does: .npy, .bvh, .glb; they are shown beside it"
+    )
+    parser.add_argument(
+        "--map", metavar="FILE|NAME", help="which joint drives which frame: .json, or cmu, lafan1, mixamo or smpl; guessed unless said"
+    )
+    parser.add_argument("--fps", type=float, metavar="N", help="frames a second of the movement")
+    parser.add_argument("--whole", action="store_true", help="solve the movement as a whole, not frame by frame")
     parser.add_argument("--no-browser", action="store_true", help="print the address and open no browser")
     options = parser.parse_args(arguments)
     try:
@@ -58,6 +66,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             hold=options.hold,
             world=options.world,
             margin=options.margin,
+            retarget=options.retarget,
+            map=options.map,
+            fps=options.fps,
+            whole=options.whole,
         )
     except kinopt.KinoptError as error:
         print(error, file=sys.stderr)

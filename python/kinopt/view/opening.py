@@ -143,11 +143,21 @@ def open_page(
     hold: Sequence[str] = (),
     world: kinopt.World | str | Path | None = None,
     margin: float = 0.0,
+    retarget: str | Path | None = None,
+    map: str | Path | None = None,
+    fps: float | None = None,
+    whole: bool = False,
 ) -> Page:
     """The page of a model: see `python -m kinopt.view --help`. Raises as `open_model` and `World.read`, `UnknownNameError` for
-    a frame to hold, `InvalidValueError` for a world around what has no shapes."""
+    a frame to hold, `InvalidValueError` for a world around what has no shapes, and as `kinopt.retarget` for a movement."""
     path = Path(path)
+    movement = None
+    if retarget is not None:
+        base_joint = base_joint or ("free" if path.suffix.lower() != ".json" else None)
     opened = open_model(path, base_joint)
+    if retarget is not None:
+        movement = kinopt.retarget(retarget, opened.thing, None if map is None else str(map), fps=fps, whole=whole)
+        opened.notes += movement.notes
     if world is not None:
         world = world if isinstance(world, kinopt.World) else kinopt.World.read(world)
         # Whether it goes with the model is known before a page opens.
@@ -165,6 +175,7 @@ def open_page(
     if isinstance(opened.thing, kinopt.Robot):
         body.q = opening_pose(opened.thing, hold)
         scene.frame_all()
+    clips = [] if movement is None else [scene.add_movement(movement, body, name=Path(str(retarget)).stem)]
     return Page(
         scene,
         body,
@@ -174,4 +185,5 @@ def open_page(
         hold=hold,
         world=world,
         margin=margin,
+        clips=clips,
     )

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import kinopt
 
-from .body import Body
+from .body import Body, Clip
 from .dragging import Dragging
 from .joints_panel import JointsPanel
 from .save_panel import SavePanel
@@ -34,18 +34,22 @@ class Page(Dragging):
         hold: Iterable[str] = (),
         world: kinopt.World | None = None,
         margin: float = 0.0,
+        clips: Iterable[Clip] = (),
     ) -> None:
         super().__init__(scene, body, turns=turns, tolerance=tolerance, world=world, margin=margin)
         #: What was mended or is not drawn, one line each.
         self.notes = [*notes, *body.missing]
         self._hold = list(hold)
+        #: What is played before the body's own clips; where there is any, gizmos are picked from the list.
+        self._played = list(clips)
         scene.loop.call(self._furnish)
 
     def _furnish(self) -> None:
         """The panel, and gizmos on the tips."""
         self.status = StatusPanel(self)
         self.targets_panel = TargetsPanel(self)
-        self.time = TimePanel(self) if self.body.clips else None
+        clips = [*self._played, *self.body.clips]
+        self.time = TimePanel(self, clips) if clips else None
         self.solver_panel = SolverPanel(self)
         self.joints = JointsPanel(self)
         self.saving = SavePanel(self)
@@ -59,5 +63,6 @@ class Page(Dragging):
             self.on_grab.append(self.time.pause)
         for frame in dict.fromkeys([*self._hold, *self.body.pinned_first]):
             self.add_target(frame, pinned=True)
-        for frame in self.apart(self.body.tips)[:MOST_TARGETS]:
+        first = [] if self._played else self.apart(self.body.tips)[:MOST_TARGETS]
+        for frame in first:
             self.add_target(frame)

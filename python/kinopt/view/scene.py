@@ -14,10 +14,11 @@ import kinopt
 
 from . import stage
 from .animated import AnimatedBody
-from .body import Body
+from .body import Body, Clip
 from .canvas import Canvas
 from .character import CharacterBody
 from .look import Color, extent, extent_of
+from .movement import Movement, show_movement
 from .obstacles import Obstacles
 from .robot_body import RobotBody, Style
 from .stage import Up
@@ -127,6 +128,28 @@ class Scene(Canvas):
         shown = Obstacles(self, world, name, on)
         self.place(name, shown)
         return shown
+
+    def add_movement(
+        self, movement: kinopt.Retargeted, body: Body, *, beside: float | None = 0.9, name: str = "movement"
+    ) -> Movement:
+        """Has a body do a movement that was brought onto it: a clip, whose `show(seconds)` moves it and which `play` plays.
+
+        The person whose movement it is stands beside it, so many times its size away and drawn with legs as long as the body's;
+        None leaves them out. The camera sees all of the way. Raises `InvalidValueError` for a movement of another body.
+        """
+        return show_movement(self, movement, body, beside, name)
+
+    def play(self, clip: Clip, speed: float = 1.0) -> None:
+        """Plays a clip again and again, `speed` times as fast as it is, while the page is served."""
+        start, end = clip.span
+        begun: list[float] = []
+
+        def tick(now: float) -> bool:
+            begun.append(now) if not begun else None
+            clip.show(start + (now - begun[0]) * speed % max(end - start, 1e-9))
+            return True
+
+        self.every_frame(tick)
 
     def _measure(self, thing: Any) -> None:
         """The first thing shown says how large all is drawn."""

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from typing import Any
 
+from .body import Clip
 from .dragging import Dragging
 
 #: How much faster or slower than life.
@@ -14,9 +16,9 @@ SPEEDS = ("0.1", "0.25", "0.5", "1", "2", "4")
 class TimePanel:
     """Which clip, when, and whether it runs; below the picture."""
 
-    def __init__(self, page: Dragging) -> None:
+    def __init__(self, page: Dragging, clips: Sequence[Clip]) -> None:
         self._page = page
-        self._clips = {clip.name: clip for clip in page.body.clips}
+        self._clips = {clip.name: clip for clip in clips}
         self._clip = next(iter(self._clips.values()))
         #: Where in the clip it is, seconds.
         self.now = self._clip.span[0]

@@ -7,10 +7,14 @@ use super::known_maps::KnownBody;
 use super::part_names::parts_of;
 use super::proportions::Proportions;
 use super::{BodyMap, BodyPart, Capture, Drive, KnownSkeleton, RetargetError};
+use crate::kinematics::ForwardKinematics;
 use crate::model::Model;
+use crate::spatial::Vector3;
 
 /// With fewer parts there is no body.
 const FEWEST: usize = 3;
+/// Frames so near to each other, as a share of the model's reach, are at one place.
+const NEAR: f64 = 0.01;
 
 /// A map that was guessed, and by what.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,12 +78,14 @@ impl BodyMap {
             });
         }
         let frames = || model.frames().iter().map(|frame| frame.name.as_str());
+        let mut notes = Vec::new();
         let (body, parts) = match KnownBody::of_model(model)? {
             Some(known) => (Some(known.name), known.parts),
             None => {
                 let told = parts_of(frames()).into_iter();
                 let frame = |at: usize| DriveText::Frame(model.frames()[at].name.clone());
-                (None, told.map(|(part, at)| (part, frame(at))).collect())
+                let told = told.map(|(part, at)| (part, frame(at))).collect();
+                (None, apart(model, told, &mut notes)?)
             }
         };
         if parts.len() < FEWEST {
@@ -88,7 +94,6 @@ impl BodyMap {
                 names: some_of(frames()),
             });
         }
-        let mut notes = Vec::new();
         let mut drives: Vec<Drive> = Vec::new();
         let mut contacts = Vec::new();
         let mut driving = BTreeMap::new();
@@ -139,6 +144,35 @@ impl BodyMap {
             notes,
         })
     }
+}
+
+/// The parts whose frames are at places of their own: two joints that drive one place would pull at it both.
+fn apart(
+    model: &Model,
+    mut parts: BTreeMap<BodyPart, DriveText>,
+    notes: &mut Vec<String>,
+) -> Result<BTreeMap<BodyPart, DriveText>, RetargetError> {
+    let mut kinematics = ForwardKinematics::new(model);
+    let placed = kinematics.place(&model.neutral());
+    let placed = placed.map_err(|error| RetargetError::Map(error.to_string()))?;
+    let mut taken: Vec<(Vector3<f64>, String)> = Vec::new();
+    let near = NEAR * model.reach();
+    for (part, name) in BodyPart::ALL {
+        let Some(frame) = parts.get(&part).map(|own| own.frame().to_owned()) else {
+            continue;
+        };
+        let at = placed[model.frame(&frame)?.index()].translation;
+        match taken.iter().find(|(other, _)| (at - *other).norm() <= near) {
+            None => taken.push((at, frame)),
+            Some((_, other)) => {
+                notes.push(format!(
+                    "{name}: `{frame}` is where `{other}` is, so it is left out"
+                ));
+                parts.remove(&part);
+            }
+        }
+    }
+    Ok(parts)
 }
 
 /// The first of many names, for a message.

@@ -1,0 +1,149 @@
+"""A person's movement beside the body that it was brought onto."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import kinopt
+
+from . import stage
+from .body import Body
+from .canvas import Canvas
+from .transforms import matrix_of
+
+Array = NDArray[np.float64]
+
+#: What the person is drawn in.
+COLOR = (196, 120, 52)
+#: Frames in which it is looked at which joints one bone joins.
+LOOKED_AT = 64
+#: Of joints that keep as even a distance, the nearer ones are of one bone: what a length counts beside an unevenness.
+LENGTH = 0.05
+#: How thick bones are drawn, pixels.
+WIDTH = 5.0
+#: And joints, of a body as large as a person.
+JOINT = 0.006
+
+
+class Person:
+    """Captured joints, and lines for the bones between them."""
+
+    def __init__(
+        self, scene: Canvas, name: str, positions: Array, bones: list[tuple[int, int]] | None = None
+    ) -> None:
+        self.scene = scene
+        #: Its name in the scene.
+        self.name = name
+        #: Where its joints are, shape (T, J, 3).
+        self.positions = positions
+        self.bones = bones_of(positions) if bones is None else np.array(bones, dtype=np.intp).reshape(-1, 2)
+        first = positions[0]
+        self._joints: Any = scene.points(f"{name}/joints", first, COLOR, size=JOINT * stage.DRAWN / scene.drawn)
+        self._lines: Any = scene.server.scene.add_line_segments(
+            f"/{name}/bones", points=self._ends(0), colors=COLOR, thickness=WIDTH, thickness_units="screen"
+        )
+
+    def _ends(self, frame: int) -> Any:
+        return (self.positions[frame][self.bones] * self.scene.drawn).astype(np.float32)
+
+    def show(self, frame: int) -> None:
+        """Moves it to a frame."""
+        self._joints.points = (self.positions[frame] * self.scene.drawn).astype(np.float32)
+        self._lines.points = self._ends(frame)
+
+    def remove(self) -> None:
+        """Takes it out of the scene."""
+        self._joints.remove()
+        self._lines.remove()
+
+
+class Movement:
+    """A movement that a body in a scene does, with the person beside it: a clip."""
+
+    def __init__(self, name: str, movement: kinopt.Retargeted, body: Body, person: Person | None) -> None:
+        #: What it is called.
+        self.name = name
+        #: From when to when it goes, seconds.
+        self.span = (0.0, (len(movement) - 1) / movement.fps)
+        self.movement, self.body, self.person = movement, body, person
+        self._at = body.at.copy()
+        self._base = movement.q.shape[1] - len(body.q)
+        if self._base not in (0, 7):
+            raise kinopt.InvalidValueError(
+                f"a movement of {movement.q.shape[1]} numbers is not of {body.name}, which has {len(body.q)}"
+            )
+
+    def show(self, seconds: float) -> None:
+        """Moves body and person to where they are then."""
+        frame = min(max(round(seconds * self.movement.fps), 0), len(self.movement) - 1)
+        q = self.movement.q[frame]
+        if self._base:
+            # A rig has no joint that moves it as a whole.
+            self.body.at = self._at @ matrix_of(q[3:7], q[:3])
+        self.body.q = q[self._base :]
+        if self.person is not None:
+            self.person.show(frame)
+
+
+def show_movement(
+    scene: Canvas, movement: kinopt.Retargeted, body: Body, beside: float | None, name: str
+) -> Movement:
+    """As `Scene.add_movement`."""
+    played = Movement(name, movement, body, None)
+    played.show(0.0)
+    size = body.size()
+    if beside is not None:
+        positions = upright(movement)
+        # To its left, as it looks along x in most files.
+        positions[..., 1] += beside * size
+        played.person = Person(scene, scene.clear(name), positions, movement.capture.bones)
+        scene.place(name, played.person)
+    _look(scene, played, size)
+    return played
+
+
+def upright(movement: kinopt.Retargeted) -> Array:
+    """Where the person's joints are with z upward and legs as long as the body's, the lowest on the ground."""
+    positions = movement.capture.positions
+    if movement.map.get("up", movement.capture.up) == "y":
+        positions = positions[..., [0, 2, 1]] * [1.0, -1.0, 1.0]
+    positions = movement.stride * positions
+    positions[..., 2] -= np.quantile(positions[..., 2].min(axis=1), 0.05)
+    return positions
+
+
+def bones_of(positions: Array) -> NDArray[np.intp]:
+    """Which joints bones join, shape (J - 1, 2): the tree whose distances change least."""
+    looked_at = positions[:: max(len(positions) // LOOKED_AT, 1)][:LOOKED_AT]
+    apart = np.linalg.norm(looked_at[:, :, None] - looked_at[:, None], axis=3)
+    price = apart.std(axis=0) + LENGTH * apart.mean(axis=0)
+    joints = len(price)
+    reached, nearest, best = np.zeros(joints, bool), np.zeros(joints, int), price[0].copy()
+    reached[0] = True
+    bones = []
+    for _ in range(joints - 1):
+        joint = int(np.where(reached, np.inf, best).argmin())
+        bones.append((nearest[joint], joint))
+        reached[joint] = True
+        nearer = price[joint] < best
+        nearest[nearer], best[nearer] = joint, price[joint][nearer]
+    return np.array(bones, dtype=np.intp).reshape(-1, 2)
+
+
+def _look(scene: Canvas, played: Movement, size: float) -> None:
+    """Has the camera see all of the way."""
+    low, high = played.body.box()
+    # A free base's place comes first, of robots and rigs.
+    q = played.movement.q
+    way = q[:, :3] - q[0, :3] if q.shape[1] > 7 else np.zeros((1, 3))
+    low, high = low + way.min(axis=0), high + way.max(axis=0)
+    if played.person is not None:
+        places = played.person.positions
+        low = np.minimum(low, places.min(axis=(0, 1)))
+        high = np.maximum(high, places.max(axis=(0, 1)))
+    low, high = low * scene.drawn, high * scene.drawn
+    stage.lay_ground(scene.server, scene.up, 0.0, float(np.linalg.norm(high - low)))
+    stage.look_at(scene.server, scene.up, low, high)

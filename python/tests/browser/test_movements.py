@@ -1,0 +1,64 @@
+"""A person's movement beside the robot that it was brought onto, in a real browser: both are drawn, and both move."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kinopt
+
+from . import made
+from .conftest import unexpected
+
+pytest.importorskip("viser", reason="SKIPPED: the viewer's browser tests need viser and Chromium")
+
+from kinopt.view.opening import open_page  # noqa: E402
+
+MODELS = Path(__file__).parents[3] / "models"
+PICTURES = os.environ.get("KINOPT_PICTURES")
+
+
+def test_source_and_target_are_played_side_by_side(tmp_path, open_tab):
+    person = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
+    made.write_capture(person, tmp_path / "waving.bvh")
+    page = open_page(MODELS / "aldebaran_nao.urdf", port=8340, retarget=tmp_path / "waving.bvh", fps=30.0)
+    try:
+        shown = open_tab(page, 1280, 800) if PICTURES else open_tab(page)
+        movement = page.time._clip
+        assert movement.name == "waving" and movement.span[1] > 1.0
+        orange = _orange(shown)
+        assert orange.sum() > 50, "the person is not drawn"
+        before = shown.colors()
+        page.call(lambda: page.time.show(1.2))
+        shown.settle(2.0)
+        # The robot stands as it was found, and the person where the capture has them.
+        frame = round(1.2 * movement.movement.fps)
+        assert np.array_equal(page.body.q, movement.movement.q[frame])
+        hand = movement.movement.capture.joints.index("left_hand")
+        place = movement.person.positions[frame, hand]
+        column, row = shown.pixel(place).round().astype(int)
+        assert _orange(shown)[row - 6 : row + 7, column - 6 : column + 7].any(), "the hand is drawn elsewhere"
+        assert (np.abs(shown.colors() - before).sum(axis=2) > 30).mean() > 0.001
+        # Played by its button, time goes on.
+        shown.tab.get_by_role("button", name="Play").click()
+        shown.settle(2.0)
+        assert page.time.now != 1.2
+        assert page.scene.loop.failure is None and unexpected(shown.console) == []
+        if PICTURES:
+            from PIL import Image
+
+            page.call(page.time.pause)
+            page.call(lambda: page.time.show(1.2))
+            shown.settle(2.0)
+            image = Image.fromarray(shown.colors().astype(np.uint8))
+            image.quantize(256).save(Path(PICTURES) / "view-retarget.png", optimize=True)
+    finally:
+        page.scene.close()
+
+
+def _orange(shown):
+    red, green, blue = np.moveaxis(shown.colors(), 2, 0)
+    return (red > 150) & (green > 60) & (green < 170) & (blue < 120) & (red - blue > 80)

@@ -1,0 +1,66 @@
+"""Movements on a page: bodies stand as they were found, people beside them as they were captured."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kinopt
+
+pytest.importorskip("viser", reason="SKIPPED: the viewer's tests need viser (pip install 'kinopt[view]')")
+
+from kinopt.view import Scene  # noqa: E402
+from kinopt.view.movement import bones_of  # noqa: E402
+from test_retargeting import JOINTS, MAP, NAO, person, sway  # noqa: E402
+
+MODELS = Path(__file__).parents[2] / "models"
+
+
+def test_a_robot_and_a_person_move_together():
+    robot = kinopt.Robot.from_urdf(NAO, base_joint="free")
+    movement = kinopt.retarget(sway(), robot, MAP)
+    with Scene(port=8250) as scene:
+        body = scene.add(robot)
+        clip = scene.add_movement(movement, body, beside=2.0)
+        assert clip.span == (0.0, 29 / 30)
+        for frame in (0, 7, 29):
+            clip.show(frame / 30)
+            assert np.array_equal(body.q, movement.q[frame])
+            # On the ground, with legs as long as the robot's.
+            drawn = np.asarray(clip.person._joints.points) / scene.drawn
+            assert np.isclose(drawn[0, 2] - drawn[1, 2], 0.9 * movement.stride, rtol=1e-3)
+            assert np.isclose(drawn[:, 2].min(), 0.0, atol=1e-6)
+        # Beyond its ends it stands at them.
+        clip.show(99.0)
+        assert np.array_equal(body.q, movement.q[-1])
+        other = scene.add(kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf"))
+        with pytest.raises(kinopt.InvalidValueError, match="is not of"):
+            scene.add_movement(movement, other)
+
+
+def test_a_rig_moves_as_a_whole():
+    rig = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
+    names, places = person()
+    places[:, :, 0] += 0.02 * np.arange(len(places))[:, None]
+    movement = kinopt.retarget(places, rig, "smpl", fps=30)
+    with Scene(port=8251) as scene:
+        body = scene.add(rig)
+        clip = scene.add_movement(movement, body, beside=None)
+        clip.show(0.0)
+        start = body.frame("pelvis")[:3, 3]
+        clip.show(clip.span[1])
+        moved = body.frame("pelvis")[:3, 3] - start
+        assert clip.person is None and moved[0] > 0.1
+        assert np.array_equal(body.q, movement.q[-1, 7:])
+
+
+def test_bones_join_what_keeps_its_distance():
+    # A chain of three whose ends come near each other, and one beside it.
+    turn = np.linspace(0.0, 2.5, 40)
+    places = np.zeros((40, 4, 3))
+    places[:, 1, 0] = 1.0
+    places[:, 2, 0] = 1.0 + np.cos(turn)
+    places[:, 2, 1] = np.sin(turn)
+    places[:, 3] = places[:, 2] + [0.0, 0.0, 0.5]
+    assert {tuple(sorted(bone)) for bone in bones_of(places).tolist()} == {(0, 1), (1, 2), (2, 3)}
+    assert JOINTS and bones_of(places[:, :1]).shape == (0, 2)
