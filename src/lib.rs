@@ -96,6 +96,8 @@ pub mod skinning;
 pub mod solver;
 pub mod spatial;
 pub mod task;
+#[cfg(feature = "yaml")]
+mod yaml;
 
 // Their types are in the interface: a caller's own copy of another version would not fit.
 pub use glam;

@@ -1,6 +1,6 @@
 //! How a model's file is taken.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use kinopt::robot::Robot;
@@ -28,6 +28,11 @@ pub(crate) struct ModelOptions {
     /// only within <limit>.
     #[arg(long, help_heading = MODEL, hide_short_help = true)]
     soft_limits: bool,
+
+    /// Limits of a robot's joints, as MoveIt's joint_limits.yaml: velocities and accelerations, and positions within those of its own file.
+    /// Default: the robot's file alone.
+    #[arg(long, value_name = "FILE", help_heading = MODEL, hide_short_help = true)]
+    joint_limits: Option<PathBuf>,
 
     #[command(flatten)]
     base: BaseJointOptions,
@@ -62,6 +67,10 @@ impl ModelOptions {
                 .with_soft_limits()
                 .map_err(|error| failure!("{file}: soft limits: {error}"))?,
             false => robot,
+        };
+        let robot = match &self.joint_limits {
+            Some(limits) => robot.with_joint_limits(limits)?,
+            None => robot,
         };
         let file = file.to_string();
         let robot = self.base.put_under(robot, &file)?;
@@ -113,6 +122,7 @@ impl ModelOptions {
         let given = [
             (self.lenient, "--lenient"),
             (self.soft_limits, "--soft-limits"),
+            (self.joint_limits.is_some(), "--joint-limits"),
         ];
         let given = given.into_iter().find(|(given, _)| *given);
         match given.map(|(_, option)| option).or(self.loops.given()) {

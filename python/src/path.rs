@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use kinopt::motion::path::{CartesianPath, Course, MissReason, PathSolver, QuaternionOrder};
+use kinopt::motion::path::{
+    CartesianPath, Course, MissReason, PathSolver, QuaternionOrder, trapezoid_times,
+};
 use kinopt::spatial::{Placement, Quaternion, Vector3};
-use numpy::{PyArray2, PyArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
@@ -140,10 +142,41 @@ pub(crate) struct PathSolution {
     /// How a file was read; None of an array.
     #[pyo3(get)]
     read_as: Option<String>,
+    /// The arm's own, rad/s or m/s, and a second squared.
+    rates: [Vec<f64>; 2],
 }
 
 #[pymethods]
 impl PathSolution {
+    /// When each row is, shape (N,), seconds, the first at 0: a plain trapezoid of speed from rest to rest, in which no joint is faster than its
+    /// velocity limit nor changes its speed faster than its acceleration limit, shape (dof,), or one number for all. Without them the
+    /// arm's own, where `Robot.with_joint_limits` says accelerations. Before and after a reconfiguration the arm rests.
+    ///
+    /// Raises `InvalidValueError` for limits that are not above 0, and for accelerations that nobody said.
+    #[pyo3(signature = (acceleration_limits = None, velocity_limits = None))]
+    fn times<'py>(
+        &self,
+        py: Python<'py>,
+        acceleration_limits: Option<&Bound<'py, PyAny>>,
+        velocity_limits: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let width = self.joint_names.len();
+        let limits = |given: Option<&Bound<'py, PyAny>>, what: &str, own: &[f64]| match given {
+            None => Ok(own.to_vec()),
+            Some(given) => match given.extract::<f64>() {
+                Ok(one) => Ok(vec![one; width]),
+                Err(_) => arrays::copied(given, what),
+            },
+        };
+        let [velocities, accelerations] = &self.rates;
+        let velocities = limits(velocity_limits, "velocity_limits", velocities)?;
+        let accelerations = limits(acceleration_limits, "acceleration_limits", accelerations)?;
+        let rows: Vec<&[f64]> = self.q.chunks(width.max(1)).collect();
+        let rests: Vec<usize> = self.reconfigured_at.iter().map(|told| told.index).collect();
+        let times = trapezoid_times(&rows, &rests, &velocities, &accelerations).or_raise()?;
+        Ok(PyArray1::from_vec(py, times))
+    }
+
     /// One configuration a point, shape (N, dof), in the order in which the path is gone.
     #[getter]
     fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
@@ -186,7 +219,12 @@ impl PathSolution {
             own.missed.clone(),
             own.blocked.clone(),
         );
-        let rest = (own.entry, own.length, own.read_as.clone());
+        let rest = (
+            own.entry,
+            own.length,
+            own.read_as.clone(),
+            own.rates.clone(),
+        );
         let parts = (
             own.q.clone(),
             own.joint_names.clone(),
@@ -202,11 +240,11 @@ impl PathSolution {
         _class: &Bound<'_, PyType>,
         q: Vec<f64>,
         joint_names: Vec<String>,
-        rest: (usize, f64, Option<String>),
+        rest: (usize, f64, Option<String>, [Vec<f64>; 2]),
         deviation: (f64, usize, f64, usize),
         lists: Lists<'_>,
     ) -> Self {
-        let (entry, length, read_as) = rest;
+        let (entry, length, read_as, rates) = rest;
         let (largest_deviation, largest_deviation_at, largest_turn, largest_turn_at) = deviation;
         let (reconfigured_at, missed, blocked) = lists;
         Self {
@@ -222,6 +260,7 @@ impl PathSolution {
             missed: missed.iter().map(|m| m.get().clone()).collect(),
             blocked,
             read_as,
+            rates,
         }
     }
 }
@@ -355,6 +394,7 @@ fn tell(
         q: solution.q,
         joint_names,
         read_as,
+        rates: [arm.velocity_limits(), arm.acceleration_limits()].map(<[f64]>::to_vec),
     }
 }
 

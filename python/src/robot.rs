@@ -1,6 +1,6 @@
 //! Robots from URDF and MJCF.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use kinopt::collision::Checker;
@@ -44,6 +44,8 @@ struct Source {
     file: String,
     lenient: bool,
     soft_limits: bool,
+    /// Texts of joint_limits.yaml and their names.
+    joint_limits: Vec<(Arc<str>, String)>,
     base: Base,
     tools: Vec<(String, String, Placement<f64>)>,
     loops: Loops,
@@ -93,6 +95,16 @@ impl Base {
     }
 }
 
+/// What a file holds, and its name in messages.
+fn text_of(path: &Path) -> PyResult<(String, String)> {
+    let file = path.display().to_string();
+    let bytes = std::fs::read(path)
+        .map_err(|error| raise(Kind::File, format!("{file}: cannot be read: {error}")))?;
+    let text = String::from_utf8(bytes)
+        .map_err(|_| raise(Kind::InvalidFile, format!("{file}: is not UTF-8 text")))?;
+    Ok((text, file))
+}
+
 impl Robot {
     fn build(source: Source) -> PyResult<Self> {
         let reader = kinopt::robot::Robot::reader();
@@ -105,6 +117,11 @@ impl Robot {
         let mut robot = robot.with_file(&source.file);
         if source.soft_limits {
             robot = robot.with_soft_limits().or_raise()?;
+        }
+        for (text, file) in &source.joint_limits {
+            robot = robot
+                .with_joint_limits_of(text.as_bytes(), file)
+                .or_raise()?;
         }
         robot = robot.with_base_joint(source.base.joint()?).or_raise()?;
         for (name, link, tool) in &source.tools {
@@ -175,16 +192,13 @@ impl Robot {
         lenient: bool,
         soft_limits: bool,
     ) -> PyResult<Self> {
-        let file = path.display().to_string();
-        let bytes = std::fs::read(&path)
-            .map_err(|error| raise(Kind::File, format!("{file}: cannot be read: {error}")))?;
-        let text = String::from_utf8(bytes)
-            .map_err(|_| raise(Kind::InvalidFile, format!("{file}: is not UTF-8 text")))?;
+        let (text, file) = text_of(&path)?;
         Self::build(Source {
             text: text.into(),
             file,
             lenient,
             soft_limits,
+            joint_limits: Vec::new(),
             base: Base::new(base_joint, base_room)?,
             tools: Vec::new(),
             loops: Loops::default(),
@@ -217,6 +231,7 @@ impl Robot {
             file: path.display().to_string(),
             lenient: false,
             soft_limits: false,
+            joint_limits: Vec::new(),
             base: Base::new(base_joint, base_room)?,
             tools: Vec::new(),
             loops: Loops::default(),
@@ -244,10 +259,22 @@ impl Robot {
             file: name.to_owned(),
             lenient,
             soft_limits,
+            joint_limits: Vec::new(),
             base: Base::new(base_joint, base_room)?,
             tools: Vec::new(),
             loops: Loops::default(),
         })
+    }
+
+    /// The same robot with the limits of MoveIt's joint_limits.yaml: `max_velocity`, `max_acceleration`, and `min_position` and
+    /// `max_position`, which narrow what the robot's file says.
+    ///
+    /// Raises `FileError` where it cannot be read, `InvalidFileError`, which names the line, for what is wrong in it.
+    fn with_joint_limits(&self, path: PathBuf) -> PyResult<Self> {
+        let (text, file) = text_of(&path)?;
+        let mut source = self.source.clone();
+        source.joint_limits.push((text.into(), file));
+        Self::build(source)
     }
 
     /// The same robot with one more frame, `name`, which stands `link_from_tool` (4 x 4, metres) away from
@@ -334,6 +361,13 @@ impl Robot {
     #[getter]
     fn velocity_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         self.per_joint(py, |id| self.inner.velocity_limit(id))
+    }
+
+    /// How fast the speeds of the joints may change, in configuration order, shape (dof,), rad/s² or m/s²; inf for none. See
+    /// `with_joint_limits`.
+    #[getter]
+    fn acceleration_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        self.per_joint(py, |id| self.inner.acceleration_limit(id))
     }
 
     /// Strongest torques and forces in configuration order, shape (dof,), N m or N; inf for none.
@@ -636,7 +670,7 @@ impl Robot {
         text: &str,
         file: String,
         lenient: bool,
-        soft_limits: bool,
+        limits: (bool, Vec<(String, String)>),
         base: (Option<Bound<'_, PyAny>>, Option<Bound<'_, PyDict>>),
         tools: Vec<(String, String, Bound<'_, PyAny>)>,
         loops: (bool, Vec<PickledLoop<'_>>, Option<Vec<String>>),
@@ -651,7 +685,10 @@ impl Robot {
             text: text.into(),
             file,
             lenient,
-            soft_limits,
+            soft_limits: limits.0,
+            joint_limits: (limits.1.into_iter())
+                .map(|(text, file)| (text.into(), file))
+                .collect(),
             base: Base::new(base.0, base.1)?,
             tools: tools.collect::<PyResult<_>>()?,
             loops: Loops {
@@ -679,7 +716,12 @@ impl Robot {
             &*source.text,
             source.file.as_str(),
             source.lenient,
-            source.soft_limits,
+            (
+                source.soft_limits,
+                (source.joint_limits.iter())
+                    .map(|(text, file)| (&**text, file.as_str()))
+                    .collect::<Vec<_>>(),
+            ),
             (source.base.joint.as_deref(), room),
             tools,
             (source.loops.without, added, source.loops.passive.clone()),

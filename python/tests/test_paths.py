@@ -91,6 +91,32 @@ def test_solutions_are_pickled(arm: kinopt.Arm) -> None:
     assert repr(back.reconfigured_at) == repr(solved.reconfigured_at)
 
 
+def test_times_keep_the_limits_of_a_file(arm: kinopt.Arm, tmp_path: Path) -> None:
+    lines = [f"  joint{joint}: {{max_velocity: 0.8, max_acceleration: {joint}}}" for joint in range(1, 8)]
+    file = tmp_path / "joint_limits.yaml"
+    file.write_text("joint_limits:\n" + "\n".join(lines))
+    robot = kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf").with_joint_limits(file)
+    limited = kinopt.Arm(pickle.loads(pickle.dumps(robot)), "base", "flange")
+    assert np.array_equal(limited.acceleration_limits, np.arange(1.0, 8.0))
+    assert np.array_equal(robot.acceleration_limits[:7], np.arange(1.0, 8.0))
+    solved = kinopt.solve_path(limited, sideways(limited))
+    for told in (solved, pickle.loads(pickle.dumps(solved))):
+        times = told.times()
+        assert times.shape == (60,) and times[0] == 0.0 and np.all(np.diff(times) > 0)
+        speeds = np.abs(np.diff(told.q, axis=0)) / np.diff(times)[:, None]
+        assert speeds.max() <= 0.8 + 1e-9
+    # Slower joints take longer; one number stands for all.
+    assert solved.times(0.1)[-1] > solved.times()[-1]
+    assert solved.times(velocity_limits=0.01)[-1] > 10 * solved.times()[-1]
+    with pytest.raises(InvalidValueError, match="acceleration_limits"):
+        kinopt.solve_path(arm, sideways(arm)).times()
+    with pytest.raises(InvalidValueError, match="acceleration_limits"):
+        solved.times(np.ones(6))
+    file.write_text("joint_limits:\n  elbow: {max_velocity: 1}")
+    with pytest.raises(InvalidFileError, match="elbow"):
+        robot.with_joint_limits(file)
+
+
 def test_bad_input_is_named(arm: kinopt.Arm, tmp_path: Path) -> None:
     path = sideways(arm)
     path[3, 0, 0] = np.nan

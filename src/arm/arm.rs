@@ -6,6 +6,7 @@ use std::time::Instant;
 use super::coordinates::Coordinates;
 use super::core_seeds::SeedTable;
 use super::options::Options;
+use super::rate_limits::RateLimits;
 use super::serial::Serial;
 use super::workspace::ArmWorkspace;
 use super::{ArmError, QueryError};
@@ -34,8 +35,7 @@ pub struct Arm {
     pub(super) names: Arc<ReportNames>,
     /// What a radian or metre of each joint counts as, radians.
     pub(super) scale: Vec<f64>,
-    /// One a joint, infinite for none.
-    pub(super) velocity_limits: Vec<f64>,
+    pub(super) rates: RateLimits<f64>,
     /// Seeds of a chain that the lane engine cannot express, made for the first question that needs
     /// them.
     pub(super) seeds: OnceLock<SeedTable>,
@@ -53,7 +53,7 @@ impl Arm {
         options: Options,
         lanes: Option<PoseSolver>,
         coordinates: Coordinates,
-        velocity_limits: Vec<f64>,
+        rates: RateLimits<f64>,
         tip: &str,
     ) -> Result<Self, ArmError> {
         let workspace = ArmWorkspace::new(&serial, &options)?;
@@ -63,7 +63,7 @@ impl Arm {
             ..(**workspace.question.problem.names()).clone()
         };
         Ok(Self {
-            velocity_limits,
+            rates,
             scale: serial.scales(options.metres_per_radian),
             serial,
             options,
@@ -84,10 +84,10 @@ impl Arm {
         options: Options,
         lanes: Option<PoseSolver>,
     ) -> Result<Self, ArmError> {
-        let (coordinates, limits) = (self.coordinates.clone(), self.velocity_limits.clone());
+        let (coordinates, rates) = (self.coordinates.clone(), self.rates.clone());
         let tip = self.names.task_frames.first().cloned().flatten();
         let tip = tip.unwrap_or_default();
-        Self::assemble(serial, options, lanes, coordinates, limits, &tip)
+        Self::assemble(serial, options, lanes, coordinates, rates, &tip)
     }
 
     /// Names of the free joints, base to tip: the order of a configuration.
@@ -98,6 +98,9 @@ impl Arm {
     getters! {
         /// Ids of the free joints in the model the arm was built from, base to tip.
         pub fn joint_ids(&self) -> &[JointId] = &self.serial.joints;
+        /// How fast the speed of each free joint may change, base to tip, radians or metres a second squared, infinite for none: by a
+        /// [file of limits](crate::robot::Robot::acceleration_limit), and as the joints that follow it allow.
+        pub fn acceleration_limits(&self) -> &[f64] = &self.rates.acceleration;
         /// Number of free joints: the length of a configuration.
         pub fn joint_count(&self) -> usize = self.serial.joints.len();
     }

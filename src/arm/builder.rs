@@ -7,6 +7,7 @@ use super::coordinates::Coordinates;
 use super::kinematic_path::{self, Part};
 use super::mechanism::Mechanism;
 use super::options::{ATTEMPTS, Options, Search};
+use super::rate_limits::RateLimits;
 use super::serial::{Serial, source_of};
 use super::{ArmError, Goal};
 use crate::lanes::{LaneOptions, PoseSolver};
@@ -39,7 +40,7 @@ pub struct ArmBuilder<'m> {
     model: &'m Model,
     followers: &'m [Mimic],
     /// One a joint of the model.
-    velocity_limits: Vec<Option<f64>>,
+    rates: RateLimits<Option<f64>>,
     /// None for the world.
     base: Result<Option<FrameId>, UnknownName>,
     tip: Result<FrameId, UnknownName>,
@@ -79,10 +80,7 @@ impl Arm {
         ArmBuilder {
             model,
             followers: mechanism.followers(),
-            velocity_limits: model
-                .joint_ids()
-                .map(|joint| mechanism.velocity_limit(joint))
-                .collect(),
+            rates: RateLimits::of(mechanism),
             base: match base.into() {
                 Base::World => Ok(None),
                 Base::Frame(frame) => frame.resolve(model).map(Some),
@@ -243,8 +241,8 @@ impl ArmBuilder<'_> {
             Some(chain) => Some(PoseSolver::new(chain, self.lane_options(&options))?),
             None => None,
         };
-        let speeds = self.speeds(&full, &serial);
-        Arm::assemble(serial, options, lanes, coordinates, speeds, name.1)
+        let rates = self.rates.of_free_joints(self.model, &full, &serial);
+        Arm::assemble(serial, options, lanes, coordinates, rates, name.1)
     }
 
     /// The way from base to tip, and the names of the two.
@@ -272,24 +270,6 @@ impl ArmBuilder<'_> {
             }
         }
         Ok(())
-    }
-
-    /// The velocity limit of each free joint: its own, and those of the joints that follow it.
-    fn speeds(&self, full: &ParameterMap, serial: &Serial) -> Vec<f64> {
-        let mut speeds = vec![f64::INFINITY; serial.joints.len()];
-        for (coordinate, id) in self.model.moving_joints().iter().enumerate() {
-            let limit = self.velocity_limits.get(id.index()).copied().flatten();
-            if let (Some((variable, ratio)), Some(limit)) =
-                (source_of(full, coordinate).slope(), limit)
-            {
-                let leader = self.model.moving_joints()[full.leaders()[variable]];
-                let own = serial.joints.iter().position(|joint| *joint == leader);
-                if let Some(speed) = own.and_then(|own| speeds.get_mut(own)) {
-                    *speed = speed.min((limit / ratio).abs());
-                }
-            }
-        }
-        speeds
     }
 
     /// The whole model's map: followers follow, joints that cannot matter keep still.

@@ -127,8 +127,6 @@ impl Arm {
     getters! {
         /// What a radian or metre of each joint counts as, radians.
         pub(crate) fn scales(&self) -> &[f64] = &self.scale;
-        /// The velocity limit of each joint, infinite for none, radians or metres a second.
-        pub(crate) fn joint_speeds(&self) -> &[f64] = &self.velocity_limits;
         /// Whether a target leaves freedom.
         pub(crate) fn is_redundant(&self) -> bool = self.has_freedom();
         /// What of a pose counts.

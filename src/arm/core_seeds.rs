@@ -112,4 +112,30 @@ mod tests {
         all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         assert_eq!(found, all[..9]);
     }
+
+    #[test]
+    fn a_radian_counts_as_many_metres_as_it_is_said_to() {
+        let mut turned = Placement::identity();
+        // A small angle, whose chord is as long as it is.
+        turned.rotation = turned
+            .rotation
+            .rotated_about_z((1e-3_f64.sin(), 1e-3_f64.cos()));
+        let table = SeedTable {
+            values: vec![0.0; 2],
+            places: vec![turned, Placement::translation([1e-3, 0.0, 0.0].into())],
+        };
+        let mut found = Vec::new();
+        for (metres_per_radian, position) in [(0.9, 1.0), (1.1, 1.0), (1.8, 4.0), (2.2, 4.0)] {
+            let target = Placement::identity();
+            table.nearest(&target, (position, metres_per_radian), 2, &mut found);
+            let nearest = found[0].1;
+            assert_eq!(
+                nearest,
+                usize::from(metres_per_radian * metres_per_radian > position)
+            );
+            let off = found.iter().find(|row| row.1 == 0).map(|row| row.0);
+            let expected = (1e-3 * metres_per_radian).powi(2);
+            assert!((off.unwrap() / expected - 1.0).abs() < 1e-6);
+        }
+    }
 }

@@ -14,6 +14,11 @@ pub trait Mechanism {
         let _ = joint;
         None
     }
+    /// How fast its speed may change, radians or metres a second squared; none known for a bare model.
+    fn acceleration_limit(&self, joint: JointId) -> Option<f64> {
+        let _ = joint;
+        None
+    }
 }
 
 impl Mechanism for Model {
@@ -37,5 +42,9 @@ impl Mechanism for Robot {
 
     fn velocity_limit(&self, joint: JointId) -> Option<f64> {
         Self::velocity_limit(self, joint)
+    }
+
+    fn acceleration_limit(&self, joint: JointId) -> Option<f64> {
+        Self::acceleration_limit(self, joint)
     }
 }

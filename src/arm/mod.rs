@@ -50,6 +50,7 @@ mod move_bounds;
 mod null_space;
 mod options;
 mod pose_question;
+mod rate_limits;
 mod retarget;
 mod serial;
 mod servo;

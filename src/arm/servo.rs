@@ -138,7 +138,7 @@ impl Arm {
             arm: self,
             workspace: ArmWorkspace::new(&self.serial, &self.options)?,
             time_step,
-            velocity_limits: self.velocity_limits.clone(),
+            velocity_limits: self.velocity_limits().to_vec(),
             damping: 0.0,
             target: None,
             branch: Branch::begin(self, &start),
@@ -155,7 +155,7 @@ impl Arm {
     /// metres a second; infinite for a joint without one. Joints that follow a free one count too.
     #[must_use]
     pub fn velocity_limits(&self) -> &[f64] {
-        &self.velocity_limits
+        &self.rates.velocity
     }
 }
 

@@ -5,6 +5,8 @@ use crate::spatial::Vector3;
 
 /// Things in one leaf at most.
 const LEAF: usize = 4;
+/// More than a tree of 2³¹ things is deep, as both halves of a node are of one size.
+const DEEP: usize = 40;
 
 /// Boxes around boxes around things that are told apart by number.
 #[derive(Clone, Debug, Default)]
@@ -119,17 +121,12 @@ impl BoxTree {
         if self.nodes.is_empty() {
             return best;
         }
-        // Few things are all in one leaf: no room for a way through nodes.
-        if let Contents::Items(items) = self.contents(0) {
-            if bound(&self.nodes[0].bounds) < best {
-                for &item in items {
-                    best = visit(item, best);
-                }
-            }
-            return best;
-        }
-        let mut stack = vec![(0, bound(&self.nodes[0].bounds))];
-        while let Some((node, least)) = stack.pop() {
+        let mut stack = [(0, 0.0); DEEP];
+        stack[0] = (0, bound(&self.nodes[0].bounds));
+        let mut height = 1;
+        while height > 0 {
+            height -= 1;
+            let (node, least) = stack[height];
             if least >= best {
                 continue;
             }
@@ -142,7 +139,9 @@ impl BoxTree {
                 Contents::Nodes(children) => {
                     let [a, b] = children.map(|child| (child, bound(&self.node_bounds(child))));
                     let (near, far) = if a.1 <= b.1 { (a, b) } else { (b, a) };
-                    stack.extend([far, near]);
+                    stack[height] = far;
+                    stack[height + 1] = near;
+                    height += 2;
                 }
             }
         }

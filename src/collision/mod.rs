@@ -29,7 +29,6 @@ mod model;
 mod shape;
 mod sphere_model;
 mod world;
-mod yaml;
 
 pub use crate::problem::Collision;
 pub use checker::{Checker, CheckerError, CheckerWorkspace, Clearance, Way, WayChecker};

@@ -8,6 +8,8 @@ use crate::model::{JointId, Limits, ModelBuilder, ModelError};
 pub(super) struct Drive {
     /// rad/s or m/s.
     pub(super) velocity: Option<f64>,
+    /// rad/s² or m/s².
+    pub(super) acceleration: Option<f64>,
     /// N·m or N.
     pub(super) effort: Option<f64>,
     /// Radians or metres.
@@ -47,6 +49,13 @@ impl Robot {
         moves.collect()
     }
 
+    /// How fast a joint's speed may change, in rad/s² or m/s²: no URDF says it, but a
+    /// [file of limits](Self::with_joint_limits) may. `None` as for [`velocity_limit`](Self::velocity_limit).
+    #[must_use]
+    pub fn acceleration_limit(&self, joint: JointId) -> Option<f64> {
+        self.drives.get(joint.index())?.acceleration
+    }
+
     /// How hard a joint may push, in N·m or N: `effort` of its `<limit>` in the file. `None` as for
     /// [`velocity_limit`](Self::velocity_limit).
     #[must_use]
@@ -69,11 +78,16 @@ impl Robot {
     /// # Errors
     /// The first joint whose soft limits leave it no value, or whose followers do.
     pub fn with_soft_limits(self) -> Result<Self, ModelError> {
+        let soft = |joint| Some((joint, self.soft_limits(joint)?));
+        let narrowed: Vec<_> = self.model.joint_ids().filter_map(soft).collect();
+        self.narrowed(&narrowed)
+    }
+
+    /// The same robot with joints also within these limits.
+    pub(super) fn narrowed(self, limits: &[(JointId, Limits)]) -> Result<Self, ModelError> {
         let mut builder = ModelBuilder::from_model(&self.model);
-        for joint in self.model.joint_ids() {
-            if let Some(soft) = self.soft_limits(joint) {
-                builder.narrow(joint, soft);
-            }
+        for &(joint, limits) in limits {
+            builder.narrow(joint, limits);
         }
         let model = builder.build()?;
         let map = super::coupled(&model, &self.mimics).build()?;

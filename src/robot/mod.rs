@@ -3,6 +3,8 @@
 mod base_joint;
 mod chain;
 mod drive;
+#[cfg(feature = "yaml")]
+mod joint_limits;
 mod link;
 mod masses;
 #[cfg(feature = "mjcf")]

@@ -278,6 +278,86 @@ fn many_obstacles_are_found_through_their_tree_as_one_by_one() {
 }
 
 #[test]
+fn what_stands_in_thousands_is_found_as_it_is_part_by_part() {
+    // Balls, a cloud and a floor; in parts so small that each is looked at one after another.
+    let mut random = Random::new(77);
+    let balls: Vec<_> = (0..700).map(|_| beside(&mut random)).collect();
+    let points: Vec<_> = (0..4000).map(|_| beside(&mut random)).collect();
+    let floor = Placement::translation(Vector3::new(0.0, 0.0, -0.3));
+    let mut whole = World::new();
+    whole.add("floor", Shape::half_space(), floor).unwrap();
+    whole
+        .add(
+            "cloud",
+            Shape::points(points.clone(), 0.01).unwrap(),
+            Vector3::zero(),
+        )
+        .unwrap();
+    let mut parts = vec![World::new()];
+    parts[0].add("floor", Shape::half_space(), floor).unwrap();
+    for (index, &at) in balls.iter().enumerate() {
+        whole
+            .add_sphere(&format!("ball {index}"), 0.02, at)
+            .unwrap();
+        if index % 350 == 0 {
+            parts.push(World::new());
+        }
+        let part = parts.last_mut().unwrap();
+        part.add_sphere(&format!("ball {index}"), 0.02, at).unwrap();
+    }
+    for few in points.chunks(30) {
+        let part = parts.last_mut().unwrap();
+        let name = format!("cloud {}", part.obstacles().len());
+        part.add(
+            &name,
+            Shape::points(few.to_vec(), 0.01).unwrap(),
+            Vector3::zero(),
+        )
+        .unwrap();
+    }
+    let many = panda(Search::Start).among(&whole, 0.01);
+    let parts: Vec<_> = (parts.iter())
+        .map(|part| panda(Search::Start).among(part, 0.01))
+        .collect();
+    let drawn: Vec<f64> = (0..cases(4000, 200))
+        .flat_map(|_| many.drawn(&mut random))
+        .collect();
+    let count = drawn.len() / 7;
+    let mut by_parts = vec![true; count];
+    let mut clear = vec![false; count];
+    for part in &parts {
+        part.arm.clear_by_spheres(&drawn, &mut clear).unwrap();
+        for (all, clear) in by_parts.iter_mut().zip(&clear) {
+            *all &= clear;
+        }
+    }
+    // What is remembered of the first time changes nothing.
+    for _ in 0..2 {
+        many.arm.clear_by_spheres(&drawn, &mut clear).unwrap();
+        assert_eq!(clear, by_parts);
+    }
+    let free = clear.iter().filter(|clear| **clear).count();
+    assert!(
+        free > count / 20 && free < count - count / 20,
+        "{free} of {count}"
+    );
+}
+
+/// Somewhere within reach, but not at the base.
+fn beside(random: &mut Random) -> Vector3<f64> {
+    loop {
+        let at = Vector3::new(
+            random.within(-0.9, 0.9),
+            random.within(-0.9, 0.9),
+            random.within(-0.2, 1.0),
+        );
+        if at.x.hypot(at.y) > 0.35 {
+            return at;
+        }
+    }
+}
+
+#[test]
 fn a_checker_of_another_model_is_refused() {
     let panda = panda(Search::Start);
     let other = CollisionModel::of(&robot("universal_ur5e")).unwrap();

@@ -6,8 +6,9 @@ use kinopt::geometric::{Fabrik, Geometric, Span, fabrik};
 use kinopt::ik::Restarts;
 use kinopt::io::rig::Rig;
 use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::Model;
 use kinopt::solver::Termination;
-use kinopt::spatial::Vector3;
+use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Point, Quantity, Task};
 use nalgebra as na;
 use support::random::Random;
@@ -187,6 +188,31 @@ fn out_of_reach_a_model_is_stretched_or_folded() {
         assert!((solution.cost - 0.5 * miss * miss).abs() < 1e-9);
         assert_eq!(solution.active_limits().count(), 0);
     }
+}
+
+/// What is beyond a pin has no say in whether its target is near enough.
+#[test]
+fn a_joint_in_the_middle_of_a_chain_is_no_tip() {
+    let mut builder = Model::builder("long forearm");
+    let about_z = Vector3::new(0.0, 0.0, 1.0);
+    let along_x = |length: f64| Placement::translation(Vector3::new(length, 0.0, 0.0));
+    let mut parent = None;
+    let mut joints = Vec::new();
+    for (joint, from_last) in [0.0, 1.0, 1.0, 5.0].into_iter().enumerate() {
+        let name = format!("joint {joint}");
+        parent = Some(builder.continuous(name, parent, along_x(from_last), about_z));
+        joints.push(parent);
+    }
+    let elbow = builder.frame("elbow", joints[1], along_x(1.0));
+    builder.frame("tip", parent, along_x(1.0));
+    let model = builder.build().unwrap();
+    let mut problem = Problem::builder(&model);
+    problem.add(Point::new(elbow, [0.0, 1.0, 0.0]));
+    let solver = Fabrik::default().with_restarts(Restarts::none());
+    let solution = solver
+        .solve(&problem.build().unwrap(), &[0.1, 0.2, 0.3, 0.4])
+        .unwrap();
+    assert!(solution.reached, "{}", solution.explain());
 }
 
 /// The left hand of the shipped humanoid to where a random pose within the limits has it: with

@@ -229,3 +229,51 @@ fn a_miss_that_is_told_agrees_with_itself() {
     }
     assert!(told >= 3, "{told}");
 }
+
+#[test]
+fn a_preference_beyond_reach_is_not_why_a_goal_is_missed() {
+    let model = planar_arm(&[1.0, 0.4], Some((-0.1, 0.1)));
+    let tip = model.frame("tip").unwrap();
+    let explained = |far_is_goal: bool| {
+        let mut builder = Problem::builder(&model);
+        // Within the chain's length, but not within its limits.
+        builder.add(Point::new(tip, [0.0, 1.0, 0.0]));
+        let far = Task::new(Point::new(tip, [9.0, 0.0, 0.0])).named("far");
+        builder.add(if far_is_goal { far } else { far.preference() });
+        let problem = builder.build().unwrap();
+        let solution = Solver::default().solve_once(&problem, &[0.0, 0.0]).unwrap();
+        assert!(!solution.reached);
+        solution.explain()
+    };
+    assert!(
+        explained(true).contains("Out of reach: far"),
+        "{}",
+        explained(true)
+    );
+    assert!(
+        !explained(false).contains("Out of reach"),
+        "{}",
+        explained(false)
+    );
+}
+
+#[test]
+fn no_slope_is_told_of_a_cost_that_no_number_holds() {
+    let model = planar_arm(&[1.0, 0.4], None);
+    let tip = model.frame("tip").unwrap();
+    for (far, finite) in [(1e100, true), (1e200, false)] {
+        let mut builder = Problem::builder(&model);
+        builder.add(Point::new(tip, [far, 0.0, 0.0]));
+        let problem = builder.build().unwrap();
+        let solution = Solver::default().solve_once(&problem, &[0.3, 0.4]).unwrap();
+        assert!(!solution.reached);
+        assert_eq!(solution.cost.is_finite(), finite);
+        let slope = solution.projected_gradient;
+        assert_eq!(
+            slope.is_some_and(f64::is_finite),
+            finite,
+            "{far:e}: {slope:?}"
+        );
+        assert!(finite || slope.is_none(), "{slope:?}");
+    }
+}

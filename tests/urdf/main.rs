@@ -1,6 +1,7 @@
 //! Robots from URDF.
 
 mod base_joints;
+mod joint_limits;
 mod joints;
 mod kinematics;
 mod lenient;

@@ -25,6 +25,8 @@ Examples:
         the tool turns about its own axis at will; all stays a centimetre clear of the cell
   kinopt path robot.urdf contour.csv --tip tool --course any-start
         a closed contour, entered wherever that saves a reconfiguration
+  kinopt path robot.urdf weld.csv --tip tool --joint-limits joint_limits.yaml --out timed.csv
+        with times that keep velocities and accelerations
   kinopt path robot.urdf path.csv --tip tool --at 0.5,0,0.3,0,1,0,0
         the table's numbers are of a frame that stands there in the base
 
@@ -44,7 +46,7 @@ was given.";
 ///
 /// JSON: "q" (a row a point, all moving joints, named in "joints"), "reconfigurations" (how many), "reconfigured_at" (a list
 /// of "index", the row that the step leads to, "joint", "distance", "length"), "length", "largest_deviation" (metres), "largest_turn" (radians),
-/// with "…_at", the row that the step leads to, "missed", "blocked", "entry".
+/// with "…_at", the row that the step leads to, "missed", "blocked", "entry", "times" (seconds: the table's, or those of --accelerations).
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
@@ -115,6 +117,11 @@ pub(crate) struct Arguments {
     /// A step in which a joint would be faster than its velocity limit, by the table's times, is a reconfiguration too. Default: off.
     #[arg(long, help_heading = LIMITS)]
     pub(super) keep_times: bool,
+
+    /// When each row is: a plain trapezoid of speed within the joints' velocity limits and these accelerations, in radians (--degrees) or
+    /// metres a second squared. One number for all, or as for --start. Default: those of --joint-limits, where it has any.
+    #[arg(long, value_name = "NUMBERS", value_parser = Numbers::parse_some, help_heading = LIMITS)]
+    pub(super) accelerations: Option<Numbers>,
 
     /// Configurations that are known of a place at most, from 4 to 4096: more find more, and take longer. Default: 64.
     #[arg(long, value_name = "N", default_value_t = 64, hide_default_value = true, help_heading = LIMITS)]

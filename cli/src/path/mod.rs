@@ -7,7 +7,7 @@ mod rows_file;
 use std::time::Instant;
 
 use kinopt::arm::{Arm, Base};
-use kinopt::motion::path::{CartesianPath, PathSolver};
+use kinopt::motion::path::{CartesianPath, PathSolution, PathSolver};
 use kinopt::spatial::Placement;
 
 pub(crate) use arguments::Arguments;
@@ -62,14 +62,22 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     if let Some(end) = one_each("--end", &arguments.end, arguments.degrees)? {
         solver = solver.with_end(&end);
     }
+    let accelerations = one_each(
+        "--accelerations",
+        &arguments.accelerations,
+        arguments.degrees,
+    )?;
     let started = Instant::now();
     let solution = solver.solve(&path)?;
+    let milliseconds = 1e3 * started.elapsed().as_secs_f64();
+    let times = times(&arm, &path, &solution, accelerations.as_deref())?;
     let report = Report {
         loaded,
         arm: &arm,
         path: &path,
         solution: &solution,
-        milliseconds: 1e3 * started.elapsed().as_secs_f64(),
+        times,
+        milliseconds,
         columns_read: &columns_read,
     };
     if let Some(out) = &arguments.out {
@@ -91,6 +99,24 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         ))),
         false => Ok(()),
     }
+}
+
+/// When each row is, seconds: as the limits of the joints allow, where accelerations are known, else by the table.
+fn times(
+    arm: &Arm,
+    path: &CartesianPath,
+    solution: &PathSolution,
+    accelerations: Option<&[f64]>,
+) -> Outcome<Option<Vec<f64>>> {
+    let own = arm.acceleration_limits();
+    let known = own.iter().all(|limit| limit.is_finite()).then_some(own);
+    if let Some(accelerations) = accelerations.or(known) {
+        return Ok(Some(solution.times(arm.velocity_limits(), accelerations)?));
+    }
+    let own = path
+        .times()
+        .filter(|own| own.len() == solution.rows().len());
+    Ok(own.map(<[f64]>::to_vec))
 }
 
 /// The arm from the base to the tip, and whose numbers its joints are.

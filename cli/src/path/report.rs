@@ -16,6 +16,8 @@ pub(super) struct Report<'a> {
     pub(super) arm: &'a Arm,
     pub(super) path: &'a CartesianPath,
     pub(super) solution: &'a PathSolution,
+    /// When each row is, seconds, if that is known.
+    pub(super) times: Option<Vec<f64>>,
     pub(super) milliseconds: f64,
     pub(super) columns_read: &'a CsvColumns,
 }
@@ -37,6 +39,8 @@ pub(super) struct Document<'a> {
     reached: bool,
     missed: Vec<Miss>,
     blocked: Vec<Block<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    times: Option<&'a [f64]>,
     milliseconds: f64,
 }
 
@@ -76,13 +80,7 @@ impl<'a> Report<'a> {
         })
     }
 
-    /// When each row is, seconds.
-    pub(super) fn times(&self) -> Option<&[f64]> {
-        let own = self.path.times()?;
-        (own.len() == self.solution.rows().len()).then_some(own)
-    }
-
-    pub(super) fn document(&self) -> Document<'a> {
+    pub(super) fn document(&'a self) -> Document<'a> {
         let solution = self.solution;
         let deviation = solution.largest_deviation;
         let joints: Vec<&str> = self.arm.joints().collect();
@@ -120,6 +118,7 @@ impl<'a> Report<'a> {
             reached: solution.missed.is_empty(),
             missed: missed.collect(),
             blocked: blocked.collect(),
+            times: self.times.as_deref(),
             milliseconds: self.milliseconds,
         }
     }
@@ -148,6 +147,12 @@ impl<'a> Report<'a> {
         ];
         if solution.entry > 0 {
             told.push(("entry", format!("begun at point {}", solution.entry)));
+        }
+        if let Some(last) = self.times.as_ref().and_then(|times| times.last()) {
+            told.push((
+                "duration",
+                format!("{last:.3} s from the first row to the last"),
+            ));
         }
         told.push(("time", format!("{:.1} ms", self.milliseconds)));
         let mut text = table::lines(told);

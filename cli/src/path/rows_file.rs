@@ -23,7 +23,7 @@ pub(super) fn write(path: &Path, report: &Report<'_>) -> Outcome<()> {
 }
 
 fn table(report: &Report<'_>) -> String {
-    let times = report.times();
+    let times = report.times.as_deref();
     let mut names = report.loaded.joint_names();
     if times.is_some() {
         names.insert(0, "time");

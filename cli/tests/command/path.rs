@@ -94,3 +94,41 @@ fn what_is_wrong_is_named() {
     refused!("path {PANDA} {SEAM} --tip tool --samples 1" => 1, "samples");
     refused!("path {PANDA} {SEAM} --tip tool --out rows.txt" => 2, ".csv");
 }
+
+#[test]
+fn rows_are_timed_by_limits_of_a_file() {
+    let folder = Folder::new("path-times");
+    let (limits, file) = (folder.file("joint_limits.yaml"), folder.file("rows.csv"));
+    let joints = (1..=7)
+        .map(|joint| format!("  joint{joint}: {{max_velocity: 0.5, max_acceleration: 2}}\n"));
+    std::fs::write(
+        &limits,
+        format!("joint_limits:\n{}", joints.collect::<String>()),
+    )
+    .unwrap();
+    let told = answer!("path {PANDA} {SEAM} --tip tool --joint-limits {limits} --out {file}");
+    let times: Vec<f64> = list(&told["times"])
+        .iter()
+        .filter_map(Value::as_f64)
+        .collect();
+    let rows = list(&told["q"]);
+    assert_eq!((times.len(), times[0]), (rows.len(), 0.0));
+    for (place, step) in times.windows(2).enumerate() {
+        for (before, after) in list(&rows[place]).iter().zip(list(&rows[place + 1])) {
+            let moved = after.as_f64().unwrap() - before.as_f64().unwrap();
+            assert!(
+                moved.abs() <= 0.5 * (step[1] - step[0]) + 1e-9,
+                "row {place}"
+            );
+        }
+    }
+    let table = std::fs::read_to_string(&file).unwrap();
+    let last = table.lines().last().unwrap().split(',').next().unwrap();
+    assert_eq!(last.parse::<f64>().unwrap(), *times.last().unwrap());
+    // One number for all joints will do, and a file that names nobody will not.
+    let slow = answer!("path {PANDA} {SEAM} --tip tool --accelerations 0.1");
+    let end = |told: &Value| list(&told["times"]).last().and_then(Value::as_f64).unwrap();
+    assert!(end(&slow) > end(&told));
+    std::fs::write(&limits, "joint_limits: {elbow: {max_velocity: 1}}").unwrap();
+    refused!("path {PANDA} {SEAM} --tip tool --joint-limits {limits}" => 1, "elbow");
+}

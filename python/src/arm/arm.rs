@@ -216,6 +216,13 @@ impl Arm {
         arrays::frozen(py, self.inner.velocity_limits().iter().copied())
     }
 
+    /// How fast the speeds of the free joints may change, shape (dof,), rad/s² or m/s²; inf for none. See
+    /// `Robot.with_joint_limits`.
+    #[getter]
+    fn acceleration_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        arrays::frozen(py, self.inner.acceleration_limits().iter().copied())
+    }
+
     /// What the arm was made of: a `Robot`, or a `Model`.
     #[getter]
     fn robot(&self, py: Python<'_>) -> Py<PyAny> {

@@ -296,7 +296,7 @@ impl InLanes {
         let solids = obstacles.map(|o| (&o.shape, base_from_world * o.placement));
         let bodies = BodyChain::new(chain, q, bodies, pairs);
         Some(Self {
-            solids: Solids::new(solids, &bodies.rooms(), checker.margin() + SLACK),
+            solids: Solids::new(solids, &bodies, checker.margin() + SLACK),
             bodies,
         })
     }

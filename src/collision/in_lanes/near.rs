@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::bodies::BodyChain;
+use super::many_solids::ManySolids;
 use super::solids::Solids;
 use crate::collision::Ball;
 use crate::lanes::lane::LaneScalar;
@@ -56,6 +57,9 @@ pub(super) fn near<V: LaneScalar>(
     // Hands first, as they are where things are.
     for index in (0..chain.bodies.len()).rev() {
         touched |= near_solids(chain, index, solids, margin, room);
+        if let Some(many) = solids.many() {
+            touched |= near_many(chain, index, many, margin, room, touched);
+        }
         if touched == all {
             return touched;
         }
@@ -155,6 +159,41 @@ fn near_solids<V: LaneScalar>(
     touched
 }
 
+/// The lanes, beside those known already, in which a body is near some of many solids.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn near_many<V: LaneScalar>(
+    chain: &BodyChain,
+    index: usize,
+    many: &ManySolids,
+    margin: f64,
+    room: &mut Room<V>,
+    known: u32,
+) -> u32 {
+    let body = &chain.bodies[index];
+    let mut open = 0;
+    for lane in 0..V::WIDTH {
+        let unknown = known >> lane & 1 == 0;
+        let middle = in_lane(&room.middles[index], lane);
+        if unknown && !many.surely_apart(middle, body.bound.radius + margin) {
+            open |= 1 << lane;
+        }
+    }
+    if open == 0 {
+        return 0;
+    }
+    let range = place_spheres(chain, index, room);
+    let mut touched = 0;
+    for (middle, sphere) in room.spheres[range].iter().zip(&body.spheres) {
+        for lane in 0..V::WIDTH {
+            let asked = (open & !touched) >> lane & 1 == 1;
+            if asked && many.near(in_lane(middle, lane), sphere.radius + margin) {
+                touched |= 1 << lane;
+            }
+        }
+    }
+    touched
+}
+
 /// The lanes, beside those known already, in which two bodies are near each other.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn near_each_other<V: LaneScalar>(
@@ -194,6 +233,16 @@ fn near_each_other<V: LaneScalar>(
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn at<V: LaneScalar>(frame: &Placement<V>, ball: &Ball) -> Vector3<V> {
     frame.apply(Vector3::constant(ball.centre))
+}
+
+/// The point of one lane.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn in_lane<V: LaneScalar>(points: &Vector3<V>, lane: usize) -> Vector3<f64> {
+    Vector3::new(
+        points.x.lane(lane),
+        points.y.lane(lane),
+        points.z.lane(lane),
+    )
 }
 
 /// The lanes in which two points are nearer than so far.

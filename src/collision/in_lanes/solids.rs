@@ -1,12 +1,16 @@
 //! What stands still around a chain, and how near points in lanes are to it.
 
-use crate::collision::box_tree::{BoxTree, Contents};
+use super::bodies::BodyChain;
+use super::many_solids::ManySolids;
+use super::near::in_lane;
 use crate::collision::{Ball, BoundingBox, Shape, ShapeKind};
 use crate::lanes::lane::LaneScalar;
 use crate::spatial::{Placement, Vector3};
 
-/// Fewer solids are looked at one after another.
+/// So many solids are looked at one after another.
 const LISTED: usize = 512;
+/// So are so many points or triangles of one.
+const FEW: usize = 32;
 
 /// A shape whose distance from a point has a closed form in lanes, or another; lengths in metres.
 #[derive(Clone, Debug)]
@@ -36,57 +40,61 @@ struct Placed {
 /// What a chain is kept away from.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Solids {
-    placed: Vec<Placed>,
-    /// Over their boxes, where there are many.
-    tree: Option<BoxTree>,
-    /// Those that each body can ever come near to, where there are few.
+    /// Looked at one after another.
+    listed: Vec<Placed>,
+    /// Those of them that each body can ever come near to.
     within_reach: Vec<Vec<u32>>,
+    /// All others.
+    many: Option<ManySolids>,
 }
 
 impl Solids {
-    /// Shapes, each by where it stands in the chain's base; balls that the bodies never leave, and how near to a solid they are not to
+    /// Shapes, each by where it stands in the chain's base; what the bodies never leave and how near to a solid they are not to
     /// come, metres.
     pub(crate) fn new<'a>(
         shapes: impl IntoIterator<Item = (&'a Shape, Placement<f64>)>,
-        rooms: &[Ball],
+        chain: &BodyChain,
         margin: f64,
     ) -> Self {
-        let mut boxes: Vec<BoundingBox> = Vec::new();
-        let placed = shapes.into_iter().map(|(shape, base_from_solid)| {
-            boxes.push(shape.bounding_box().placed(&base_from_solid));
-            let own = shape.bounding_sphere();
-            Placed {
-                bound: Ball {
-                    centre: base_from_solid.apply(own.centre),
-                    radius: own.radius,
-                },
-                solid_from_base: base_from_solid.inverse(),
-                solid: Solid::of(shape),
+        let (mut listed, many): (Vec<_>, Vec<_>) =
+            shapes.into_iter().partition(|(shape, _)| is_one(shape));
+        let rooms = chain.rooms();
+        let many = match listed.len() > LISTED {
+            false => many,
+            true => {
+                let all = std::mem::take(&mut listed).into_iter().chain(many);
+                let (bounded, unbounded) = all.partition(|(shape, _)| is_bounded(shape));
+                listed = unbounded;
+                bounded
             }
-        });
-        let placed: Vec<Placed> = placed.collect();
-        let tree =
-            (placed.len() > LISTED).then(|| BoxTree::new(placed.len(), |index| boxes[index]));
+        };
+        let boxes: Vec<BoundingBox> = (listed.iter())
+            .map(|(shape, base_from_solid)| shape.bounding_box().placed(base_from_solid))
+            .collect();
         let reached = |room: &Ball| {
             let reach = room.radius + margin;
-            // A tree finds what is near by itself.
-            let listed = boxes.iter().filter(|_| tree.is_none());
-            let near = (0..).zip(listed);
-            let near = near.filter(|(_, solid)| {
+            let near = (0..).zip(&boxes).filter(|(_, solid)| {
                 let apart = solid.squared_distance(room.centre);
                 // Not a number about a half-space's corner at infinity.
                 apart.is_nan() || apart <= reach * reach
             });
             near.map(|(number, _)| number).collect()
         };
+        let largest =
+            (chain.bodies.iter()).fold(0.0, |most: f64, body| most.max(body.bound.radius));
         Self {
             within_reach: rooms.iter().map(reached).collect(),
-            placed,
-            tree,
+            listed: listed.into_iter().map(Placed::new).collect(),
+            many: (!many.is_empty()).then(|| ManySolids::new(many, &rooms, largest + margin)),
         }
     }
 
-    /// Those that the ball about a body comes nearer to in any lane than `margin`, by number.
+    /// Those that are not listed.
+    pub(super) fn many(&self) -> Option<&ManySolids> {
+        self.many.as_ref()
+    }
+
+    /// Those listed that the ball about a body comes nearer to in any lane than `margin`, by number.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn near<V: LaneScalar>(
         &self,
@@ -96,33 +104,12 @@ impl Solids {
         margin: f64,
         found: &mut Vec<u32>,
     ) {
-        let reach = ball.radius + margin;
         found.clear();
-        let Some(tree) = &self.tree else {
-            for &number in &self.within_reach[body] {
-                if self.near_one(number, centre, reach) != 0 {
-                    found.push(number);
-                }
-            }
-            return;
-        };
-        for lane in 0..V::WIDTH {
-            let [x, y, z] = centre.to_array();
-            let centre = Vector3::new(x.lane(lane), y.lane(lane), z.lane(lane));
-            near_in(tree, centre, reach, found);
-        }
-        found.sort_unstable();
-        found.dedup();
-        // No closure: what is in one is compiled for any processor.
-        let mut kept = 0;
-        for place in 0..found.len() {
-            let number = found[place];
-            if self.near_one(number, centre, reach) != 0 {
-                found[kept] = number;
-                kept += 1;
+        for &number in &self.within_reach[body] {
+            if self.near_one(number, centre, ball.radius + margin) != 0 {
+                found.push(number);
             }
         }
-        found.truncate(kept);
     }
 
     /// The lanes, bit by bit, in which a point is nearer than so far to a solid, or in it: by the ball around that first.
@@ -133,7 +120,7 @@ impl Solids {
         point: Vector3<V>,
         reach: f64,
     ) -> u32 {
-        let bound = &self.placed[number as usize].bound;
+        let bound = &self.listed[number as usize].bound;
         let around = reach + bound.radius;
         let away = point - Vector3::constant(bound.centre);
         match V::mask_bits(away.norm_squared().less_than(V::constant(around * around))) {
@@ -146,7 +133,7 @@ impl Solids {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_near<V: LaneScalar>(&self, number: u32, point: Vector3<V>, reach: f64) -> V::Mask {
         let c = V::constant;
-        let placed = &self.placed[number as usize];
+        let placed = &self.listed[number as usize];
         let p = Placement::constant(&placed.solid_from_base).apply(point);
         match &placed.solid {
             Solid::Box([x, y, z]) => {
@@ -171,13 +158,40 @@ impl Solids {
             Solid::Other(shape) => {
                 let mut distance = V::zero();
                 for lane in 0..V::WIDTH {
-                    let p = Vector3::new(p.x.lane(lane), p.y.lane(lane), p.z.lane(lane));
-                    distance.set_lane(lane, shape.signed_distance(p));
+                    distance.set_lane(lane, shape.signed_distance(in_lane(&p, lane)));
                 }
                 distance.less_than(c(reach))
             }
         }
     }
+}
+
+impl Placed {
+    fn new((shape, base_from_solid): (&Shape, Placement<f64>)) -> Self {
+        let own = shape.bounding_sphere();
+        Self {
+            bound: Ball {
+                centre: base_from_solid.apply(own.centre),
+                radius: own.radius,
+            },
+            solid_from_base: base_from_solid.inverse(),
+            solid: Solid::of(shape),
+        }
+    }
+}
+
+/// Whether a shape is soon looked at, in place of many by itself.
+fn is_one(shape: &Shape) -> bool {
+    match shape.kind() {
+        ShapeKind::Mesh(mesh) => mesh.triangles().len() <= FEW,
+        ShapeKind::Points(cloud) => cloud.positions().len() <= FEW,
+        ShapeKind::HeightField(_) => false,
+        _ => true,
+    }
+}
+
+fn is_bounded(shape: &Shape) -> bool {
+    shape.bounding_sphere().radius.is_finite()
 }
 
 impl Solid {
@@ -197,27 +211,4 @@ impl Solid {
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn beyond<V: LaneScalar>(value: V, half: f64) -> V {
     (value.abs() - V::constant(half)).max(V::zero())
-}
-
-/// Adds those whose boxes a ball meets.
-fn near_in(tree: &BoxTree, centre: Vector3<f64>, reach: f64, found: &mut Vec<u32>) {
-    /// Deeper than any tree of 2³² things.
-    const DEEP: usize = 64;
-    let (mut stack, mut height) = ([0; DEEP], 1);
-    while height > 0 {
-        height -= 1;
-        let node = stack[height];
-        if tree.node_bounds(node).squared_distance(centre) >= reach * reach {
-            continue;
-        }
-        match tree.contents(node) {
-            Contents::Items(items) => found.extend_from_slice(items),
-            Contents::Nodes(children) => {
-                for child in children {
-                    stack[height] = child;
-                    height += 1;
-                }
-            }
-        }
-    }
 }

@@ -1,8 +1,6 @@
 //! How far points are from shapes.
 
-use super::{
-    BoundingBox, ConvexHull, Feature, HeightField, PointCloud, Shape, ShapeKind, TriangleMesh,
-};
+use super::{ConvexHull, Feature, HeightField, PointCloud, Shape, ShapeKind, TriangleMesh};
 use crate::collision::box_tree::BoxTree;
 use crate::collision::distance::{Core, Pair, convex_gap};
 use crate::spatial::{Placement, Vector3};
@@ -16,6 +14,14 @@ impl Shape {
     #[must_use]
     pub fn signed_distance(&self, point: Vector3<f64>) -> f64 {
         self.nearest(point).0
+    }
+
+    /// The same where that is less than so far, else so far or more: a cloud is searched no farther.
+    pub(crate) fn signed_distance_within(&self, p: Vector3<f64>, limit: f64) -> f64 {
+        match self.kind() {
+            ShapeKind::Points(cloud) => of_cloud(p, cloud, limit).0,
+            _ => self.signed_distance(p),
+        }
     }
 
     /// The same, with the place on the surface that is nearest.
@@ -32,7 +38,7 @@ impl Shape {
             ShapeKind::Convex(hull) => convex(p, hull),
             ShapeKind::Mesh(mesh) => of_mesh(p, mesh),
             ShapeKind::HeightField(field) => of_field(p, field),
-            ShapeKind::Points(cloud) => of_cloud(p, cloud),
+            ShapeKind::Points(cloud) => of_cloud(p, cloud, f64::INFINITY),
         }
     }
 }
@@ -106,14 +112,6 @@ fn convex(p: Vector3<f64>, hull: &ConvexHull) -> Nearest {
     gap.map_or((f64::INFINITY, p), |gap| (gap.distance, gap.on_a))
 }
 
-/// The place of a box that is nearest, how far it is.
-fn to_box(p: Vector3<f64>, bounds: &BoundingBox) -> f64 {
-    let beyond = |x: f64, min: f64, max: f64| (min - x).max(x - max).max(0.0);
-    let x = beyond(p.x, bounds.min.x, bounds.max.x);
-    let y = beyond(p.y, bounds.min.y, bounds.max.y);
-    Vector3::new(x, y, beyond(p.z, bounds.min.z, bounds.max.z)).norm()
-}
-
 /// The nearest of many triangles: which, how far, where, and by which of its parts.
 fn nearest_triangle(
     p: Vector3<f64>,
@@ -123,7 +121,7 @@ fn nearest_triangle(
     let mut best = (0, f64::INFINITY, p, Feature::Face);
     tree.nearest(
         f64::INFINITY,
-        |bounds| to_box(p, bounds),
+        |bounds| bounds.squared_distance(p).sqrt(),
         |index, least| {
             let (place, feature) = nearest_on_triangle(p, triangle(index as usize));
             let far = (p - place).norm();
@@ -153,21 +151,26 @@ fn of_field(p: Vector3<f64>, field: &HeightField) -> Nearest {
     }
 }
 
-fn of_cloud(p: Vector3<f64>, cloud: &PointCloud) -> Nearest {
-    let mut nearest = cloud.positions()[0];
+/// Infinite where nothing is nearer than `limit`.
+fn of_cloud(p: Vector3<f64>, cloud: &PointCloud, limit: f64) -> Nearest {
+    let mut nearest = None;
+    let within = limit + cloud.radius();
     cloud.tree().nearest(
-        f64::INFINITY,
-        |bounds| to_box(p, bounds),
+        within * within,
+        |bounds| bounds.squared_distance(p),
         |index, least| {
             let point = cloud.positions()[index as usize];
-            let far = (p - point).norm();
+            let far = (p - point).norm_squared();
             if far < least {
-                nearest = point;
+                nearest = Some(point);
             }
             far.min(least)
         },
     );
-    from_core(p, nearest, cloud.radius())
+    match nearest {
+        Some(point) => from_core(p, point, cloud.radius()),
+        None => (f64::INFINITY, p),
+    }
 }
 
 /// The place of a triangle that is nearest to a point (Ericson, "Real-Time Collision Detection", 5.1.5), and whether

@@ -11,9 +11,9 @@ use std::fmt::Write;
 
 use super::{NamedSpheres, SphereModel};
 use crate::collision::Ball;
-use crate::collision::yaml::{self, Node, Value};
 use crate::file::{Place, ReadError};
 use crate::spatial::Vector3;
+use crate::yaml::{self, Node, Value};
 
 impl SphereModel {
     /// The spheres as cuRobo's `collision_spheres`, numbers with as many digits as read back the same.

@@ -2,9 +2,9 @@
 //! that `robot_state` holds attached to links.
 
 use crate::collision::shape::{Shape, ShapeError};
-use crate::collision::yaml::{self, Node, Value};
 use crate::file::{Place, ReadError, ReadProblem};
 use crate::spatial::{Placement, Quaternion, Vector3};
+use crate::yaml::{self, Node, Value};
 
 use super::World;
 use super::pose::unit_quaternion;

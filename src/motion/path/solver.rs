@@ -304,7 +304,7 @@ impl<'a> PathSolver<'a> {
     fn bounds(&self) -> StepBounds {
         let arm = self.tools.own();
         let speeds = match self.times_count {
-            true => arm.joint_speeds().to_vec(),
+            true => arm.velocity_limits().to_vec(),
             false => Vec::new(),
         };
         StepBounds::new(arm, self.max_step, speeds)

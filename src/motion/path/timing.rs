@@ -13,7 +13,9 @@ const LIMIT: (fn(f64) -> bool, &str) = (|v| v > 0.0, "a number above 0 (infinity
 
 impl PathSolution {
     /// When each row is, seconds, the first at 0: so that no joint is faster than its velocity limit (infinite for none), nor its speed
-    /// changes faster than its acceleration limit, radians or metres a second and a second squared. Before and after a
+    /// changes faster than its acceleration limit, radians or metres a second and a second squared, as
+    /// [`Arm::velocity_limits`](crate::arm::Arm::velocity_limits) and
+    /// [`Arm::acceleration_limits`](crate::arm::Arm::acceleration_limits) have them. Before and after a
     /// [reconfiguration](Self::reconfigurations), which is timed by the same limits, the arm rests. Rows that are the same are at one time.
     ///
     /// # Errors
@@ -23,52 +25,60 @@ impl PathSolution {
         velocity_limits: &[f64],
         acceleration_limits: &[f64],
     ) -> Result<Vec<f64>, PathError> {
-        for (option, limits) in [
-            ("velocity_limits", velocity_limits),
-            ("acceleration_limits", acceleration_limits),
-        ] {
-            if limits.len() != self.joint_count {
-                return Err(PathError::Limits {
-                    option,
-                    given: limits.len(),
-                    joints: self.joint_count,
-                });
-            }
-        }
-        for &limit in velocity_limits {
-            BadOption::check("velocity_limits", limit, LIMIT)?;
-        }
-        for &limit in acceleration_limits {
-            BadOption::check("acceleration_limits", limit, POSITIVE)?;
-        }
         let rows: Vec<&[f64]> = self.rows().collect();
-        let mut times = Vec::with_capacity(rows.len());
-        times.extend(rows.first().map(|_| 0.0));
-        let jumps: Vec<usize> = self
-            .reconfigurations
-            .iter()
-            .map(|told| told.index)
-            .collect();
-        let mut first = 0;
-        while first + 1 < rows.len() {
-            // A reconfiguration is a piece of its own.
-            let next = jumps.iter().find(|jump| **jump > first);
-            let last = match next {
-                Some(&jump) if jump == first + 1 => jump,
-                Some(&jump) => jump - 1,
-                None => rows.len() - 1,
-            };
-            let begin = times[first];
-            let piece = Piece::new(&rows[first..=last], velocity_limits, acceleration_limits);
-            times.extend(
-                piece.lengths[1..]
-                    .iter()
-                    .map(|length| begin + piece.time_at(*length)),
-            );
-            first = last;
-        }
-        Ok(times)
+        let steps = self.reconfigurations.iter().map(|told| told.index);
+        let rests: Vec<usize> = steps.collect();
+        trapezoid_times(&rows, &rests, velocity_limits, acceleration_limits)
     }
+}
+
+/// The same for rows of joints in general: `rests` are the rows, in order, before whose step and after it the arm rests.
+///
+/// # Errors
+/// As for [`PathSolution::times`].
+pub fn trapezoid_times(
+    rows: &[&[f64]],
+    rests: &[usize],
+    velocity_limits: &[f64],
+    acceleration_limits: &[f64],
+) -> Result<Vec<f64>, PathError> {
+    let joints = rows.first().map_or(velocity_limits.len(), |row| row.len());
+    for (option, limits) in [
+        ("velocity_limits", velocity_limits),
+        ("acceleration_limits", acceleration_limits),
+    ] {
+        if limits.len() != joints {
+            return Err(PathError::Limits {
+                option,
+                given: limits.len(),
+                joints,
+            });
+        }
+    }
+    for &limit in velocity_limits {
+        BadOption::check("velocity_limits", limit, LIMIT)?;
+    }
+    for &limit in acceleration_limits {
+        BadOption::check("acceleration_limits", limit, POSITIVE)?;
+    }
+    let mut times = Vec::with_capacity(rows.len());
+    times.extend(rows.first().map(|_| 0.0));
+    let mut first = 0;
+    while first + 1 < rows.len() {
+        // A reconfiguration is a piece of its own.
+        let last = match rests.iter().find(|rest| **rest > first) {
+            Some(&rest) if rest >= rows.len() => rows.len() - 1,
+            Some(&rest) if rest == first + 1 => rest,
+            Some(&rest) => rest - 1,
+            None => rows.len() - 1,
+        };
+        let begin = times[first];
+        let piece = Piece::new(&rows[first..=last], velocity_limits, acceleration_limits);
+        let lengths = piece.lengths[1..].iter();
+        times.extend(lengths.map(|length| begin + piece.time_at(*length)));
+        first = last;
+    }
+    Ok(times)
 }
 
 /// Rows that are gone from rest to rest.

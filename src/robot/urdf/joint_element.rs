@@ -170,6 +170,7 @@ fn drive(
     let drive = Drive {
         velocity: stated(number(&limit, "velocity")?),
         effort: stated(number(&limit, "effort")?),
+        acceleration: None,
         soft_limits: lower.or(upper).map(|_| {
             let Limits {
                 lower: low,

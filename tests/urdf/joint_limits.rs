@@ -1,0 +1,122 @@
+//! Promise: MoveIt's joint_limits.yaml adds to what a robot's file says of its joints: rates, accelerations, narrower positions; what
+//! is wrong in one is told by its line.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::Arm;
+use kinopt::model::{JointId, Limits};
+use kinopt::robot::Robot;
+use support::arms::robot;
+
+const LIMITS: &str = "
+default_velocity_scaling_factor: 0.1
+joint_limits:
+  joint1:
+    has_velocity_limits: true
+    max_velocity: 1.5
+    has_acceleration_limits: true
+    max_acceleration: 3.75
+    has_jerk_limits: false
+  joint2:
+    has_velocity_limits: false
+    min_position: -0.5
+    max_position: 0.25
+  joint3: {max_acceleration: 7.5}
+";
+
+fn with(text: &str) -> Result<Robot, String> {
+    let robot = robot("franka_panda").with_joint_limits_of(text.as_bytes(), "limits.yaml");
+    robot.map_err(|error| error.to_string())
+}
+
+fn limits(robot: &Robot, joint: JointId) -> Option<Limits> {
+    let coordinate = robot.model().coordinate(joint)?;
+    robot.model().limits().nth(coordinate)
+}
+
+#[test]
+fn they_add_to_what_the_file_says() {
+    let (plain, told) = (robot("franka_panda"), with(LIMITS).unwrap());
+    let joint = |name: &str| told.model().joint(name).unwrap();
+    let [one, two, three, four] = ["joint1", "joint2", "joint3", "joint4"].map(joint);
+    assert_eq!(told.velocity_limit(one), Some(1.5));
+    assert_eq!(told.acceleration_limit(one), Some(3.75));
+    assert_eq!(told.velocity_limit(two), None);
+    assert_eq!(told.velocity_limit(three), plain.velocity_limit(three));
+    assert_eq!(told.acceleration_limit(three), Some(7.5));
+    assert_eq!(told.acceleration_limit(four), None);
+    let narrow = limits(&told, two).unwrap();
+    assert_eq!((narrow.lower, narrow.upper), (-0.5, 0.25));
+    assert_eq!(limits(&told, one), limits(&plain, one));
+    let arm = Arm::new(&told, "base", "flange").unwrap();
+    let inf = f64::INFINITY;
+    assert_eq!(
+        arm.acceleration_limits(),
+        [3.75, inf, 7.5, inf, inf, inf, inf]
+    );
+    assert_eq!(arm.velocity_limits()[..2], [1.5, inf]);
+}
+
+#[test]
+fn positions_only_narrow() {
+    let wide = "joint_limits: {joint2: {has_position_limits: true, min_position: -100, max_position: 100}}";
+    let (plain, told) = (robot("franka_panda"), with(wide).unwrap());
+    let id = plain.model().joint("joint2").unwrap();
+    assert_eq!(limits(&told, id), limits(&plain, id));
+}
+
+#[test]
+fn without_joints_nothing_changes() {
+    for text in ["joint_limits:\n", "joint_limits: {}"] {
+        let told = with(text).unwrap();
+        let id = told.model().joint("joint1").unwrap();
+        assert_eq!(
+            told.velocity_limit(id),
+            robot("franka_panda").velocity_limit(id)
+        );
+    }
+}
+
+#[test]
+fn what_is_wrong_is_told_by_its_line() {
+    let cases = [
+        ("", "no YAML"),
+        ("joints: {}", "joint_limits"),
+        ("joint_limits: [joint1]", "map of joints"),
+        ("joint_limits:\n  joint11: {max_velocity: 1}", "line 2"),
+        ("joint_limits:\n  joint11: {max_velocity: 1}", "joint1"),
+        ("joint_limits:\n  joint1: {max_velocity: 0}", "not above 0"),
+        ("joint_limits:\n  joint1: {max_velocity: -1}", "not above 0"),
+        (
+            "joint_limits:\n  joint1: {max_acceleration: .nan}",
+            "no finite number",
+        ),
+        (
+            "joint_limits:\n  joint1: {max_acceleration: fast}",
+            "no finite number",
+        ),
+        (
+            "joint_limits:\n  joint1: {has_velocity_limits: perhaps, max_velocity: 1}",
+            "neither true nor false",
+        ),
+        (
+            "joint_limits:\n  joint1: {has_acceleration_limits: true}",
+            "has no `max_acceleration`",
+        ),
+        (
+            "joint_limits:\n  joint2: {min_position: 1.0, max_position: -1.0}",
+            "joint2",
+        ),
+        ("joint_limits:\n  joint1: {max_velocity: 1", "limits.yaml"),
+    ];
+    for (text, expected) in cases {
+        let told = with(text).unwrap_err();
+        assert!(told.contains(expected), "{text:?}: {told}");
+    }
+    let missing = robot("franka_panda").with_joint_limits("no/such/file.yaml");
+    assert!(
+        missing
+            .unwrap_err()
+            .to_string()
+            .contains("no/such/file.yaml")
+    );
+}
