@@ -9,4 +9,5 @@ mod same_arms;
 mod same_bits;
 mod same_courses;
 mod same_following;
+mod same_on_the_web;
 mod skinning;

@@ -1,0 +1,16 @@
+// Placements of places and rotations, however those are written.
+
+/** A placement of a place and a quaternion, `wxyz` or `xyzw`, of any length but 0: a 4 x 4 matrix by columns. */
+export function placement(position = [0, 0, 0], { wxyz, xyzw } = {}) {
+    if (wxyz && xyzw) throw new Error("a placement has one rotation, not wxyz and xyzw");
+    const given = wxyz ?? (xyzw ? [xyzw[3], xyzw[0], xyzw[1], xyzw[2]] : [1, 0, 0, 0]);
+    const length = Math.sqrt(given[0] ** 2 + given[1] ** 2 + given[2] ** 2 + given[3] ** 2);
+    if (!(length > 0 && length < Infinity)) throw new Error("a quaternion of four finite numbers, not all 0, is a rotation");
+    const [w, x, y, z] = Array.from(given, (value) => value / length);
+    return new Float64Array([
+        1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0,
+        2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0,
+        2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y), 0,
+        position[0], position[1], position[2], 1,
+    ]);
+}

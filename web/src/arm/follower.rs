@@ -1,0 +1,65 @@
+//! Paths whose targets come one at a time.
+
+use std::rc::Rc;
+
+use self_cell::self_cell;
+use wasm_bindgen::prelude::*;
+
+use crate::placement::read;
+use crate::raise;
+use crate::solution::Solution;
+
+use kinopt::arm::Follower as Following;
+
+self_cell!(
+    struct Cell {
+        owner: Rc<kinopt::Arm>,
+        #[covariant]
+        dependent: Following,
+    }
+);
+
+/// An arm that goes on from target to target: no joint moves by more than 0.2 rad a step, or it is told as a jump.
+#[wasm_bindgen]
+pub struct Follower {
+    cell: Cell,
+    jumped: bool,
+}
+
+impl Follower {
+    pub(super) fn new(arm: Rc<kinopt::Arm>, start: &[f64]) -> Result<Self, JsError> {
+        let cell = Cell::try_new(arm, |arm| arm.follower(start)).map_err(raise)?;
+        let jumped = false;
+        Ok(Self { cell, jumped })
+    }
+}
+
+#[wasm_bindgen]
+impl Follower {
+    /// Where the arm stands.
+    #[wasm_bindgen(getter)]
+    pub fn q(&self) -> Vec<f64> {
+        self.cell.borrow_dependent().q().to_vec()
+    }
+
+    /// Whether the last step moved a joint further than 0.2 rad.
+    #[wasm_bindgen(getter)]
+    pub fn jumped(&self) -> bool {
+        self.jumped
+    }
+
+    /// Goes to the next target.
+    pub fn advance(
+        &mut self,
+        #[wasm_bindgen(unchecked_param_type = "Placement")] target: &[f64],
+    ) -> Result<Solution, JsError> {
+        let target = read(target, "target")?;
+        let mut solution = kinopt::Solution::default();
+        let advanced = self.cell.with_dependent_mut(|_, follower| {
+            let jump = follower.advance(target, &mut solution);
+            jump.map(|jump| jump.is_some())
+        });
+        self.jumped = advanced.map_err(raise)?;
+        Ok(solution.into())
+    }
+}

@@ -1,0 +1,234 @@
+//! Pose inverse kinematics of an arm.
+
+mod follower;
+mod options;
+mod servo;
+mod track;
+
+use std::rc::Rc;
+
+use wasm_bindgen::prelude::*;
+
+use crate::placement::{columns, read, read_all};
+use crate::raise;
+use crate::robot::Robot;
+use crate::solution::Solution;
+use follower::Follower;
+pub(crate) use options::goal;
+use servo::Servo;
+use track::{Batch, Track};
+
+/// An arm of a robot, from a base to a tip, made ready to be asked.
+#[wasm_bindgen]
+pub struct Arm {
+    inner: Rc<kinopt::Arm>,
+}
+
+impl From<kinopt::Arm> for Arm {
+    fn from(inner: kinopt::Arm) -> Self {
+        let inner = Rc::new(inner);
+        Self { inner }
+    }
+}
+
+#[wasm_bindgen]
+impl Arm {
+    /// The arm from one frame to another; base `undefined` is the world.
+    #[wasm_bindgen(constructor)]
+    pub fn new(
+        robot: &Robot,
+        base: Option<String>,
+        tip: &str,
+        options: Option<options::ArmOptions>,
+    ) -> Result<Self, JsError> {
+        Ok(options::build(robot, base, tip, options)?.into())
+    }
+
+    /// The joints from base to tip.
+    #[wasm_bindgen(getter, js_name = jointNames)]
+    pub fn joint_names(&self) -> Vec<String> {
+        self.inner.joints().map(str::to_owned).collect()
+    }
+
+    /// How many numbers a configuration has.
+    #[wasm_bindgen(getter, js_name = degreesOfFreedom)]
+    pub fn degrees_of_freedom(&self) -> usize {
+        self.inner.joint_count()
+    }
+
+    /// Lower limits, radians and metres.
+    #[wasm_bindgen(getter)]
+    pub fn lower(&self) -> Vec<f64> {
+        self.inner.limits().map(|limits| limits.lower).collect()
+    }
+
+    /// Upper limits, radians and metres.
+    #[wasm_bindgen(getter)]
+    pub fn upper(&self) -> Vec<f64> {
+        self.inner.limits().map(|limits| limits.upper).collect()
+    }
+
+    /// Where the tool stands in the base: a 4 x 4 matrix by columns.
+    #[wasm_bindgen(js_name = baseFromTool)]
+    pub fn base_from_tool(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
+    ) -> Result<Vec<f64>, JsError> {
+        let place = self.inner.base_from_tool(q).map_err(raise)?;
+        Ok(columns(&place).to_vec())
+    }
+
+    /// Solves for one target from one start; without a start from the joints at 0. A target out of reach is no
+    /// exception: see `reached` and `explain()`.
+    pub fn solve(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "Placement")] target: &[f64],
+        #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] start: Option<Vec<f64>>,
+    ) -> Result<Solution, JsError> {
+        let target = read(target, "target")?;
+        let start = start.unwrap_or_else(|| self.middle());
+        Ok(self.inner.solve(target, &start).map_err(raise)?.into())
+    }
+
+    /// Solves for many targets, sixteen numbers each, as blocks of numbers; `starts` is one configuration for all of
+    /// them or one for each.
+    #[wasm_bindgen(js_name = solveBatch)]
+    pub fn solve_batch(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "Numbers")] targets: &[f64],
+        #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] starts: Option<Vec<f64>>,
+    ) -> Result<Batch, JsError> {
+        let targets = read_all(targets, "target")?;
+        let mut starts = starts.unwrap_or_else(|| self.middle());
+        if starts.len() == self.inner.joint_count() {
+            starts = starts.repeat(targets.len());
+        }
+        let mut batch = Batch::with_room(targets.len(), self.inner.joint_count());
+        self.inner
+            .solve_batch_into(&targets, &starts, &mut batch.q, &mut batch.outcomes)
+            .map_err(raise)?;
+        Ok(batch)
+    }
+
+    /// Several solutions that differ by `distance` radians or more, the nearest to the start first.
+    pub fn distinct(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "Placement")] target: &[f64],
+        #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] start: Option<Vec<f64>>,
+        #[wasm_bindgen(unchecked_optional_param_type = "number")] k: Option<u32>,
+        #[wasm_bindgen(unchecked_optional_param_type = "number")] distance: Option<f64>,
+    ) -> Result<Vec<Solution>, JsError> {
+        let search = kinopt::arm::Search::Distinct {
+            k: k.unwrap_or(16) as usize,
+            distance: distance.unwrap_or(0.1),
+        };
+        let arm = self.inner.with_search(search).map_err(raise)?;
+        let target = read(target, "target")?;
+        let start = start.unwrap_or_else(|| self.middle());
+        let all = arm.solve_all(target, &start).map_err(raise)?;
+        Ok(all.into_iter().map(Solution::from).collect())
+    }
+
+    /// Follows a path of targets, sixteen numbers each, on one branch where there is one.
+    pub fn track(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "Numbers")] targets: &[f64],
+        #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] start: Option<Vec<f64>>,
+    ) -> Result<Track, JsError> {
+        let targets = read_all(targets, "target")?;
+        let start = start.unwrap_or_else(|| self.middle());
+        let track = self.inner.track(&targets, &start).map_err(raise)?;
+        Ok(Track::new(&self.inner, track))
+    }
+
+    /// Follows targets that come one at a time, from a start.
+    pub fn follower(
+        &self,
+        #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] start: Option<Vec<f64>>,
+    ) -> Result<Follower, JsError> {
+        let start = start.unwrap_or_else(|| self.middle());
+        Follower::new(Rc::clone(&self.inner), &start)
+    }
+
+    /// Follows targets at a fixed rate within limits of speed; `time_step` in seconds.
+    pub fn servo(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "Numbers")] start: &[f64],
+        #[wasm_bindgen(js_name = timeStep)] time_step: f64,
+    ) -> Result<Servo, JsError> {
+        Servo::new(Rc::clone(&self.inner), start, time_step)
+    }
+
+    /// The arm with another tool on its tip, at once.
+    #[wasm_bindgen(js_name = withTool)]
+    pub fn with_tool(
+        &self,
+        #[wasm_bindgen(js_name = tipFromTool, unchecked_param_type = "Placement")]
+        tip_from_tool: &[f64],
+    ) -> Result<Self, JsError> {
+        let tool = read(tip_from_tool, "tipFromTool")?;
+        Ok(self.inner.with_tool(tool).map_err(raise)?.into())
+    }
+
+    /// The model's configuration `q_model` with the arm's own joints at `q`.
+    pub fn configuration(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
+        #[wasm_bindgen(js_name = qModel, unchecked_param_type = "Numbers")] q_model: Vec<f64>,
+    ) -> Result<Vec<f64>, JsError> {
+        let mut whole = q_model;
+        self.inner.configuration(q, &mut whole).map_err(raise)?;
+        Ok(whole)
+    }
+}
+
+#[cfg(feature = "collision")]
+#[wasm_bindgen]
+impl Arm {
+    /// An arm that touches nothing of a world, nor itself: its answers keep `margin` metres. `held` is where joints that
+    /// are not the arm's stand.
+    #[wasm_bindgen(js_name = keepingClear)]
+    #[allow(clippy::too_many_arguments)] // Those of the constructor, and what is kept clear of.
+    pub fn keeping_clear(
+        robot: &Robot,
+        base: Option<String>,
+        tip: &str,
+        shapes: &crate::world::CollisionModel,
+        world: &crate::world::World,
+        margin: Option<f64>,
+        options: Option<options::ArmOptions>,
+        #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] held: Option<Vec<f64>>,
+    ) -> Result<Self, JsError> {
+        let arm = options::build(robot, base, tip, options)?;
+        let checker = shapes.checker(world, margin)?;
+        let held = held.unwrap_or_else(|| checker.model().model().neutral());
+        Ok(arm.with_checker(&checker, &held).map_err(raise)?.into())
+    }
+
+    /// An arm that keeps clear, with its world changed.
+    #[wasm_bindgen(js_name = withWorld)]
+    pub fn with_world(
+        &self,
+        world: &crate::world::World,
+        margin: Option<f64>,
+    ) -> Result<Self, JsError> {
+        Ok((self.inner.with_world(&world.inner, margin).map_err(raise)?).into())
+    }
+
+    /// What touches, or comes nearer than the margin, at `q`.
+    pub fn collisions(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
+    ) -> Result<crate::solution::Collisions, JsError> {
+        let found = self.inner.collisions(q).map_err(raise)?;
+        Ok(crate::solution::collisions(&found))
+    }
+}
+
+impl Arm {
+    /// All joints at 0, or at the limit next to it.
+    fn middle(&self) -> Vec<f64> {
+        let limits = self.inner.limits();
+        limits.map(|limits| limits.clamp(0.0)).collect()
+    }
+}

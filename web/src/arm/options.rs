@@ -1,0 +1,158 @@
+//! An arm's options.
+
+use kinopt::arm::{ArmBuilder, Base, Goal, Search};
+use kinopt::model::UnknownName;
+use wasm_bindgen::prelude::*;
+
+use crate::given::Given;
+use crate::raise;
+use crate::robot::Robot;
+
+#[wasm_bindgen(typescript_custom_section)]
+const TYPES: &str = r#"
+/** Options of an arm, under the names of the Python package; times are not limited, as a module has no clock. */
+export interface ArmOptions {
+    attempts?: number;
+    atlas?: boolean;
+    globalSearchOnMiss?: boolean;
+    /** What of the target counts: "pose" (the default), "position", or half widths of room, metres and radians. */
+    goal?: "pose" | "position" | Numbers;
+    /** Where the joints stand that `only` leaves out. */
+    held?: Numbers;
+    iterations?: number;
+    jointWeights?: Numbers;
+    limitAvoidance?: number;
+    locked?: Record<string, number>;
+    maxMove?: Numbers;
+    metresPerRadian?: number;
+    only?: readonly string[];
+    orientationTolerance?: number;
+    positionTolerance?: number;
+    posture?: Numbers;
+    search?: "start" | "first" | "nearest";
+    seed?: number;
+    tool?: Placement;
+}
+"#;
+
+#[wasm_bindgen]
+extern "C" {
+    /// Options of an arm.
+    #[wasm_bindgen(typescript_type = "ArmOptions")]
+    pub type ArmOptions;
+}
+
+const KNOWN: [&str; 18] = [
+    "attempts",
+    "atlas",
+    "globalSearchOnMiss",
+    "goal",
+    "held",
+    "iterations",
+    "jointWeights",
+    "limitAvoidance",
+    "locked",
+    "maxMove",
+    "metresPerRadian",
+    "only",
+    "orientationTolerance",
+    "positionTolerance",
+    "posture",
+    "search",
+    "seed",
+    "tool",
+];
+
+/// An arm with every option that is given.
+pub(super) fn build(
+    robot: &Robot,
+    base: Option<String>,
+    tip: &str,
+    options: Option<ArmOptions>,
+) -> Result<kinopt::Arm, JsError> {
+    let from = match &base {
+        Some(base) => Base::from(base),
+        None => Base::World,
+    };
+    let builder = apply(kinopt::Arm::builder(&robot.inner, from, tip), options)?;
+    builder.build().map_err(raise)
+}
+
+/// The builder with them.
+fn apply<'m>(
+    mut builder: ArmBuilder<'m>,
+    options: Option<ArmOptions>,
+) -> Result<ArmBuilder<'m>, JsError> {
+    let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
+    let given = Given::new(options, "option of an arm", &KNOWN)?;
+    macro_rules! set {
+        ($($read:ident $name:literal $with:ident $(& $by_reference:tt)?;)*) => {$(
+            if let Some(value) = given.$read($name)? {
+                builder = builder.$with(set!(@ value $($by_reference)?));
+            }
+        )*};
+        (@ $value:ident) => { $value };
+        (@ $value:ident slice) => { &$value };
+    }
+    set! {
+        whole "attempts" with_attempts;
+        switch "atlas" with_atlas;
+        switch "globalSearchOnMiss" with_global_search_on_miss;
+        whole "iterations" with_iterations;
+        numbers "jointWeights" with_joint_weights &slice;
+        number "limitAvoidance" with_limit_avoidance;
+        numbers "maxMove" with_max_move &slice;
+        number "metresPerRadian" with_metres_per_radian;
+        number "orientationTolerance" with_orientation_tolerance;
+        number "positionTolerance" with_position_tolerance;
+        numbers "posture" with_posture &slice;
+        placement "tool" with_tool;
+    }
+    if let Some(seed) = given.whole("seed")? {
+        builder = builder.with_seed(seed.into());
+    }
+    if let Some(name) = given.text("search")? {
+        builder = builder.with_search(search(&name)?);
+    }
+    if let Some(value) = given.get("goal") {
+        builder = builder.with_goal(goal(&value)?);
+    }
+    for (joint, value) in given.by_name("locked")? {
+        builder = builder.with_locked(&joint, value);
+    }
+    if let Some(joints) = given.texts("only")? {
+        builder = builder.with_only(&joints, &given.numbers("held")?.unwrap_or_default());
+    }
+    Ok(builder)
+}
+
+fn search(name: &str) -> Result<Search, JsError> {
+    let names = ["start", "first", "nearest"];
+    match name {
+        "start" => Ok(Search::Start),
+        "first" => Ok(Search::First),
+        "nearest" => Ok(Search::Nearest),
+        _ => Err(raise(UnknownName::new("search", name, names))),
+    }
+}
+
+/// "pose", "position", or half widths along and about the axes.
+pub(crate) fn goal(value: &JsValue) -> Result<Goal, JsError> {
+    match value.as_string().as_deref() {
+        Some("pose") => Ok(Goal::pose()),
+        Some("position") => Ok(Goal::position()),
+        Some(other) => {
+            let names = ["pose", "position"];
+            Err(raise(UnknownName::new("goal", other, names)))
+        }
+        None => {
+            let widths = crate::given::vector::<6>(value, "goal")?;
+            match widths.iter().find(|width| width.is_nan() || **width < 0.0) {
+                None => Ok(Goal::within(widths)),
+                Some(width) => Err(JsError::new(&format!(
+                    "goal holds {width}, which is no number of at least 0"
+                ))),
+            }
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! Targets at a fixed rate, within limits of speed.
+
+use std::rc::Rc;
+
+use self_cell::self_cell;
+use wasm_bindgen::prelude::*;
+
+use crate::placement::read;
+use crate::raise;
+
+use kinopt::arm::Servo as Servoing;
+
+self_cell!(
+    struct Cell {
+        owner: Rc<kinopt::Arm>,
+        #[covariant]
+        dependent: Servoing,
+    }
+);
+
+/// An arm that follows its target tick by tick.
+#[wasm_bindgen]
+pub struct Servo {
+    cell: Cell,
+    reached: bool,
+    errors: [f64; 2],
+}
+
+impl Servo {
+    pub(super) fn new(arm: Rc<kinopt::Arm>, start: &[f64], step: f64) -> Result<Self, JsError> {
+        let cell = Cell::try_new(arm, |arm| arm.servo(start, step)).map_err(raise)?;
+        Ok(Self {
+            cell,
+            reached: false,
+            errors: [f64::NAN; 2],
+        })
+    }
+}
+
+#[wasm_bindgen]
+impl Servo {
+    /// Where the arm stands.
+    #[wasm_bindgen(getter)]
+    pub fn q(&self) -> Vec<f64> {
+        self.cell.borrow_dependent().q().to_vec()
+    }
+
+    /// How far the tool is from its target, metres.
+    #[wasm_bindgen(getter, js_name = positionError)]
+    pub fn position_error(&self) -> f64 {
+        self.errors[0]
+    }
+
+    /// How far it is turned from it, radians.
+    #[wasm_bindgen(getter, js_name = orientationError)]
+    pub fn orientation_error(&self) -> f64 {
+        self.errors[1]
+    }
+
+    /// Whether the last tick came to its target.
+    #[wasm_bindgen(getter)]
+    pub fn reached(&self) -> bool {
+        self.reached
+    }
+
+    /// One tick towards a target; what it came to.
+    pub fn step(
+        &mut self,
+        #[wasm_bindgen(unchecked_param_type = "Placement")] target: &[f64],
+    ) -> Result<Vec<f64>, JsError> {
+        let target = read(target, "target")?;
+        let told = self.cell.with_dependent_mut(|_, servo| {
+            let step = servo.step(target)?;
+            let errors = [step.position_error, step.orientation_error];
+            Ok::<_, kinopt::arm::QueryError>((step.reached(), errors))
+        });
+        (self.reached, self.errors) = told.map_err(raise)?;
+        Ok(self.q())
+    }
+}

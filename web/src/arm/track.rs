@@ -1,0 +1,133 @@
+//! The answers to many questions.
+
+use js_sys::Array;
+use kinopt::arm::PoseOutcome;
+use wasm_bindgen::prelude::*;
+
+use crate::object;
+use crate::view;
+
+#[wasm_bindgen(typescript_custom_section)]
+const TYPES: &str = r#"
+/** A step of a path in which a joint moves further than 0.2 rad (a slide by the metres that weigh as much). */
+export interface Jump {
+    step: number;
+    joint: string;
+    distance: number;
+    /** Whether small steps along the straight way lead there: a fast motion, no other branch. */
+    continuous: boolean;
+}
+"#;
+
+#[wasm_bindgen]
+extern "C" {
+    /// Jumps as objects.
+    #[wasm_bindgen(typescript_type = "Jump[]")]
+    pub type Jumps;
+}
+
+/// The answers to many targets, in their order.
+#[wasm_bindgen]
+pub struct Batch {
+    pub(super) q: Vec<f64>,
+    pub(super) outcomes: Vec<PoseOutcome>,
+}
+
+impl Batch {
+    pub(super) fn with_room(targets: usize, joints: usize) -> Self {
+        Self {
+            q: vec![0.0; targets * joints],
+            outcomes: vec![PoseOutcome::default(); targets],
+        }
+    }
+}
+
+#[wasm_bindgen]
+impl Batch {
+    /// The configurations, one after another, where they lie: valid until the next call into the module.
+    #[wasm_bindgen(getter, unchecked_return_type = "Float64Array")]
+    pub fn q(&self) -> js_sys::Float64Array {
+        view::doubles(&self.q)
+    }
+
+    /// 1 for each target that is reached, 0 for others.
+    #[wasm_bindgen(getter)]
+    pub fn reached(&self) -> Vec<u8> {
+        self.each(|outcome| outcome.reached.into())
+    }
+
+    /// How far each tool is from its target, metres.
+    #[wasm_bindgen(getter, js_name = positionError)]
+    pub fn position_error(&self) -> Vec<f64> {
+        self.each(|outcome| outcome.position_error)
+    }
+
+    /// How far each tool is turned from its target, radians.
+    #[wasm_bindgen(getter, js_name = orientationError)]
+    pub fn orientation_error(&self) -> Vec<f64> {
+        self.each(|outcome| outcome.orientation_error)
+    }
+}
+
+impl Batch {
+    fn each<T>(&self, what: impl Fn(&PoseOutcome) -> T) -> Vec<T> {
+        self.outcomes.iter().map(what).collect()
+    }
+}
+
+/// The answers to a path.
+#[wasm_bindgen]
+pub struct Track {
+    q: Vec<f64>,
+    reached: Vec<u8>,
+    jumps: Array,
+}
+
+impl Track {
+    pub(super) fn new(arm: &kinopt::Arm, track: kinopt::arm::Track) -> Self {
+        let names: Vec<&str> = arm.joints().collect();
+        let jumps = track.jumps.iter().map(|jump| {
+            object::of([
+                ("step", (jump.step as f64).into()),
+                ("joint", names.get(jump.joint).copied().unwrap_or("").into()),
+                ("distance", jump.distance.into()),
+                ("continuous", jump.continuous.into()),
+            ])
+        });
+        Self {
+            jumps: jumps.collect(),
+            q: track
+                .solutions
+                .iter()
+                .flat_map(|one| &one.q)
+                .copied()
+                .collect(),
+            reached: track
+                .solutions
+                .iter()
+                .map(|one| one.reached.into())
+                .collect(),
+        }
+    }
+}
+
+#[wasm_bindgen]
+impl Track {
+    /// The configurations, one after another, where they lie: valid until the next call into the module.
+    #[wasm_bindgen(getter, unchecked_return_type = "Float64Array")]
+    pub fn q(&self) -> js_sys::Float64Array {
+        view::doubles(&self.q)
+    }
+
+    /// 1 for each target that is reached, 0 for others.
+    #[wasm_bindgen(getter)]
+    pub fn reached(&self) -> Vec<u8> {
+        self.reached.clone()
+    }
+
+    /// Where a joint moves far.
+    #[wasm_bindgen(getter)]
+    pub fn jumps(&self) -> Jumps {
+        self.jumps.clone().unchecked_into()
+    }
+}

@@ -1,0 +1,78 @@
+//! Motion capture, from BVH.
+
+use std::collections::BTreeSet;
+use std::rc::Rc;
+
+use kinopt::skeleton::BoneId;
+use wasm_bindgen::prelude::*;
+
+use crate::clip::{Armature, Clip, Pose};
+use crate::figure::Figure;
+use crate::raise;
+
+/// What a BVH file holds.
+#[wasm_bindgen]
+pub struct MotionCapture {
+    armature: Armature,
+    clip: kinopt::animation::Clip,
+    turning: BTreeSet<BoneId>,
+    frames: usize,
+    frame_time: f64,
+    notes: Vec<String>,
+}
+
+#[wasm_bindgen]
+impl MotionCapture {
+    /// Reads the bytes of a BVH file; `name` is for messages and the clip.
+    #[wasm_bindgen(js_name = fromBytes)]
+    pub fn from_bytes(data: &[u8], name: Option<String>) -> Result<Self, JsError> {
+        let name = name.as_deref().unwrap_or("capture.bvh");
+        let read = kinopt::io::bvh::from_bytes(data, name).map_err(raise)?;
+        let turning = read.turning_bones();
+        Ok(Self {
+            turning,
+            armature: Armature {
+                inner: Rc::new(read.armature),
+            },
+            clip: read.clip,
+            frames: read.frames,
+            frame_time: read.frame_time,
+            notes: read.notes.iter().map(ToString::to_string).collect(),
+        })
+    }
+
+    /// A bone for each joint and end.
+    #[wasm_bindgen(getter)]
+    pub fn armature(&self) -> Armature {
+        self.armature.clone()
+    }
+
+    /// The motion.
+    #[wasm_bindgen(getter)]
+    pub fn clip(&self) -> Clip {
+        Clip::new(self.clip.clone(), &self.armature.inner)
+    }
+
+    /// How many frames there are.
+    #[wasm_bindgen(getter)]
+    pub fn frames(&self) -> usize {
+        self.frames
+    }
+
+    /// From one frame to the next, seconds.
+    #[wasm_bindgen(getter, js_name = frameTime)]
+    pub fn frame_time(&self) -> f64 {
+        self.frame_time
+    }
+
+    /// What reading left out.
+    #[wasm_bindgen(getter)]
+    pub fn notes(&self) -> Vec<String> {
+        self.notes.clone()
+    }
+
+    /// A figure to drag, standing in a pose, at rest without one.
+    pub fn figure(&self, pose: Option<Pose>) -> Result<Figure, JsError> {
+        Figure::standing(&self.armature.inner, &self.turning, pose.as_ref())
+    }
+}

@@ -1,0 +1,51 @@
+//! Other files that a file names, by a function of the caller's.
+
+use js_sys::{Function, Uint8Array};
+use kinopt::io::{Place, ReadError, ReadProblem};
+use wasm_bindgen::prelude::*;
+
+#[wasm_bindgen(typescript_custom_section)]
+const TYPES: &str = r#"
+/** Gives the bytes of a file that another one names, or `undefined` where there is none. */
+export type Open = (file: string) => Uint8Array | undefined;
+"#;
+
+#[wasm_bindgen]
+extern "C" {
+    /// A function that opens files.
+    #[wasm_bindgen(typescript_type = "Open")]
+    pub type Open;
+}
+
+/// What `parse` makes of a file whose others `open` gives; an exception of `open` comes first.
+pub(crate) fn parsed<T>(
+    open: Option<Open>,
+    parse: impl FnOnce(&mut dyn FnMut(&str) -> Result<Vec<u8>, ReadError>) -> Result<T, ReadError>,
+) -> Result<T, JsValue> {
+    let open = open.and_then(|open| JsValue::from(open).dyn_into::<Function>().ok());
+    let mut raised = None;
+    let parsed = parse(&mut |file| {
+        let missing = || fail(file, std::io::ErrorKind::NotFound, "not given");
+        let open = open.as_ref().ok_or_else(missing)?;
+        match open.call1(&JsValue::UNDEFINED, &file.into()) {
+            Ok(bytes) if bytes.is_undefined() || bytes.is_null() => Err(missing()),
+            Ok(bytes) => Ok(Uint8Array::new(&bytes).to_vec()),
+            Err(error) => {
+                raised = Some(error);
+                Err(fail(file, std::io::ErrorKind::Other, "not opened"))
+            }
+        }
+    });
+    match raised {
+        Some(error) => Err(error),
+        None => parsed.map_err(|error| crate::raise(error).into()),
+    }
+}
+
+fn fail(file: &str, kind: std::io::ErrorKind, text: &str) -> ReadError {
+    ReadError {
+        file: file.to_owned(),
+        place: Place::File,
+        problem: ReadProblem::Io(std::io::Error::new(kind, text)),
+    }
+}

@@ -1,0 +1,101 @@
+//! Dragging: one problem whose targets move from frame to frame.
+
+use wasm_bindgen::prelude::*;
+
+use crate::problem::{Problem, TargetsByName};
+use crate::raise;
+use crate::solution::Solution;
+use crate::task::Aimed;
+
+/// A problem that is solved again and again while its targets move, as a hand under a mouse does. Each frame goes on from
+/// the last in a bounded number of steps, and no joint moves further in it than 0.15 rad, unless told otherwise.
+#[wasm_bindgen]
+pub struct Drag {
+    problem: Problem,
+    inner: kinopt::ik::Drag,
+}
+
+#[wasm_bindgen]
+impl Drag {
+    /// A drag from the configuration `start`, taken into the limits; `max_move` in radians a frame.
+    #[wasm_bindgen(constructor)]
+    pub fn new(
+        problem: &Problem,
+        #[wasm_bindgen(unchecked_param_type = "Numbers")] start: &[f64],
+        #[wasm_bindgen(js_name = maxMove)] max_move: Option<f64>,
+    ) -> Result<Self, JsError> {
+        let mut inner = kinopt::ik::Drag::new(problem.inner.clone(), start).map_err(raise)?;
+        if let Some(radians) = max_move {
+            inner = inner.with_max_move(radians).map_err(raise)?;
+        }
+        Ok(Self {
+            problem: problem.clone(),
+            inner,
+        })
+    }
+
+    /// Moves targets by their tasks' names, as in `{ left_hand: [0.4, 0.1, 0.3] }`.
+    #[wasm_bindgen(js_name = setTargets)]
+    pub fn set_targets(&mut self, targets: TargetsByName) -> Result<(), JsError> {
+        let mut aimed = Aimed::Drag(&mut self.inner);
+        self.problem.aim(&mut aimed, Some(targets))
+    }
+
+    /// One frame: follows the targets as they are now, after moving those that are given.
+    pub fn advance(&mut self, targets: Option<TargetsByName>) -> Result<Solution, JsError> {
+        self.problem
+            .aim(&mut Aimed::Drag(&mut self.inner), targets)?;
+        Ok(self.inner.advance().clone().into())
+    }
+
+    /// At most so many frames, until the targets are reached and no joint is catching up, or the body rests.
+    pub fn follow(
+        &mut self,
+        targets: Option<TargetsByName>,
+        frames: Option<u32>,
+    ) -> Result<Solution, JsError> {
+        self.problem
+            .aim(&mut Aimed::Drag(&mut self.inner), targets)?;
+        let frames = frames.unwrap_or(1000) as usize;
+        Ok(self.inner.follow(frames).clone().into())
+    }
+
+    /// Where the body comes to on its own way, for targets that are far apart.
+    pub fn settle(
+        &mut self,
+        targets: Option<TargetsByName>,
+        frames: Option<u32>,
+    ) -> Result<Solution, JsError> {
+        self.problem
+            .aim(&mut Aimed::Drag(&mut self.inner), targets)?;
+        let frames = frames.unwrap_or(1000) as usize;
+        Ok(self.inner.settle(frames).clone().into())
+    }
+
+    /// Goes on from another configuration.
+    #[wasm_bindgen(js_name = standAt)]
+    pub fn stand_at(
+        &mut self,
+        #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
+    ) -> Result<(), JsError> {
+        self.inner.stand_at(q).map_err(raise)
+    }
+
+    /// Where the body stands.
+    #[wasm_bindgen(getter)]
+    pub fn q(&self) -> Vec<f64> {
+        self.inner.q().to_vec()
+    }
+
+    /// Whether some joint moved as far as a frame allows and would go on.
+    #[wasm_bindgen(getter, js_name = catchingUp)]
+    pub fn catching_up(&self) -> bool {
+        self.inner.catching_up()
+    }
+
+    /// Whether the next frame would do nothing.
+    #[wasm_bindgen(getter)]
+    pub fn rests(&self) -> bool {
+        self.inner.rests()
+    }
+}

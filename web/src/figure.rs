@@ -1,0 +1,72 @@
+//! The bones of a file of animation as a figure that is dragged.
+
+use std::collections::BTreeSet;
+use std::rc::Rc;
+
+use kinopt::animation::{Armature as Bones, PoseAngles};
+use kinopt::model::Limits;
+use kinopt::skeleton::BoneId;
+use wasm_bindgen::prelude::*;
+
+use crate::clip::Pose;
+use crate::raise;
+use crate::skeleton::Skeleton;
+
+/// A skeleton whose bones turn freely from a pose in which all its angles are 0.
+#[wasm_bindgen]
+pub struct Figure {
+    skeleton: Skeleton,
+    angles: PoseAngles,
+    stands: kinopt::animation::Pose,
+}
+
+impl Figure {
+    /// The figure of an armature that stands in a pose (at rest without one), whose bones `turning` turn.
+    pub(crate) fn standing(
+        armature: &Rc<Bones>,
+        turning: &BTreeSet<BoneId>,
+        pose: Option<&Pose>,
+    ) -> Result<Self, JsError> {
+        let mut armature = Bones::clone(armature);
+        if let Some(pose) = pose {
+            armature = armature.at_rest_in(&pose.inner).map_err(raise)?;
+        }
+        let limits = |bone: BoneId| match turning.contains(&bone) {
+            true => [Limits::UNBOUNDED; 3],
+            false => [Limits::new(0.0, 0.0); 3],
+        };
+        let skeleton = armature.skeleton("figure", limits).map_err(raise)?;
+        Ok(Self {
+            angles: PoseAngles::new(&skeleton),
+            stands: armature.rest().clone(),
+            skeleton: skeleton.into(),
+        })
+    }
+}
+
+#[wasm_bindgen]
+impl Figure {
+    /// The bones, at rest where the figure stands.
+    #[wasm_bindgen(getter)]
+    pub fn skeleton(&self) -> Skeleton {
+        self.skeleton.clone()
+    }
+
+    /// The pose of the armature for the angles `q`, radians.
+    #[wasm_bindgen(js_name = toPose)]
+    pub fn to_pose(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
+    ) -> Result<Pose, JsError> {
+        let asked = self.skeleton.inner.angles();
+        if q.len() != asked {
+            let count = q.len();
+            return Err(JsError::new(&format!(
+                "q has {count} numbers, expected {asked}"
+            )));
+        }
+        let mut inner = self.stands.clone();
+        self.angles.pose_of(q, &mut inner);
+        Ok(Pose { inner })
+    }
+}

@@ -1,0 +1,183 @@
+//! What a caller gives as a plain object: options, and tasks.
+
+use js_sys::{Array, Float64Array, Object, Reflect};
+use kinopt::model::UnknownName;
+use kinopt::spatial::Placement;
+use wasm_bindgen::prelude::*;
+
+use crate::placement;
+
+/// An object whose every name is known. What is `undefined` or `null` is not given.
+pub(crate) struct Given {
+    object: JsValue,
+    what: &'static str,
+}
+
+impl Given {
+    /// Takes an object, or nothing for one without names; `what` is what one of its names is called.
+    pub(crate) fn new(
+        object: JsValue,
+        what: &'static str,
+        known: &[&str],
+    ) -> Result<Self, JsError> {
+        if object.is_undefined() || object.is_null() {
+            return Ok(Self {
+                object: Object::new().into(),
+                what,
+            });
+        }
+        let Some(given) = object.dyn_ref::<Object>() else {
+            return Err(JsError::new(&format!("{what}s are given as an object")));
+        };
+        for name in Object::keys(given) {
+            let name = name.as_string().unwrap_or_default();
+            if !known.contains(&name.as_str()) {
+                return Err(crate::raise(UnknownName::new(
+                    what,
+                    &name,
+                    known.iter().copied(),
+                )));
+            }
+        }
+        Ok(Self { object, what })
+    }
+
+    /// What is given under a name.
+    pub(crate) fn get(&self, name: &str) -> Option<JsValue> {
+        let value = Reflect::get(&self.object, &name.into()).ok()?;
+        (!value.is_undefined() && !value.is_null()).then_some(value)
+    }
+
+    fn asked(&self, name: &str) -> Result<JsValue, JsError> {
+        let missing = || JsError::new(&format!("{} `{name}` is missing", self.what));
+        self.get(name).ok_or_else(missing)
+    }
+
+    /// A number.
+    pub(crate) fn number(&self, name: &str) -> Result<Option<f64>, JsError> {
+        self.get(name).map(|value| number(&value, name)).transpose()
+    }
+
+    /// A whole number of at least 0.
+    pub(crate) fn whole(&self, name: &str) -> Result<Option<u32>, JsError> {
+        let Some(number) = self.number(name)? else {
+            return Ok(None);
+        };
+        if number.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(&number) {
+            return Err(JsError::new(&format!(
+                "{name} must be a whole number of at least 0, not {number}"
+            )));
+        }
+        Ok(Some(number as u32))
+    }
+
+    /// true or false.
+    pub(crate) fn switch(&self, name: &str) -> Result<Option<bool>, JsError> {
+        let switch = |value: JsValue| {
+            let no = || JsError::new(&format!("{name} must be true or false"));
+            value.as_bool().ok_or_else(no)
+        };
+        self.get(name).map(switch).transpose()
+    }
+
+    /// A text.
+    pub(crate) fn text(&self, name: &str) -> Result<Option<String>, JsError> {
+        self.get(name).map(|value| text(&value, name)).transpose()
+    }
+
+    /// A text that must be there.
+    pub(crate) fn name(&self, name: &str) -> Result<String, JsError> {
+        text(&self.asked(name)?, name)
+    }
+
+    /// Texts.
+    pub(crate) fn texts(&self, name: &str) -> Result<Option<Vec<String>>, JsError> {
+        let Some(value) = self.get(name) else {
+            return Ok(None);
+        };
+        let list = Array::from(&value);
+        let texts = list.iter().map(|one| text(&one, name));
+        texts.collect::<Result<_, _>>().map(Some)
+    }
+
+    /// Numbers.
+    pub(crate) fn numbers(&self, name: &str) -> Result<Option<Vec<f64>>, JsError> {
+        self.get(name)
+            .map(|value| numbers(&value, name))
+            .transpose()
+    }
+
+    /// So many numbers that must be there.
+    pub(crate) fn vector<const N: usize>(&self, name: &str) -> Result<[f64; N], JsError> {
+        vector(&self.asked(name)?, name)
+    }
+
+    /// A placement.
+    pub(crate) fn placement(&self, name: &str) -> Result<Option<Placement<f64>>, JsError> {
+        let Some(numbers) = self.numbers(name)? else {
+            return Ok(None);
+        };
+        placement::read(&numbers, name).map(Some)
+    }
+
+    /// Numbers by names, as in `{ joint1: 0.2 }`.
+    pub(crate) fn by_name(&self, name: &str) -> Result<Vec<(String, f64)>, JsError> {
+        let mut all = Vec::new();
+        for (key, value) in entries(self.get(name).as_ref(), name)? {
+            let value = number(&value, &format!("{name}.{key}"))?;
+            all.push((key, value));
+        }
+        Ok(all)
+    }
+}
+
+/// The names of an object and what they stand for.
+pub(crate) fn entries(
+    value: Option<&JsValue>,
+    what: &str,
+) -> Result<Vec<(String, JsValue)>, JsError> {
+    let Some(value) = value.filter(|value| !value.is_undefined() && !value.is_null()) else {
+        return Ok(Vec::new());
+    };
+    let Some(object) = value.dyn_ref::<Object>() else {
+        return Err(JsError::new(&format!("{what} must be an object by names")));
+    };
+    let list = Object::entries(object);
+    let pairs = list.iter().map(|pair| {
+        let pair = Array::from(&pair);
+        (pair.get(0).as_string().unwrap_or_default(), pair.get(1))
+    });
+    Ok(pairs.collect())
+}
+
+/// A number; `what` names it in messages.
+pub(crate) fn number(value: &JsValue, what: &str) -> Result<f64, JsError> {
+    let no = || JsError::new(&format!("{what} must be a number"));
+    value.as_f64().ok_or_else(no)
+}
+
+fn text(value: &JsValue, what: &str) -> Result<String, JsError> {
+    let no = || JsError::new(&format!("{what} must be a text"));
+    value.as_string().ok_or_else(no)
+}
+
+/// Numbers in a typed array or any list.
+pub(crate) fn numbers(value: &JsValue, what: &str) -> Result<Vec<f64>, JsError> {
+    if let Some(array) = value.dyn_ref::<Float64Array>() {
+        return Ok(array.to_vec());
+    }
+    if !value.is_object() {
+        return Err(JsError::new(&format!("{what} must be a list of numbers")));
+    }
+    let list = Array::from(value);
+    list.iter().map(|one| number(&one, what)).collect()
+}
+
+/// So many numbers.
+pub(crate) fn vector<const N: usize>(value: &JsValue, what: &str) -> Result<[f64; N], JsError> {
+    let numbers = numbers(value, what)?;
+    let count = numbers.len();
+    numbers
+        .try_into()
+        .map_err(|_| JsError::new(&format!("{what} has {count} numbers, expected {N}")))
+}

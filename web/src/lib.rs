@@ -1,0 +1,39 @@
+//! The WebAssembly module of the npm package `kinopt`: the concepts of the Rust library under the names of the Python
+//! package in camel case.
+//!
+//! Numbers come in and go out as typed arrays. What is posed every frame is read where it lies, as views of the module's
+//! memory; see [`view`]. Errors are exceptions with the library's own messages.
+
+// What JavaScript sees must be `pub`, in whatever module it is.
+#![allow(unreachable_pub)]
+
+mod arm;
+mod capture;
+mod clip;
+mod contents;
+mod drag;
+mod euler_clip;
+mod figure;
+mod given;
+mod kinematics;
+mod model;
+mod names;
+mod object;
+mod placement;
+mod problem;
+mod rig;
+mod robot;
+#[cfg(feature = "gltf")]
+mod scene;
+mod skeleton;
+mod solution;
+mod solver;
+mod task;
+mod view;
+#[cfg(feature = "collision")]
+mod world;
+
+/// An exception with an error's own message.
+fn raise(error: impl std::fmt::Display) -> wasm_bindgen::JsError {
+    wasm_bindgen::JsError::new(&error.to_string())
+}

@@ -1,0 +1,83 @@
+//! Models: joints in a tree, with limits.
+
+use kinopt::model::{Limits, ParameterMap};
+use wasm_bindgen::prelude::*;
+
+/// Joints in a tree, with limits: what problems are stated on.
+#[wasm_bindgen]
+#[derive(Clone)]
+pub struct Model {
+    pub(crate) inner: kinopt::Model,
+    /// A robot's followers follow.
+    pub(crate) map: Option<ParameterMap>,
+}
+
+impl From<kinopt::Model> for Model {
+    fn from(inner: kinopt::Model) -> Self {
+        Self { inner, map: None }
+    }
+}
+
+#[wasm_bindgen]
+impl Model {
+    /// Its name.
+    #[wasm_bindgen(getter)]
+    pub fn name(&self) -> String {
+        self.inner.name().to_owned()
+    }
+
+    /// The joints, parents before children.
+    #[wasm_bindgen(getter, js_name = jointNames)]
+    pub fn joint_names(&self) -> Vec<String> {
+        let joints = self.inner.joints().iter();
+        joints.map(|joint| joint.name.clone()).collect()
+    }
+
+    /// The frames, which tasks speak of.
+    #[wasm_bindgen(getter, js_name = frameNames)]
+    pub fn frame_names(&self) -> Vec<String> {
+        let frames = self.inner.frames().iter();
+        frames.map(|frame| frame.name.clone()).collect()
+    }
+
+    /// How many numbers a configuration has.
+    #[wasm_bindgen(getter, js_name = configurationLen)]
+    pub fn configuration_len(&self) -> usize {
+        self.inner.configuration_len()
+    }
+
+    /// Lower limits, radians and metres.
+    #[wasm_bindgen(getter)]
+    pub fn lower(&self) -> Vec<f64> {
+        self.limits(|limits| limits.lower)
+    }
+
+    /// Upper limits, radians and metres.
+    #[wasm_bindgen(getter)]
+    pub fn upper(&self) -> Vec<f64> {
+        self.limits(|limits| limits.upper)
+    }
+
+    /// The longest way from the root to a frame, in the model's unit of length.
+    #[wasm_bindgen(getter)]
+    pub fn reach(&self) -> f64 {
+        self.inner.reach()
+    }
+
+    /// All joints at 0, or at the limit next to it.
+    pub fn neutral(&self) -> Vec<f64> {
+        self.inner.neutral()
+    }
+
+    /// A configuration within the limits, drawn evenly; the same for the same seed.
+    #[wasm_bindgen(js_name = randomConfiguration)]
+    pub fn random_configuration(&self, seed: u32) -> Vec<f64> {
+        self.inner.random_configuration(seed.into())
+    }
+}
+
+impl Model {
+    fn limits(&self, side: impl Fn(Limits) -> f64) -> Vec<f64> {
+        self.inner.limits().map(side).collect()
+    }
+}

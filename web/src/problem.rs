@@ -1,0 +1,234 @@
+//! What there is to solve: tasks on a model.
+
+use std::rc::Rc;
+
+use kinopt::model::UnknownName;
+use kinopt::problem::{Preferences, Targets};
+use kinopt::task::Quantity;
+use wasm_bindgen::prelude::*;
+
+use crate::given::{self, Given};
+use crate::model::Model;
+use crate::raise;
+use crate::skeleton::Skeleton;
+use crate::task::{self, Aimed, Stated};
+
+#[wasm_bindgen(typescript_custom_section)]
+const TYPES: &str = r#"
+/** What every task may say; see the Python package's `kinopt.tasks`. */
+export interface TaskOptions {
+    /** What reports and targets call it; otherwise its kind and frame do. */
+    name?: string;
+    weight?: number;
+    times?: number;
+    /** The error within which it counts as reached. */
+    tolerance?: number;
+    role?: "goal" | "preference";
+    /** A strict level: goals of level 0 are met first. */
+    level?: number;
+}
+
+/** What a frame should do. Made by `tasks`. */
+export type Task = TaskOptions & (
+    | { kind: "point"; frame: string; target: Numbers; at?: Numbers; base?: string }
+    | { kind: "pose"; frame: string; target: Placement; tool?: Placement; goal?: "pose" | "position" | Numbers; base?: string }
+    | { kind: "orientation"; frame: string; target: Placement; base?: string }
+    | { kind: "lookAt"; frame: string; axis: Numbers; target: Numbers }
+    | { kind: "plane"; frame: string; point: Numbers; normal: Numbers }
+    | { kind: "ray"; frame: string; eye: Numbers; through: Numbers }
+    | { kind: "posture"; reference: Numbers }
+    | { kind: "limitCentring" }
+);
+
+/** Targets by the tasks' names: of a point or a look-at three numbers, of a pose or an orientation a placement, of a
+ * plane or a ray two points in one list, of a posture a configuration. */
+export type Targets = Readonly<Record<string, Numbers>>;
+
+export interface ProblemOptions {
+    /** The tolerance of tasks that set none, metres and radians. */
+    tolerance?: number;
+    preferences?: "within_goals" | "traded";
+}
+"#;
+
+#[wasm_bindgen]
+extern "C" {
+    /// Tasks as objects.
+    #[wasm_bindgen(typescript_type = "readonly Task[]")]
+    pub type Tasks;
+    /// Targets by name.
+    #[wasm_bindgen(typescript_type = "Targets")]
+    pub type TargetsByName;
+    /// Options of a problem.
+    #[wasm_bindgen(typescript_type = "ProblemOptions")]
+    pub type ProblemOptions;
+}
+
+/// Tasks on a model, checked and made ready.
+#[wasm_bindgen]
+#[derive(Clone)]
+pub struct Problem {
+    pub(crate) inner: kinopt::Problem,
+    tasks: Rc<[Stated]>,
+}
+
+/// What goes into a problem.
+struct Asked<'a> {
+    model: &'a Model,
+    tasks: Tasks,
+    options: Option<ProblemOptions>,
+    holds: Option<kinopt::model::ParameterMap>,
+}
+
+impl Asked<'_> {
+    fn problem(self, keep_clear: Option<&Fence<'_>>) -> Result<Problem, JsError> {
+        let options = self.options.map_or(JsValue::UNDEFINED, JsValue::from);
+        let options = Given::new(
+            options,
+            "option of a problem",
+            &["tolerance", "preferences"],
+        )?;
+        let mut builder = kinopt::Problem::builder(&self.model.inner);
+        if let Some(map) = self.holds.or_else(|| self.model.map.clone()) {
+            builder.parameters(map);
+        }
+        let tasks = js_sys::Array::from(&self.tasks);
+        let tasks = tasks
+            .iter()
+            .map(|one| task::add(one, self.model, &mut builder));
+        let tasks = tasks.collect::<Result<Vec<_>, _>>()?;
+        if let Some(tolerance) = options.number("tolerance")? {
+            builder.tolerance(Quantity::Metres, tolerance);
+            builder.tolerance(Quantity::Radians, tolerance);
+        }
+        match options.text("preferences")?.as_deref() {
+            None | Some("within_goals") => {}
+            Some("traded") => {
+                builder.preferences(Preferences::Traded);
+            }
+            Some(other) => {
+                let names = ["within_goals", "traded"];
+                return Err(raise(UnknownName::new("preferences", other, names)));
+            }
+        }
+        if let Some(fence) = keep_clear {
+            fence(&mut builder);
+        }
+        Ok(Problem {
+            inner: builder.build().map_err(raise)?,
+            tasks: tasks.into(),
+        })
+    }
+}
+
+/// Has a problem keep clear of something.
+type Fence<'a> = dyn Fn(&mut kinopt::problem::ProblemBuilder<'_>) + 'a;
+
+#[wasm_bindgen]
+impl Problem {
+    /// States tasks on a model.
+    #[wasm_bindgen(constructor)]
+    pub fn new(
+        model: &Model,
+        tasks: Tasks,
+        options: Option<ProblemOptions>,
+    ) -> Result<Self, JsError> {
+        let asked = Asked {
+            model,
+            tasks,
+            options,
+            holds: None,
+        };
+        asked.problem(None)
+    }
+
+    /// A problem of a figure whose trunk does not turn and whose back hardly does while the tips of the bones `dragged`
+    /// move, from the angles `q`; for figures that know no limits.
+    #[wasm_bindgen(js_name = holding)]
+    pub fn holding(
+        skeleton: &Skeleton,
+        dragged: Vec<String>,
+        tasks: Tasks,
+        #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
+        options: Option<ProblemOptions>,
+    ) -> Result<Self, JsError> {
+        let own = &skeleton.inner;
+        let holds = own.holds(&skeleton.bones_named(&dragged)?);
+        let asked = Asked {
+            model: &skeleton.model(),
+            tasks,
+            options,
+            holds: Some(holds.parameters(own, q).map_err(raise)?),
+        };
+        asked.problem(None)
+    }
+
+    /// The tasks' names, by which targets are given.
+    #[wasm_bindgen(getter, js_name = taskNames)]
+    pub fn task_names(&self) -> Vec<String> {
+        self.names().map(str::to_owned).collect()
+    }
+
+    /// How many numbers a solver moves.
+    #[wasm_bindgen(getter)]
+    pub fn variables(&self) -> usize {
+        self.inner.variables()
+    }
+}
+
+#[cfg(feature = "collision")]
+#[wasm_bindgen]
+impl Problem {
+    /// A problem whose answers touch nothing of a world, nor the body itself: they keep `margin` metres.
+    #[wasm_bindgen(js_name = keepingClear)]
+    pub fn keeping_clear(
+        model: &Model,
+        tasks: Tasks,
+        shapes: &crate::world::CollisionModel,
+        world: &crate::world::World,
+        margin: Option<f64>,
+        options: Option<ProblemOptions>,
+    ) -> Result<Self, JsError> {
+        let checker = shapes.checker(world, margin)?;
+        let asked = Asked {
+            model,
+            tasks,
+            options,
+            holds: None,
+        };
+        asked.problem(Some(&|builder| {
+            builder.keep_clear(&checker);
+        }))
+    }
+}
+
+impl Problem {
+    fn names(&self) -> impl Iterator<Item = &str> {
+        (0..self.inner.tasks()).filter_map(|task| self.inner.task_name(task))
+    }
+
+    /// Moves the targets that are given.
+    pub(crate) fn aim(
+        &self,
+        aimed: &mut Aimed<'_>,
+        targets: Option<TargetsByName>,
+    ) -> Result<(), JsError> {
+        let targets = targets.map(JsValue::from);
+        for (name, value) in given::entries(targets.as_ref(), "targets")? {
+            let Some(at) = self.names().position(|own| own == name) else {
+                return Err(raise(UnknownName::new("task", &name, self.names())));
+            };
+            if let Some(task) = self.tasks.get(at) {
+                task.aim(aimed, &value, &format!("the target of {name}"))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The targets with some of them moved.
+    pub(crate) fn targets(&self, moved: Option<TargetsByName>) -> Result<Targets, JsError> {
+        let mut targets = self.inner.targets();
+        self.aim(&mut Aimed::Targets(&mut targets), moved)?;
+        Ok(targets)
+    }
+}

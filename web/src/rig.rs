@@ -1,0 +1,155 @@
+//! Rigs: a skeleton with the mesh it moves, its keyframes and its pinned tips.
+
+use std::rc::Rc;
+
+use glam::Vec3;
+use kinopt::glam;
+use kinopt::skinning::{PosedVertices, SkinningMethod};
+use wasm_bindgen::prelude::*;
+
+use crate::clip::Pose;
+use crate::contents::{self, Open};
+use crate::euler_clip::EulerClip;
+use crate::model::Model;
+use crate::raise;
+use crate::skeleton::Skeleton;
+use crate::view;
+
+/// A skeleton with the mesh it moves, its keyframes and its pinned tips, in a unit of its own.
+#[wasm_bindgen]
+pub struct Rig {
+    pub(crate) inner: Rc<kinopt::io::rig::Rig>,
+    skeleton: Skeleton,
+}
+
+#[wasm_bindgen]
+impl Rig {
+    /// Reads a rig from the bytes of its JSON file; `name` is for messages. `open` gives the mesh and the weights that
+    /// it names; a mesh without normals gets some.
+    pub fn parse(json: &[u8], name: Option<String>, open: Option<Open>) -> Result<Self, JsValue> {
+        let name = name.as_deref().unwrap_or("rig.json");
+        let read = |open: &mut dyn FnMut(&str) -> _| kinopt::io::rig::Rig::parse(json, name, open);
+        let mut rig = contents::parsed(open, read)?;
+        rig.mesh = rig.mesh.map(|mesh| match mesh.normals().is_empty() {
+            true => mesh.with_computed_normals(),
+            false => mesh,
+        });
+        Ok(Self {
+            skeleton: rig.skeleton.clone().into(),
+            inner: Rc::new(rig),
+        })
+    }
+
+    /// The bones.
+    #[wasm_bindgen(getter)]
+    pub fn skeleton(&self) -> Skeleton {
+        self.skeleton.clone()
+    }
+
+    /// What problems are stated on.
+    #[wasm_bindgen(getter)]
+    pub fn model(&self) -> Model {
+        self.skeleton.model()
+    }
+
+    /// The bones whose tips are pinned.
+    #[wasm_bindgen(getter)]
+    pub fn constrained(&self) -> Vec<String> {
+        let pinned = self.inner.constrained.iter();
+        pinned.map(|bone| self.skeleton.name(*bone)).collect()
+    }
+
+    /// What reading did without.
+    #[wasm_bindgen(getter)]
+    pub fn notes(&self) -> Vec<String> {
+        self.inner.notes.iter().map(ToString::to_string).collect()
+    }
+
+    /// The keyframes.
+    #[wasm_bindgen(getter)]
+    pub fn clip(&self) -> EulerClip {
+        EulerClip::of(&self.inner)
+    }
+
+    /// The corners of the mesh's triangles, three numbers of vertices each; empty where there is no mesh.
+    #[wasm_bindgen(getter)]
+    pub fn triangles(&self) -> Vec<u32> {
+        let mesh = self.inner.mesh.as_ref();
+        mesh.map_or(&[][..], |mesh| mesh.triangles())
+            .as_flattened()
+            .to_vec()
+    }
+
+    /// Memory for posing the mesh by "lbs" (linear blend) or "dqs" (dual quaternions).
+    pub fn posing(&self, method: Option<String>) -> Result<RigPosing, JsError> {
+        let method = method.as_deref().unwrap_or("lbs");
+        let method: SkinningMethod = method.parse().map_err(raise)?;
+        let rig = Rc::clone(&self.inner);
+        let posing = kinopt::io::rig::RigPosing::new(Shared(rig), method).map_err(raise)?;
+        let mesh = self.inner.mesh.as_ref();
+        let count = |of: fn(&kinopt::mesh::TriangleMesh) -> usize| mesh.map_or(0, of);
+        Ok(RigPosing {
+            posing,
+            positions: vec![Vec3::ZERO; count(|mesh| mesh.positions().len())],
+            normals: vec![Vec3::ZERO; count(|mesh| mesh.normals().len())],
+        })
+    }
+}
+
+/// A rig that others have too.
+struct Shared(Rc<kinopt::io::rig::Rig>);
+
+impl std::borrow::Borrow<kinopt::io::rig::Rig> for Shared {
+    fn borrow(&self) -> &kinopt::io::rig::Rig {
+        &self.0
+    }
+}
+
+/// Poses the mesh of a rig again and again, in memory of the module's that is read where it lies.
+#[wasm_bindgen]
+pub struct RigPosing {
+    posing: kinopt::io::rig::RigPosing<Shared>,
+    positions: Vec<Vec3>,
+    normals: Vec<Vec3>,
+}
+
+#[wasm_bindgen]
+impl RigPosing {
+    /// Brings the mesh to the angles `q`, radians.
+    pub fn deform(
+        &mut self,
+        #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
+    ) -> Result<(), JsError> {
+        let posed = PosedVertices {
+            positions: &mut self.positions,
+            normals: &mut self.normals,
+            tangents: &mut [],
+        };
+        self.posing.deform(q, posed).map_err(raise)
+    }
+
+    /// Brings the mesh to a pose of the skeleton's armature.
+    #[wasm_bindgen(js_name = deformToPose)]
+    pub fn deform_to_pose(&mut self, pose: &Pose) -> Result<(), JsError> {
+        let posed = PosedVertices {
+            positions: &mut self.positions,
+            normals: &mut self.normals,
+            tangents: &mut [],
+        };
+        self.posing
+            .deform_to_pose(&pose.inner, posed)
+            .map_err(raise)
+    }
+
+    /// The vertices, three numbers each, where they lie: valid until the next call into the module.
+    #[wasm_bindgen(getter, unchecked_return_type = "Float32Array")]
+    pub fn positions(&self) -> js_sys::Float32Array {
+        view::floats(&self.positions)
+    }
+
+    /// Their unit normals.
+    #[wasm_bindgen(getter, unchecked_return_type = "Float32Array")]
+    pub fn normals(&self) -> js_sys::Float32Array {
+        view::floats(&self.normals)
+    }
+}

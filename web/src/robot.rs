@@ -1,0 +1,182 @@
+//! Robots, from URDF.
+
+use kinopt::model::Limits;
+use kinopt::robot::{BaseJoint, Geometry};
+use wasm_bindgen::prelude::*;
+
+use crate::given::{self, Given};
+use crate::model::Model;
+use crate::{object, placement, raise};
+
+#[wasm_bindgen(typescript_custom_section)]
+const TYPES: &str = r#"
+export interface RobotOptions {
+    /** How the robot may move as a whole: "fixed" (the default), "free", "planar", "slide-x", ... */
+    baseJoint?: string;
+    /** The room of that joint, metres: `{ z: [0, 1] }`. */
+    baseRoom?: Record<string, readonly [number, number]>;
+    /** Mend what can be, and tell it in `repairs`. */
+    lenient?: boolean;
+    /** Hold to the file's soft limits. */
+    softLimits?: boolean;
+}
+
+/** A body of a link, centred on its own origin; metres. */
+export interface Shape {
+    kind: "box" | "cylinder" | "capsule" | "sphere" | "mesh";
+    name?: string;
+    /** A 4 x 4 matrix by columns. */
+    linkFromShape: Float64Array;
+    size?: Float64Array;
+    radius?: number;
+    length?: number;
+    file?: string;
+    scale?: Float64Array;
+}
+"#;
+
+#[wasm_bindgen]
+extern "C" {
+    /// A shape as an object.
+    #[wasm_bindgen(typescript_type = "Shape[]")]
+    pub type Shapes;
+    /// Options of a robot.
+    #[wasm_bindgen(typescript_type = "RobotOptions")]
+    pub type RobotOptions;
+}
+
+/// A robot: joints, links, limits.
+#[wasm_bindgen]
+pub struct Robot {
+    pub(crate) inner: kinopt::robot::Robot,
+}
+
+#[wasm_bindgen]
+impl Robot {
+    /// Reads a URDF; `name` is for messages.
+    #[wasm_bindgen(js_name = fromUrdf)]
+    pub fn from_urdf(
+        text: &str,
+        name: Option<String>,
+        options: Option<RobotOptions>,
+    ) -> Result<Self, JsError> {
+        const KNOWN: [&str; 4] = ["baseJoint", "baseRoom", "lenient", "softLimits"];
+        let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
+        let options = Given::new(options, "option of a robot", &KNOWN)?;
+        let mut reader = kinopt::robot::Robot::reader();
+        if options.switch("lenient")?.unwrap_or(false) {
+            reader = reader.lenient();
+        }
+        let name = name.as_deref().unwrap_or("robot.urdf");
+        let mut inner = reader.parse(text, name).map_err(raise)?;
+        if options.switch("softLimits")?.unwrap_or(false) {
+            inner = inner.with_soft_limits().map_err(raise)?;
+        }
+        if let Some(kind) = options.text("baseJoint")? {
+            let room = given::entries(options.get("baseRoom").as_ref(), "baseRoom")?;
+            let room = room.into_iter().map(|(axis, value)| {
+                let [lower, upper] = given::vector(&value, &format!("baseRoom.{axis}"))?;
+                Ok((axis, Limits::new(lower, upper)))
+            });
+            let room = room.collect::<Result<Vec<_>, JsError>>()?;
+            let base = BaseJoint::named(&kind, room).map_err(raise)?;
+            inner = inner.with_base_joint(base).map_err(raise)?;
+        }
+        Ok(Self { inner })
+    }
+
+    /// The joints and frames.
+    #[wasm_bindgen(getter)]
+    pub fn model(&self) -> Model {
+        Model {
+            inner: self.inner.model().clone(),
+            map: Some(self.inner.map().clone()),
+        }
+    }
+
+    /// Its name.
+    #[wasm_bindgen(getter)]
+    pub fn name(&self) -> String {
+        self.inner.name().to_owned()
+    }
+
+    /// The frames at the ends of its chains.
+    #[wasm_bindgen(getter)]
+    pub fn tips(&self) -> Vec<String> {
+        let frames = self.inner.model().frames();
+        let tips = self.inner.tips().into_iter();
+        tips.map(|tip| frames[tip.index()].name.clone()).collect()
+    }
+
+    /// What a lenient reading mended.
+    #[wasm_bindgen(getter)]
+    pub fn repairs(&self) -> Vec<String> {
+        let repairs = self.inner.repairs().iter();
+        repairs.map(ToString::to_string).collect()
+    }
+
+    /// The joints from one link to another.
+    pub fn chain(&self, base: &str, tip: &str) -> Result<Vec<String>, JsError> {
+        let joints = self.inner.chain(base, tip).map_err(raise)?;
+        let all = self.inner.model().joints();
+        let names = joints.iter().map(|id| all[id.index()].name.clone());
+        Ok(names.collect())
+    }
+
+    /// The same with a frame more, on a link.
+    #[wasm_bindgen(js_name = withTool)]
+    pub fn with_tool(
+        &self,
+        name: &str,
+        link: &str,
+        #[wasm_bindgen(js_name = linkFromTool, unchecked_param_type = "Placement")]
+        link_from_tool: &[f64],
+    ) -> Result<Self, JsError> {
+        let place = placement::read(link_from_tool, "linkFromTool")?;
+        let inner = self.inner.clone().with_tool(name, link, place);
+        Ok(Self {
+            inner: inner.map_err(raise)?,
+        })
+    }
+
+    /// What a link looks like, or what it bumps into things with; none for frames without a body.
+    pub fn shapes(&self, link: &str, collision: Option<bool>) -> Result<Shapes, JsError> {
+        let frame = self.inner.model().frame(link).map_err(raise)?;
+        let shapes = match (self.inner.link(frame), collision) {
+            (None, _) => &[][..],
+            (Some(link), Some(true)) => &link.collisions,
+            (Some(link), _) => &link.visuals,
+        };
+        let list: js_sys::Array = shapes.iter().map(told).collect();
+        Ok(list.unchecked_into())
+    }
+}
+
+fn told(shape: &kinopt::robot::Shape) -> JsValue {
+    let list = |numbers: &[f64]| JsValue::from(js_sys::Float64Array::from(numbers));
+    let fields: Vec<(&str, JsValue)> = match &shape.geometry {
+        Geometry::Box { size } => vec![("kind", "box".into()), ("size", list(size))],
+        Geometry::Cylinder { radius, length } => round("cylinder", *radius, Some(*length)),
+        Geometry::Capsule { radius, length } => round("capsule", *radius, Some(*length)),
+        Geometry::Sphere { radius } => round("sphere", *radius, None),
+        Geometry::Mesh { file, scale } => vec![
+            ("kind", "mesh".into()),
+            ("file", file.as_str().into()),
+            ("scale", list(scale)),
+        ],
+        _ => vec![("kind", "mesh".into())],
+    };
+    let place = list(&placement::columns(&shape.link_from_shape));
+    let told = object::of([("linkFromShape", place)]);
+    let name = shape.name.as_deref().map(|name| ("name", name.into()));
+    for (field, value) in fields.into_iter().chain(name) {
+        let _ = js_sys::Reflect::set(&told, &field.into(), &value);
+    }
+    told.into()
+}
+
+fn round(kind: &str, radius: f64, length: Option<f64>) -> Vec<(&'static str, JsValue)> {
+    let mut fields = vec![("kind", kind.into()), ("radius", radius.into())];
+    fields.extend(length.map(|length| ("length", length.into())));
+    fields
+}

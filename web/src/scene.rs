@@ -1,0 +1,150 @@
+//! Scenes, from glTF.
+
+use std::borrow::Borrow;
+use std::rc::Rc;
+
+use kinopt::glam::Vec3;
+use kinopt::io::gltf;
+use kinopt::mesh::TriangleMesh;
+use kinopt::skinning::{PosedVertices, SkinningMethod};
+use wasm_bindgen::prelude::*;
+
+use crate::clip::{Armature, Clip, Pose};
+use crate::contents::{self, Open};
+use crate::figure::Figure;
+use crate::raise;
+use crate::view;
+
+/// The bones, meshes and clips of a glTF file.
+#[wasm_bindgen]
+pub struct Scene {
+    inner: Rc<gltf::Scene>,
+    armature: Armature,
+}
+
+#[wasm_bindgen]
+impl Scene {
+    /// Reads the bytes of a `.glb` or `.gltf` file; `name` is for messages. `open` gives the files that it names.
+    #[wasm_bindgen(js_name = fromBytes)]
+    pub fn from_bytes(
+        data: &[u8],
+        name: Option<String>,
+        open: Option<Open>,
+    ) -> Result<Self, JsValue> {
+        let name = name.as_deref().unwrap_or("scene.gltf");
+        let scene = contents::parsed(open, |open| gltf::from_bytes(data, name, open))?;
+        let armature = Armature {
+            inner: Rc::new(scene.armature.clone()),
+        };
+        let inner = Rc::new(scene);
+        Ok(Self { inner, armature })
+    }
+
+    /// Every node of the file as a bone.
+    #[wasm_bindgen(getter)]
+    pub fn armature(&self) -> Armature {
+        self.armature.clone()
+    }
+
+    /// The animations.
+    #[wasm_bindgen(getter)]
+    pub fn clips(&self) -> Vec<Clip> {
+        let clips = self.inner.clips.iter();
+        clips
+            .map(|clip| Clip::new(clip.clone(), &self.armature.inner))
+            .collect()
+    }
+
+    /// What reading changed or left out.
+    #[wasm_bindgen(getter)]
+    pub fn notes(&self) -> Vec<String> {
+        self.inner.notes.iter().map(ToString::to_string).collect()
+    }
+
+    /// A figure to drag, standing in a pose, at rest without one.
+    pub fn figure(&self, pose: Option<Pose>) -> Result<Figure, JsError> {
+        let turning = self.inner.turning_bones();
+        Figure::standing(&self.armature.inner, &turning, pose.as_ref())
+    }
+
+    /// Memory for posing the meshes by "lbs" (linear blend) or "dqs" (dual quaternions).
+    pub fn posing(&self, method: Option<String>) -> Result<ScenePosing, JsError> {
+        let method = method.as_deref().unwrap_or("lbs");
+        let method: SkinningMethod = method.parse().map_err(raise)?;
+        let meshes = &self.inner.meshes;
+        let count = |of: fn(&TriangleMesh) -> usize| meshes.iter().map(|own| of(&own.mesh)).sum();
+        let vertices = count(|mesh| mesh.positions().len());
+        // Normals of some meshes alone would not stand beside their vertices.
+        let normals = match count(|mesh| mesh.normals().len()) {
+            all if all == vertices => all,
+            _ => 0,
+        };
+        let scene = Shared(Rc::clone(&self.inner));
+        Ok(ScenePosing {
+            triangles: triangles(&self.inner),
+            posing: gltf::ScenePosing::new(scene, method).map_err(raise)?,
+            positions: vec![Vec3::ZERO; vertices],
+            normals: vec![Vec3::ZERO; normals],
+        })
+    }
+}
+
+/// The triangles of all meshes, over the vertices of all.
+fn triangles(scene: &gltf::Scene) -> Vec<[u32; 3]> {
+    let (mut all, mut first) = (Vec::new(), 0);
+    for mesh in scene.meshes.iter().map(|own| &own.mesh) {
+        let own = mesh.triangles().iter();
+        all.extend(own.map(|corners| corners.map(|corner| first + corner)));
+        first += mesh.positions().len() as u32;
+    }
+    all
+}
+
+/// A scene that others have too.
+struct Shared(Rc<gltf::Scene>);
+
+impl Borrow<gltf::Scene> for Shared {
+    fn borrow(&self) -> &gltf::Scene {
+        &self.0
+    }
+}
+
+/// Poses the meshes of a scene again and again, in memory of the module's that is read where it lies.
+#[wasm_bindgen]
+pub struct ScenePosing {
+    posing: gltf::ScenePosing<Shared>,
+    triangles: Vec<[u32; 3]>,
+    positions: Vec<Vec3>,
+    normals: Vec<Vec3>,
+}
+
+#[wasm_bindgen]
+impl ScenePosing {
+    /// Brings the meshes to a pose.
+    pub fn deform(&mut self, pose: &Pose) -> Result<(), JsError> {
+        let posed = PosedVertices {
+            positions: &mut self.positions,
+            normals: &mut self.normals,
+            tangents: &mut [],
+        };
+        self.posing.deform(&pose.inner, posed).map_err(raise)
+    }
+
+    /// The vertices of all meshes, three numbers each, where they lie: valid until the next call into the module.
+    #[wasm_bindgen(getter, unchecked_return_type = "Float32Array")]
+    pub fn positions(&self) -> js_sys::Float32Array {
+        view::floats(&self.positions)
+    }
+
+    /// Their unit normals, where all meshes have some.
+    #[wasm_bindgen(getter, unchecked_return_type = "Float32Array")]
+    pub fn normals(&self) -> js_sys::Float32Array {
+        view::floats(&self.normals)
+    }
+
+    /// The corners of the triangles of all meshes, three numbers of vertices each.
+    #[wasm_bindgen(getter)]
+    pub fn triangles(&self) -> Vec<u32> {
+        self.triangles.as_flattened().to_vec()
+    }
+}

@@ -1,0 +1,85 @@
+//! Skeletons: bones of a character.
+
+use std::rc::Rc;
+
+use kinopt::skeleton::BoneId;
+use wasm_bindgen::prelude::*;
+
+use crate::model::Model;
+use crate::raise;
+
+/// The bones of a character, three angles each.
+#[wasm_bindgen]
+#[derive(Clone)]
+pub struct Skeleton {
+    pub(crate) inner: Rc<kinopt::Skeleton>,
+}
+
+impl From<kinopt::Skeleton> for Skeleton {
+    fn from(inner: kinopt::Skeleton) -> Self {
+        let inner = Rc::new(inner);
+        Self { inner }
+    }
+}
+
+#[wasm_bindgen]
+impl Skeleton {
+    /// What problems are stated on.
+    #[wasm_bindgen(getter)]
+    pub fn model(&self) -> Model {
+        self.inner.model().clone().into()
+    }
+
+    /// The bones, parents before children.
+    #[wasm_bindgen(getter, js_name = boneNames)]
+    pub fn bone_names(&self) -> Vec<String> {
+        let bones = self.inner.bones().iter();
+        bones.map(|bone| bone.name.clone()).collect()
+    }
+
+    /// The number of each bone's parent; -1 for roots.
+    #[wasm_bindgen(getter)]
+    pub fn parents(&self) -> Vec<i32> {
+        let bones = self.inner.bones().iter();
+        bones
+            .map(|bone| bone.parent.map_or(-1, |parent| parent.index() as i32))
+            .collect()
+    }
+
+    /// The frame at the start of a bone.
+    pub fn tail(&self, bone: &str) -> Result<String, JsError> {
+        self.frame(|bone| self.inner.tail(bone), bone)
+    }
+
+    /// The frame at the end of a bone.
+    pub fn tip(&self, bone: &str) -> Result<String, JsError> {
+        self.frame(|bone| self.inner.tip(bone), bone)
+    }
+
+    /// What should stay while the tips of bones are dragged: the bones whose tips stay where they are.
+    pub fn holds(&self, dragged: Vec<String>) -> Result<Vec<String>, JsError> {
+        let holds = self.inner.holds(&self.bones_named(&dragged)?);
+        let ends = holds.ends.iter().map(|end| self.name(*end));
+        Ok(ends.collect())
+    }
+}
+
+impl Skeleton {
+    pub(crate) fn bones_named(&self, names: &[String]) -> Result<Vec<BoneId>, JsError> {
+        let bones = names.iter().map(|name| self.inner.bone(name));
+        bones.collect::<Result<_, _>>().map_err(raise)
+    }
+
+    pub(crate) fn name(&self, bone: BoneId) -> String {
+        self.inner.bones()[bone.index()].name.clone()
+    }
+
+    fn frame(
+        &self,
+        of: impl Fn(BoneId) -> kinopt::model::FrameId,
+        bone: &str,
+    ) -> Result<String, JsError> {
+        let frame = of(self.inner.bone(bone).map_err(raise)?);
+        Ok(self.inner.model().frames()[frame.index()].name.clone())
+    }
+}

@@ -1,0 +1,170 @@
+//! What a solve came to.
+
+use js_sys::Array;
+use wasm_bindgen::prelude::*;
+
+use crate::object;
+
+#[wasm_bindgen(typescript_custom_section)]
+const TYPES: &str = r#"
+/** A limit in the way of a target. */
+export interface ActiveLimit {
+    joint: string;
+    side: "lower" | "upper";
+    /** Radians or metres. */
+    value: number;
+    /** How much the targets would gain by passing it. */
+    push: number;
+}
+
+/** One task of a problem, as it came out. */
+export interface TaskReport {
+    name: string;
+    reached: boolean;
+    /** Metres; missing where the task asks for no place. */
+    positionError?: number;
+    /** Radians; missing where the task asks for no orientation. */
+    orientationError?: number;
+}
+
+/** Two things that touch, or come nearer than the margin. */
+export interface Collision {
+    first: string;
+    second: string;
+    /** Metres; below 0 where they overlap. */
+    distance: number;
+}
+"#;
+
+#[wasm_bindgen]
+extern "C" {
+    /// Limits as objects.
+    #[wasm_bindgen(typescript_type = "ActiveLimit[]")]
+    pub type ActiveLimits;
+    /// Tasks as objects.
+    #[wasm_bindgen(typescript_type = "TaskReport[]")]
+    pub type TaskReports;
+    /// Collisions as objects.
+    #[wasm_bindgen(typescript_type = "Collision[]")]
+    pub type Collisions;
+}
+
+/// A configuration, what it reaches, and what is in the way of the rest.
+#[wasm_bindgen]
+pub struct Solution {
+    inner: kinopt::Solution,
+}
+
+impl From<kinopt::Solution> for Solution {
+    fn from(inner: kinopt::Solution) -> Self {
+        Self { inner }
+    }
+}
+
+#[wasm_bindgen]
+impl Solution {
+    /// The configuration, radians and metres.
+    #[wasm_bindgen(getter)]
+    pub fn q(&self) -> Vec<f64> {
+        self.inner.q.clone()
+    }
+
+    /// Whether every goal is within its tolerance.
+    #[wasm_bindgen(getter)]
+    pub fn reached(&self) -> bool {
+        self.inner.reached
+    }
+
+    /// The largest error of a place, metres.
+    #[wasm_bindgen(getter, js_name = positionError)]
+    pub fn position_error(&self) -> Option<f64> {
+        self.inner.position_error()
+    }
+
+    /// The largest error of an orientation, radians.
+    #[wasm_bindgen(getter, js_name = orientationError)]
+    pub fn orientation_error(&self) -> Option<f64> {
+        self.inner.orientation_error()
+    }
+
+    /// Which test ended the search.
+    #[wasm_bindgen(getter)]
+    pub fn termination(&self) -> String {
+        self.inner.termination.name().to_owned()
+    }
+
+    /// Steps, in all attempts.
+    #[wasm_bindgen(getter)]
+    pub fn iterations(&self) -> usize {
+        self.inner.iterations
+    }
+
+    /// Searches from different starts.
+    #[wasm_bindgen(getter)]
+    pub fn attempts(&self) -> usize {
+        self.inner.attempts
+    }
+
+    /// Whether a target that is missed is known to be out of reach.
+    #[wasm_bindgen(getter, js_name = isOutOfReach)]
+    pub fn is_out_of_reach(&self) -> bool {
+        self.inner.is_out_of_reach()
+    }
+
+    /// The limits in the way.
+    #[wasm_bindgen(getter, js_name = activeLimits)]
+    pub fn active_limits(&self) -> ActiveLimits {
+        let limits = self.inner.active_limits().map(|limit| {
+            object::of([
+                ("joint", limit.joint.into()),
+                ("side", format!("{:?}", limit.side).to_lowercase().into()),
+                ("value", limit.value.into()),
+                ("push", limit.push.into()),
+            ])
+        });
+        limits.collect::<Array>().unchecked_into()
+    }
+
+    /// The tasks, one by one.
+    #[wasm_bindgen(getter)]
+    pub fn tasks(&self) -> TaskReports {
+        let or_none = |error: Option<f64>| error.map_or(JsValue::UNDEFINED, JsValue::from);
+        let tasks = self.inner.tasks().map(|task| {
+            object::of([
+                ("name", task.name.into()),
+                ("reached", task.reached.into()),
+                ("positionError", or_none(task.position_error())),
+                ("orientationError", or_none(task.orientation_error())),
+            ])
+        });
+        tasks.collect::<Array>().unchecked_into()
+    }
+
+    /// All of it in a sentence.
+    pub fn explain(&self) -> String {
+        self.inner.explain()
+    }
+}
+
+#[cfg(feature = "collision")]
+#[wasm_bindgen]
+impl Solution {
+    /// What touches at the answer.
+    #[wasm_bindgen(getter)]
+    pub fn collisions(&self) -> Collisions {
+        collisions(self.inner.collisions())
+    }
+}
+
+/// Collisions as objects.
+#[cfg(feature = "collision")]
+pub(crate) fn collisions(found: &[kinopt::ik::Collision]) -> Collisions {
+    let told = found.iter().map(|pair| {
+        object::of([
+            ("first", pair.first.to_string().into()),
+            ("second", pair.second.to_string().into()),
+            ("distance", pair.distance.into()),
+        ])
+    });
+    told.collect::<Array>().unchecked_into()
+}

@@ -1,0 +1,190 @@
+//! Worlds of obstacles, and what of a body is kept clear of them.
+
+use kinopt::collision::{self, Checker};
+use kinopt::spatial::{Placement, Vector3};
+use wasm_bindgen::prelude::*;
+
+use crate::placement;
+use crate::raise;
+use crate::rig::Rig;
+use crate::robot::Robot;
+
+/// Obstacles by name; metres.
+#[wasm_bindgen]
+#[derive(Clone, Default)]
+pub struct World {
+    pub(crate) inner: collision::World,
+}
+
+/// A placement of sixteen numbers, or a place of three.
+fn pose(numbers: Option<Vec<f64>>) -> Result<Placement<f64>, JsError> {
+    match numbers.as_deref() {
+        None => Ok(Placement::identity()),
+        Some(&[x, y, z]) => Ok(Placement::translation(Vector3::new(x, y, z))),
+        Some(numbers) => placement::read(numbers, "pose"),
+    }
+}
+
+#[wasm_bindgen]
+impl World {
+    /// A world without obstacles.
+    #[wasm_bindgen(constructor)]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Reads a world from its JSON; `name` is for messages.
+    #[wasm_bindgen(js_name = fromJson)]
+    pub fn from_json(text: &str, name: Option<String>) -> Result<Self, JsError> {
+        let name = name.as_deref().unwrap_or("world.json");
+        let inner = collision::World::from_json(text.as_bytes(), name).map_err(raise)?;
+        Ok(Self { inner })
+    }
+
+    /// The same as JSON.
+    #[wasm_bindgen(js_name = toJson)]
+    pub fn to_json(&self) -> String {
+        self.inner.to_json()
+    }
+
+    /// A box of whole lengths along x, y and z. A pose is a placement, or a place of three numbers.
+    #[wasm_bindgen(js_name = addBox)]
+    pub fn add_box(
+        &mut self,
+        name: &str,
+        #[wasm_bindgen(unchecked_param_type = "Numbers")] size: &[f64],
+        #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] pose: Option<Vec<f64>>,
+    ) -> Result<(), JsError> {
+        let size: [f64; 3] = size.try_into().map_err(|_| {
+            let count = size.len();
+            JsError::new(&format!("size has {count} numbers, expected 3"))
+        })?;
+        let pose = self::pose(pose)?;
+        self.inner.add_box(name, size, pose).map_err(raise)
+    }
+
+    /// A sphere.
+    #[wasm_bindgen(js_name = addSphere)]
+    pub fn add_sphere(
+        &mut self,
+        name: &str,
+        radius: f64,
+        #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] pose: Option<Vec<f64>>,
+    ) -> Result<(), JsError> {
+        let pose = self::pose(pose)?;
+        self.inner.add_sphere(name, radius, pose).map_err(raise)
+    }
+
+    /// A cylinder along z.
+    #[wasm_bindgen(js_name = addCylinder)]
+    pub fn add_cylinder(
+        &mut self,
+        name: &str,
+        radius: f64,
+        length: f64,
+        #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] pose: Option<Vec<f64>>,
+    ) -> Result<(), JsError> {
+        let pose = self::pose(pose)?;
+        let added = self.inner.add_cylinder(name, radius, length, pose);
+        added.map_err(raise)
+    }
+
+    /// A cylinder along z with half a sphere at either end.
+    #[wasm_bindgen(js_name = addCapsule)]
+    pub fn add_capsule(
+        &mut self,
+        name: &str,
+        radius: f64,
+        length: f64,
+        #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] pose: Option<Vec<f64>>,
+    ) -> Result<(), JsError> {
+        let pose = self::pose(pose)?;
+        let added = self.inner.add_capsule(name, radius, length, pose);
+        added.map_err(raise)
+    }
+
+    /// All below the plane through the pose's origin across its z axis.
+    #[wasm_bindgen(js_name = addPlane)]
+    pub fn add_plane(
+        &mut self,
+        name: &str,
+        #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] pose: Option<Vec<f64>>,
+    ) -> Result<(), JsError> {
+        let pose = self::pose(pose)?;
+        self.inner.add_plane(name, pose).map_err(raise)
+    }
+
+    /// Moves an obstacle.
+    #[wasm_bindgen(js_name = move)]
+    pub fn move_to(
+        &mut self,
+        name: &str,
+        #[wasm_bindgen(unchecked_param_type = "Numbers")] pose: Vec<f64>,
+    ) -> Result<(), JsError> {
+        let pose = self::pose(Some(pose))?;
+        self.inner.move_to(name, pose).map_err(raise)
+    }
+
+    /// Takes an obstacle out.
+    pub fn remove(&mut self, name: &str) -> Result<(), JsError> {
+        self.inner.remove(name).map_err(raise)
+    }
+
+    /// The obstacles.
+    #[wasm_bindgen(getter)]
+    pub fn names(&self) -> Vec<String> {
+        let obstacles = self.inner.obstacles();
+        obstacles.map(|obstacle| obstacle.name.clone()).collect()
+    }
+}
+
+/// The shapes of a body, the pairs of links that are kept apart, and spheres that cover them. Making one takes a while.
+#[wasm_bindgen]
+pub struct CollisionModel {
+    checker: Checker,
+}
+
+#[wasm_bindgen]
+impl CollisionModel {
+    /// Of a robot's collision shapes; pairs that always or never touch are found by drawing configurations.
+    #[wasm_bindgen(js_name = ofRobot)]
+    pub fn of_robot(robot: &Robot) -> Result<Self, JsError> {
+        let checker = Checker::of(&robot.inner).map_err(raise)?;
+        Ok(Self { checker })
+    }
+
+    /// Of a rig's skin.
+    #[wasm_bindgen(js_name = ofSkin)]
+    pub fn of_skin(rig: &Rig) -> Result<Self, JsError> {
+        let rig = &rig.inner;
+        let (Some(mesh), Some(weights)) = (&rig.mesh, &rig.weights) else {
+            return Err(JsError::new("the rig has no mesh with weights"));
+        };
+        let shapes = collision::CollisionModel::of_skin(&rig.skeleton, mesh, weights);
+        let checker = Checker::covered(shapes.map_err(raise)?);
+        Ok(Self { checker })
+    }
+
+    /// The links that have shapes.
+    #[wasm_bindgen(getter)]
+    pub fn links(&self) -> Vec<String> {
+        let model = self.checker.model();
+        let frames = model.model().frames();
+        let links = model.links().iter();
+        links
+            .map(|link| frames[link.index()].name.clone())
+            .collect()
+    }
+}
+
+impl CollisionModel {
+    /// What checks the body against a world.
+    pub(crate) fn checker(&self, world: &World, margin: Option<f64>) -> Result<Checker, JsError> {
+        let checker = self
+            .checker
+            .clone()
+            .with_world(&world.inner)
+            .map_err(raise)?;
+        checker.with_margin(margin.unwrap_or(0.0)).map_err(raise)
+    }
+}

@@ -1,0 +1,118 @@
+// An arm comes to every pose that it can reach, and says what it cannot.
+import assert from "node:assert/strict";
+import test from "node:test";
+import { Arm, CollisionModel, placement, Robot, World } from "kinopt";
+import { configuration, panda, pandaArm, random, text } from "./panda.js";
+
+const far = (a, b) => Math.max(...a.map((value, k) => Math.abs(value - b[k])));
+
+test("every one of 500 reachable poses is reached within limits, by every search", () => {
+    for (const search of ["start", "first", "nearest"]) {
+        const arm = pandaArm({ search });
+        const draw = random(7);
+        for (let k = 0; k < (search === "nearest" ? 100 : 500); k += 1) {
+            const target = arm.baseFromTool(configuration(arm, draw));
+            const solution = arm.solve(target, configuration(arm, draw));
+            assert.ok(solution.reached, `${search} ${k}: ${solution.explain()}`);
+            assert.ok(far(arm.baseFromTool(solution.q), target) < 2e-6);
+            const { lower, upper } = arm;
+            assert.ok(solution.q.every((value, j) => lower[j] <= value && value <= upper[j]));
+        }
+    }
+});
+
+test("a batch has the answers of its questions one by one", () => {
+    const arm = pandaArm();
+    const draw = random(3);
+    const starts = Array.from({ length: 40 }, () => configuration(arm, draw));
+    const targets = starts.map((q) => arm.baseFromTool(q.map((value) => 0.9 * value)));
+    const join = (lists) => Float64Array.from(lists.flatMap((list) => [...list]));
+    const batch = arm.solveBatch(join(targets), join(starts));
+    const q = batch.q.slice();
+    assert.deepEqual([...batch.reached], Array(40).fill(1));
+    targets.forEach((target, k) => assert.deepEqual(arm.solve(target, starts[k]).q, q.slice(7 * k, 7 * k + 7)));
+    assert.ok(batch.positionError.every((error) => error <= 1e-6));
+});
+
+test("what is out of reach is told, not thrown", () => {
+    const arm = pandaArm();
+    const solution = arm.solve(placement([3, 0, 0.5]));
+    assert.equal(solution.reached, false);
+    assert.ok(solution.isOutOfReach);
+    assert.match(solution.explain(), /reach/);
+    assert.ok(solution.positionError > 1.5);
+});
+
+test("a path stays on its branch, target by target too", () => {
+    const arm = pandaArm();
+    const start = [0, -0.4, 0, -2, 0, 1.6, 0.8];
+    const path = Array.from({ length: 50 }, (_, k) => {
+        const target = arm.baseFromTool(start);
+        target[13] += 0.004 * k;
+        return target;
+    });
+    const track = arm.track(path.flatMap((target) => [...target]), start);
+    assert.deepEqual(track.jumps, []);
+    assert.ok(track.reached.every((one) => one === 1));
+    const q = track.q.slice();
+    const follower = arm.follower(start);
+    path.forEach((target, k) => {
+        const { reached, q: own } = follower.advance(target);
+        assert.ok(reached && !follower.jumped);
+        assert.ok(far([...own], [...q.slice(7 * k, 7 * k + 7)]) < 0.05);
+    });
+    const servo = arm.servo(start, 1e-3);
+    for (let tick = 0; tick < 300; tick += 1) servo.step(path[10]);
+    assert.ok(servo.reached, `${servo.positionError} m`);
+});
+
+test("several solutions differ", () => {
+    const arm = pandaArm();
+    const target = arm.baseFromTool([0.3, -0.4, 0.2, -2, 0.1, 1.6, 0.8]);
+    const several = arm.distinct(target, undefined, 4, 0.5);
+    assert.ok(several.length >= 2);
+    for (const one of several) {
+        assert.ok(one.reached);
+        for (const other of several) assert.ok(one === other || far([...one.q], [...other.q]) > 0.3);
+    }
+});
+
+test("an arm keeps clear of a box, and says what it touches", () => {
+    const robot = panda();
+    const shapes = CollisionModel.ofRobot(robot);
+    const free = pandaArm();
+    const target = free.baseFromTool([0, 0.4, 0, -1.8, 0, 2.2, 0.8]);
+    const world = new World();
+    world.addBox("shelf", [0.1, 0.6, 0.1], [target[12] - 0.15, 0, target[14] + 0.05]);
+    assert.deepEqual(world.names, ["shelf"]);
+    const arm = Arm.keepingClear(robot, "base", "flange", shapes, world, 0.01);
+    const solution = arm.solve(target);
+    assert.deepEqual(arm.collisions(solution.q), solution.reached ? [] : arm.collisions(solution.q));
+    world.move("shelf", [target[12], target[13], target[14]]);
+    const blocked = arm.withWorld(world, 0.01).collisions([0, 0.4, 0, -1.8, 0, 2.2, 0.8]);
+    assert.ok(blocked.some(({ second, distance }) => second.includes("shelf") && distance < 0.01), JSON.stringify(blocked));
+});
+
+test("names and options that do not exist list those that do", () => {
+    assert.throws(() => new Arm(panda(), "base", "flang"), /flang.*flange/s);
+    assert.throws(() => pandaArm({ serach: "first" }), /serach.*search/s);
+    assert.throws(() => pandaArm({ search: "best" }), /best.*nearest/s);
+    assert.throws(() => pandaArm({ attempts: -1 }), /attempts must be a whole number/);
+    assert.throws(() => pandaArm({ maxMove: "much" }), /maxMove must be a list of numbers/);
+    assert.throws(() => pandaArm().solve([1, 2, 3]), /target has 3 numbers, a placement has 16/);
+    assert.throws(() => pandaArm().solve(placement([NaN, 0, 0])), /finite|rigid/);
+    assert.throws(() => pandaArm().solve(placement(), [0, 0]), /start/);
+});
+
+test("a robot tells its shapes, tips and limits, and stands on a base of its own", () => {
+    const robot = panda();
+    assert.ok(robot.tips.includes("tool"));
+    assert.equal(robot.chain("base", "flange").length, 7);
+    const kinds = robot.model.frameNames.flatMap((frame) => robot.shapes(frame, true).map(({ kind }) => kind));
+    assert.ok(kinds.includes("sphere") && kinds.includes("cylinder") && kinds.includes("box"));
+    const sliding = Robot.fromUrdf(text("universal_ur5e.urdf"), "ur5e.urdf", { baseJoint: "slide-x", baseRoom: { x: [0, 1] } });
+    assert.equal(sliding.model.configurationLen, 7);
+    const arm = new Arm(sliding.withTool("pen", "flange", placement([0, 0, 0.1])), undefined, "pen");
+    const target = arm.baseFromTool([0.7, 0.3, -1.1, 1, -0.9, 1.1, 0.4]);
+    assert.ok(arm.solve(target).reached);
+});

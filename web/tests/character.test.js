@@ -1,0 +1,85 @@
+// A character is dragged, posed and played.
+import assert from "node:assert/strict";
+import test from "node:test";
+import { Drag, MotionCapture, Problem, Solver, tasks } from "kinopt";
+import { humanoid, pinned } from "./humanoid.js";
+
+test("a hand is dragged along 300 points, the pins hold, no joint leaps", () => {
+    const rig = humanoid();
+    let q = rig.model.neutral();
+    const pins = pinned(rig, q);
+    assert.ok(rig.constrained.includes("left_hand"));
+    const from = pins[rig.constrained.indexOf("left_hand")].target;
+    const drag = new Drag(new Problem(rig.model, pins), q);
+    const { lower, upper } = rig.model;
+    for (let k = 0; k < 300; k += 1) {
+        const turn = (2 * Math.PI * k) / 300;
+        const down = 1 - Math.cos(turn);
+        const target = [from[0] + 0.1 * Math.sin(turn), from[1] - 0.15 * down, from[2] - 0.1 * down];
+        const solution = drag.advance({ left_hand: target });
+        const next = solution.q;
+        assert.ok(next.every((value, j) => lower[j] <= value && value <= upper[j]));
+        assert.ok(next.every((value, j) => Math.abs(value - q[j]) <= 0.1500001));
+        // A frame is cut off at 40 steps; the next goes on.
+        assert.ok(solution.reached || solution.positionError < 1e-5, `${k}: ${solution.explain()}`);
+        q = next;
+    }
+    assert.deepEqual(drag.q, q);
+});
+
+test("a hand out of reach is told with its limits, and the other tips stay", () => {
+    const rig = humanoid();
+    const rest = rig.model.neutral();
+    const problem = new Problem(rig.model, pinned(rig, rest));
+    const solution = new Solver().solve(problem, rest, { left_hand: [5, 0, 1] });
+    assert.ok(!solution.reached && solution.tasks.some(({ name, reached }) => name === "left_hand" && !reached));
+    assert.ok(Array.isArray(solution.activeLimits));
+    assert.throws(() => new Solver().solve(problem, rest, { left_hnd: [5, 0, 1] }), /left_hnd.*left_hand/s);
+    assert.throws(() => new Solver().solve(problem, rest, { left_hand: [5, 0] }), /the target of left_hand has 2 numbers, expected 3/);
+    assert.throws(() => new Solver().solve(problem, rest, { left_hand: [NaN, 0, 1] }), /the target of left_hand.*finite/s);
+});
+
+test("the skin at rest is the mesh, both ways, and moves with the body", () => {
+    const rig = humanoid();
+    const rest = rig.model.neutral();
+    const all = ["lbs", "dqs"].map((method) => {
+        const skin = rig.posing(method);
+        skin.deform(rest);
+        assert.equal(skin.normals.length, skin.positions.length);
+        return skin.positions.slice();
+    });
+    assert.ok(all[0].every((value, k) => Math.abs(value - all[1][k]) < 1e-5));
+    assert.equal(rig.triangles.length % 3, 0);
+    assert.ok(rig.triangles.every((corner) => corner < all[0].length / 3));
+    const span = rig.clip.timeSpan;
+    const moved = rig.posing("dqs");
+    moved.deform(rig.clip.sample(0.5 * (span[0] + span[1]), "loop"));
+    assert.ok(moved.positions.some((value, k) => Math.abs(value - all[0][k]) > 0.01));
+    assert.throws(() => rig.posing("best"), /lbs.*dqs/);
+});
+
+test("a capture is played, and dragged from where it stands", () => {
+    const capture = MotionCapture.fromBytes(new TextEncoder().encode(
+        "HIERARCHY\nROOT hips {\nOFFSET 0 100 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n" +
+        "JOINT spine {\nOFFSET 0 40 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nJOINT neck {\nOFFSET 0 30 0\n" +
+        "CHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site {\nOFFSET 0 20 0\n}\n}\n}\n}\n" +
+        "MOTION\nFrames: 2\nFrame Time: 0.5\n0 100 0 0 0 0 0 0 0 0 0 0\n0 100 0 0 0 0 90 0 0 0 0 0\n",
+    ));
+    assert.deepEqual(capture.armature.names, ["hips", "spine", "neck", "neck/tip"]);
+    assert.deepEqual([...capture.armature.parents], [-1, 0, 1, 2]);
+    const bent = capture.clip.sample(0.5);
+    const placed = capture.armature.localToModel(bent);
+    const tip = placed.slice(16 * 3 + 12, 16 * 3 + 15);
+    // A quarter turn about z takes up to the left.
+    [-50, 140, 0].forEach((value, k) => assert.ok(Math.abs(tip[k] - value) < 1e-3, `${tip}`));
+    const figure = capture.figure();
+    const { skeleton } = figure;
+    const q = skeleton.model.neutral();
+    const target = [20, 170, 0];
+    const task = tasks.point(skeleton.tip("neck/tip"), target, { name: "head" });
+    const problem = Problem.holding(skeleton, ["neck/tip"], [task], q);
+    const solution = new Drag(problem, q).settle();
+    assert.ok(solution.reached, solution.explain());
+    const reached = capture.armature.localToModel(figure.toPose(solution.q)).slice(60, 63);
+    target.forEach((value, k) => assert.ok(Math.abs(reached[k] - value) < 1e-2, `${reached}`));
+});

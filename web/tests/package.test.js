@@ -1,0 +1,79 @@
+// The package installs from its archive in an empty project; its README's lines run there, and its types check.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import test, { after, before } from "node:test";
+import { fileURLToPath } from "node:url";
+import { model } from "./panda.js";
+
+const own = fileURLToPath(new URL("..", import.meta.url));
+const project = mkdtempSync(join(tmpdir(), "kinopt-"));
+const run = (command, ...rest) => execFileSync(command, rest, { cwd: project, encoding: "utf8" });
+const blocks = [...readFileSync(join(own, "README.md"), "utf8").matchAll(/```js\n(.*?)```/gs)].map(([, text]) => text);
+
+before(() => {
+    const [{ filename }] = JSON.parse(run("npm", "pack", own, "--json"));
+    writeFileSync(join(project, "package.json"), '{ "type": "module" }');
+    run("npm", "install", "--offline", "--no-audit", "--no-fund", `./${filename}`);
+});
+after(() => rmSync(project, { recursive: true }));
+
+test("the README's ten lines run", () => {
+    writeFileSync(join(project, "ten.js"), blocks[0]);
+    assert.match(run("node", "ten.js"), /^true Float64Array\(7\)/);
+});
+
+test("the README's drag runs", () => {
+    // What the reader has: where the files are, and what draws.
+    const readers = `
+        import { readFileSync } from "node:fs";
+        const folder = ${JSON.stringify(model("humanoid/").href)};
+        const bytes = async (file) => readFileSync(new URL(file, folder));
+        const parts = Object.fromEntries(["humanoid.ply", "humanoid.dmat"].map((file) => [file, readFileSync(new URL(file, folder))]));
+        let drawn = 0;
+        const upload = (positions, normals) => { drawn += positions.length === normals.length && positions.length > 0 ? 1 : 0; };`;
+    writeFileSync(join(project, "drag.js"), `${readers}\n${blocks[1]}\nconsole.log(drawn);`);
+    assert.equal(run("node", "drag.js"), "60\n");
+});
+
+test("it works in a worker, which has a module of its own", () => {
+    writeFileSync(join(project, "worker.js"), `import { parentPort } from "node:worker_threads";\n${blocks[0]}\nparentPort.postMessage(solution.reached);`);
+    writeFileSync(join(project, "main.js"), `import { Worker } from "node:worker_threads";
+        const worker = new Worker(new URL("./worker.js", import.meta.url), { stdout: true });
+        worker.on("message", (reached) => console.log(reached));`);
+    assert.equal(run("node", "main.js"), "true\n");
+});
+
+test("a module that others compiled is taken", () => {
+    writeFileSync(join(project, "bare.js"), `import { readFileSync } from "node:fs";
+        import { init, placement, Robot } from "kinopt/bare";
+        const url = new URL(import.meta.resolve("kinopt/kinopt.wasm"));
+        await init({ module_or_path: await WebAssembly.compile(readFileSync(url)) });
+        console.log(Robot.name, placement().length);`);
+    assert.equal(run("node", "bare.js"), "Robot 16\n");
+});
+
+test("the types of its README check, and wrong ones do not", () => {
+    const reader = "declare const parts: Record<string, Uint8Array>; declare function bytes(file: string): Promise<Uint8Array>;\n" +
+        "declare function upload(positions: Float32Array, normals: Float32Array): void;\n";
+    writeFileSync(join(project, "ten.ts"), blocks[0]);
+    writeFileSync(join(project, "drag.ts"), reader + blocks[1]);
+    writeFileSync(join(project, "wrong.ts"), `import { Arm, Robot, tasks } from "kinopt";
+        // @ts-expect-error
+        new Arm(Robot.fromUrdf(""), "base", "tip", { search: "best" });
+        // @ts-expect-error
+        tasks.point("tip", "there");
+        // @ts-expect-error
+        tasks.point("tip", [0, 0, 0], { wieght: 1 });
+        // @ts-expect-error
+        new Arm(Robot.fromUrdf(""), "base", "tip").solve(3);`);
+    const tsc = join(own, "node_modules/.bin/tsc");
+    const options = ["--noEmit", "--strict", "--target", "es2022", "--module", "nodenext", "--lib", "es2022,dom"];
+    try {
+        run(tsc, ...options, "ten.ts", "drag.ts", "wrong.ts");
+    } catch ({ stdout }) {
+        assert.fail(stdout);
+    }
+});
