@@ -1,0 +1,32 @@
+// The places that can be grabbed: frames of a model, and where they stand.
+import { ForwardKinematics } from "kinopt";
+
+export class Handles {
+    /** `frames` by the handles' names. */
+    constructor(model, frames) {
+        this.names = Object.keys(frames);
+        this.frames = frames;
+        this.kinematics = new ForwardKinematics(model, Object.values(frames));
+    }
+
+    /** Three numbers a handle. */
+    places(q) {
+        const placed = this.kinematics.place(q);
+        const places = new Float32Array(3 * this.names.length);
+        for (let k = 0; k < this.names.length; k += 1) places.set(placed.subarray(16 * k + 12, 16 * k + 15), 3 * k);
+        return places;
+    }
+
+    /** Where one stands, in double precision. */
+    place(q, name) {
+        const k = this.names.indexOf(name);
+        return Array.from(this.kinematics.place(q).subarray(16 * k + 12, 16 * k + 15));
+    }
+}
+
+/** What a solution says for the page; a miss that nobody sees needs no words. */
+export const told = (solution, reach) => ({
+    reached: solution.reached,
+    limits: solution.activeLimits.map(({ joint }) => joint),
+    words: solution.reached || solution.positionError < 0.005 * reach ? "" : solution.explain(),
+});

@@ -1,0 +1,22 @@
+// What the page opens by itself.
+
+/** Boxes about a Panda: whole lengths and places, metres. */
+const BOXES = [
+    { name: "table", size: [0.5, 1.0, 0.04], at: [0.55, 0, 0.12] },
+    { name: "crate", size: [0.16, 0.16, 0.3], at: [0.5, -0.3, 0.29] },
+    { name: "shelf", size: [0.3, 0.3, 0.03], at: [0.55, 0.35, 0.6] },
+];
+
+async function fetched(...names) {
+    const files = names.map(async (name) => {
+        const answer = await fetch(new URL(`./models/${name}`, import.meta.url));
+        if (!answer.ok) throw new Error(`${name}: ${answer.status}`);
+        return [name, new Uint8Array(await answer.arrayBuffer())];
+    });
+    return Object.fromEntries(await Promise.all(files));
+}
+
+export const MODELS = {
+    humanoid: async () => ({ files: await fetched("humanoid.json", "humanoid.ply", "humanoid.dmat") }),
+    panda: async () => ({ files: await fetched("franka_panda.urdf"), world: BOXES }),
+};

@@ -1,0 +1,75 @@
+// The scene, its camera and its light; draws when something changed.
+import * as THREE from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+
+export class Stage {
+    constructor(canvas) {
+        this.canvas = canvas;
+        this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
+        this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+        this.scene = new THREE.Scene();
+        this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8a8375, 2.2));
+        const sun = new THREE.DirectionalLight(0xffffff, 2.2);
+        sun.position.set(2, -3, 5);
+        this.scene.add(sun);
+        this.camera = new THREE.PerspectiveCamera(35, 1, 0.01, 100);
+        this.orbit = new OrbitControls(this.camera, canvas);
+        this.orbit.addEventListener("change", () => this.touch());
+        new ResizeObserver(() => this.#resize()).observe(canvas);
+        this.#resize();
+    }
+
+    /** Asks for a picture. */
+    touch() {
+        if (this.asked) return;
+        this.asked = requestAnimationFrame(() => {
+            this.asked = undefined;
+            this.renderer.render(this.scene, this.camera);
+        });
+    }
+
+    #resize() {
+        const { clientWidth: width, clientHeight: height } = this.canvas;
+        if (width === 0 || height === 0) return;
+        this.renderer.setSize(width, height, false);
+        this.camera.aspect = width / height;
+        this.camera.updateProjectionMatrix();
+        this.touch();
+    }
+
+    /** Looks at points of three numbers, whole, from a direction in which the figure looks back. */
+    frame(points, up, from) {
+        const box = new THREE.Box3().setFromArray(points);
+        const centre = box.getCenter(new THREE.Vector3());
+        const size = Math.max(box.getSize(new THREE.Vector3()).length(), 1e-3);
+        const z = up === "z";
+        this.camera.up.set(0, z ? 0 : 1, z ? 1 : 0);
+        const narrow = Math.min(this.camera.aspect, 1);
+        this.camera.position.copy(centre).addScaledVector(new THREE.Vector3(...from).normalize(), (1.5 * size) / narrow);
+        this.camera.near = 0.01 * size;
+        this.camera.far = 30 * size;
+        this.camera.updateProjectionMatrix();
+        this.orbit.target.copy(centre);
+        this.orbit.update();
+        this.size = size;
+        this.touch();
+    }
+
+    /** Where a place is on the page, in pixels. */
+    toScreen(place) {
+        const { left, top, width, height } = this.canvas.getBoundingClientRect();
+        const seen = place.clone().project(this.camera);
+        return { x: left + 0.5 * (seen.x + 1) * width, y: top + 0.5 * (1 - seen.y) * height };
+    }
+
+    /** The place under the pointer as far away as another one is. */
+    under(x, y, depthOf) {
+        const { left, top, width, height } = this.canvas.getBoundingClientRect();
+        const at = new THREE.Vector2((2 * (x - left)) / width - 1, 1 - (2 * (y - top)) / height);
+        const ray = new THREE.Raycaster();
+        ray.setFromCamera(at, this.camera);
+        const facing = this.camera.getWorldDirection(new THREE.Vector3());
+        const plane = new THREE.Plane().setFromNormalAndCoplanarPoint(facing, depthOf);
+        return ray.ray.intersectPlane(plane, new THREE.Vector3());
+    }
+}
