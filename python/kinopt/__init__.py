@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from . import animation, io, methods, retargeting, skinning, tasks
 from ._kinopt import (
     ActiveLimit,
+    ActiveMotionLimit,
     Arm,
     BallSkeleton,
     ArmDerivative,
@@ -33,9 +34,12 @@ from ._kinopt import (
     Leap,
     LoopClosure,
     Model,
+    MissedFrame,
     MissedPoint,
     ModelBuilder,
     MotionCapture,
+    MotionProblem,
+    MotionSolution,
     Obstacle,
     ParameterMap,
     PathSolution,
@@ -79,6 +83,7 @@ from .errors import (
     UnknownNameError,
 )
 
+from .motion import Contact
 from .placements import placement
 from .retargeting import RetargetFollower, Retargeted, guess_map, retarget
 
@@ -95,6 +100,7 @@ def __getattr__(name: str) -> ModuleType:
 
 __all__ = [
     "ActiveLimit",
+    "ActiveMotionLimit",
     "Arm",
     "BallSkeleton",
     "ArmDerivative",
@@ -102,6 +108,7 @@ __all__ = [
     "Bone",
     "CollisionModel",
     "Collision",
+    "Contact",
     "Counts",
     "Drag",
     "FileError",
@@ -119,9 +126,12 @@ __all__ = [
     "Leap",
     "LoopClosure",
     "Model",
+    "MissedFrame",
     "MissedPoint",
     "ModelBuilder",
     "MotionCapture",
+    "MotionProblem",
+    "MotionSolution",
     "Obstacle",
     "ParameterMap",
     "PathSolution",

@@ -5,9 +5,17 @@
 - Over time: a ``Clip``; a ``Playhead`` says where playback is and which events it passes.
 - Together: ``Pose.cross_fade``, ``blend_poses``, ``Layer`` under a ``BoneMask``, and a ``StateMachine``, which each
   character runs by its own ``StateMachineRun``.
-- Over the pose: ``Limb`` and ``Aim`` in closed form, ``ReachLayer`` by the optimiser.
+- Over the pose: ``Limb`` and ``Aim`` in closed form, ``ReachLayer`` by the optimiser. Over a clip: ``Clip.with_ik`` of a
+  ``Reach``, and feet that stand.
 - Many of them: a ``Crowd``. A skeleton's stacked angles: an ``EulerClip``, ``PoseAngles``.
 """
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
 
 from ._kinopt.animation import (
     Aim,
@@ -17,10 +25,12 @@ from ._kinopt.animation import (
     Clip,
     ClipBuilder,
     Crowd,
+    EditedClip,
     EulerClip,
     EulerCurve,
     KeyedCurve,
     Layer,
+    Led,
     Limb,
     LimbGoal,
     Passage,
@@ -32,6 +42,7 @@ from ._kinopt.animation import (
     ReachLayer,
     RootMotion,
     RotationCurve,
+    Stance,
     StateMachine,
     StateMachineRun,
     blend_poses,
@@ -46,10 +57,12 @@ __all__ = [
     "Clip",
     "ClipBuilder",
     "Crowd",
+    "EditedClip",
     "EulerClip",
     "EulerCurve",
     "KeyedCurve",
     "Layer",
+    "Led",
     "Limb",
     "LimbGoal",
     "Passage",
@@ -58,11 +71,29 @@ __all__ = [
     "Pose",
     "PoseAngles",
     "Poses",
+    "Reach",
     "ReachLayer",
     "RootMotion",
     "RotationCurve",
+    "Stance",
     "StateMachine",
     "StateMachineRun",
     "blend_poses",
     "easing",
 ]
+
+
+@dataclass(frozen=True)
+class Reach:
+    """A bone whose origin, of a rig's its tip, goes to a point over a span of a clip: of `Clip.with_ik`.
+
+    `target` is a point in the model, shape (3,), or a curve through points, shape (N, 3), at `times` in seconds of the clip, or
+    without them evenly over the span. `span` is (from, to) in seconds, the whole clip unless set. Over `fade` seconds
+    at either end the bone is led there and back: 0.2, or half of a shorter span, unless set.
+    """
+
+    bone: str
+    target: ArrayLike
+    span: tuple[float, float] | None = None
+    fade: float | None = None
+    times: Sequence[float] | ArrayLike | None = None

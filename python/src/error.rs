@@ -79,7 +79,6 @@ faults!(
     kinopt::animation::ReachError,
     kinopt::animation::SampleError,
     kinopt::animation::SizeMismatch,
-    kinopt::animation::curve::KeyError,
     kinopt::io::gltf::PosingError,
     kinopt::io::gltf::SceneError,
     kinopt::io::gltf::UnwritableScene,
@@ -94,6 +93,7 @@ faults!(
     kinopt::mesh::MeshError,
     kinopt::model::MassError,
     kinopt::motion::path::PathError,
+    kinopt::animation::curve::KeyError,
     kinopt::model::ModelError,
     kinopt::problem::ProblemError,
     kinopt::skinning::AutomaticWeightsError,
@@ -200,6 +200,17 @@ impl Fault for UnknownSkinning {
         Kind::UnknownName
     }
 }
+
+impl Fault for kinopt::motion::clip::MotionError {
+    fn kind(&self) -> Kind {
+        match self {
+            Self::Name(_) => Kind::UnknownName,
+            _ => Kind::InvalidValue,
+        }
+    }
+}
+
+impl Fault for kinopt::motion::clip_ik::ClipIkError {}
 
 impl Fault for kinopt::motion::retarget::RetargetError {
     fn kind(&self) -> Kind {

@@ -23,6 +23,7 @@ mod loops;
 mod masses;
 mod mesh;
 mod model;
+mod motion;
 mod path;
 mod pickling;
 mod placement;
@@ -66,6 +67,8 @@ mod _kinopt {
     use super::mesh::TriangleMesh;
     #[pymodule_export]
     use super::model::{Frame, Joint, Model, ModelBuilder};
+    #[pymodule_export]
+    use super::motion::{ActiveMotionLimit, MissedFrame, MotionProblem, MotionSolution};
     #[pymodule_export]
     use super::path::{MissedPoint, PathSolution, Reconfiguration, solve_path};
     #[pymodule_export]

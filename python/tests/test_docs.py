@@ -13,6 +13,8 @@ MODULES += ["kinopt.view"]
 # These have nothing to refuse: they take nothing, or nothing that their signature does not say.
 CANNOT_RAISE = {
     "kinopt.CollisionModel.to_srdf",
+    "kinopt.Contact",
+    "kinopt.animation.Reach",
     "kinopt.SphereModel.to_yaml",
     "kinopt.Goal.pose",
     "kinopt.Goal.position",

@@ -11,6 +11,7 @@ from . import io as io
 from . import retargeting as retargeting
 from . import skinning as skinning
 from ..types import BaseJoint, Floats, HasModel, PlacementLike, PlacementsLike
+from ..motion import Contact
 from .animation import Armature, Clip, EulerClip, Pose, Poses
 from .skinning import MorphTargets, SkinWeights
 
@@ -651,6 +652,95 @@ class MissedPoint:
     def orientation_error(self) -> float: ...
     @property
     def reason(self) -> str: ...
+
+@final
+class MissedFrame:
+    @property
+    def frame(self) -> int: ...
+    @property
+    def task(self) -> str: ...
+    @property
+    def quantity(self) -> str: ...
+    @property
+    def error(self) -> float: ...
+
+@final
+class ActiveMotionLimit:
+    @property
+    def frame(self) -> int: ...
+    @property
+    def joint(self) -> str: ...
+    @property
+    def bound(self) -> str: ...
+    @property
+    def side(self) -> str: ...
+    @property
+    def push(self) -> float: ...
+
+@final
+class MotionProblem:
+    def __new__(
+        cls,
+        model: Model | HasModel,
+        frames: int,
+        time_step: float,
+        tasks: Iterable[Task],
+        *,
+        parameters: ParameterMap | None = None,
+        bounds: Mapping[str, tuple[float, float]] | None = None,
+        tolerance: float | Mapping[str, float] | None = None,
+        targets: Mapping[str | int, Any] | None = None,
+        weights: Mapping[str | int, ArrayLike] | None = None,
+        velocity: float | tuple[float, Mapping[str, float]] | None = None,
+        acceleration: float | tuple[float, Mapping[str, float]] | None = None,
+        jerk: float | tuple[float, Mapping[str, float]] | None = None,
+        max_speeds: Mapping[str, float] | None = None,
+        contacts: Iterable[Contact] | None = None,
+        first: ArrayLike | None = None,
+        last: ArrayLike | None = None,
+    ) -> MotionProblem: ...
+    @property
+    def frames(self) -> int: ...
+    @property
+    def time_step(self) -> float: ...
+    @property
+    def task_names(self) -> list[str]: ...
+    def solve(
+        self,
+        start: ArrayLike,
+        *,
+        tolerance: float | None = None,
+        max_iterations: int | None = None,
+        slip: float | None = None,
+        curvature: bool = True,
+        windows: tuple[int, int] | None = None,
+    ) -> MotionSolution: ...
+
+@final
+class MotionSolution:
+    @property
+    def q(self) -> Floats: ...
+    @property
+    def names(self) -> list[str]: ...
+    @property
+    def frame_costs(self) -> Floats: ...
+    @property
+    def cost(self) -> float: ...
+    @property
+    def cost_of_rates(self) -> float: ...
+    @property
+    def termination(self) -> str: ...
+    @property
+    def iterations(self) -> int: ...
+    @property
+    def slip(self) -> float: ...
+    @property
+    def missed(self) -> list[MissedFrame]: ...
+    @property
+    def active_limits(self) -> list[ActiveMotionLimit]: ...
+    @property
+    def reached(self) -> bool: ...
+    def __len__(self) -> int: ...
 
 @final
 class PathSolution:

@@ -1,11 +1,12 @@
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
 from typing import Any, SupportsIndex, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import Skeleton, Solution, Solver
+from . import Skeleton, Solution, Solver, World
+from ..animation import Reach
 
 _Single = NDArray[np.float32]
 
@@ -301,9 +302,52 @@ class Clip:
         up: tuple[float, float, float] | Sequence[float] = ...,
         keys_per_second: float = 30.0,
     ) -> tuple[Clip, RootMotion]: ...
+    def with_ik(
+        self,
+        reach: Sequence[Reach] = ...,
+        plant: Sequence[str] = ...,
+        *,
+        root: str | None = None,
+        up: tuple[float, float, float] | Sequence[float] = ...,
+        keys_per_second: float = 60.0,
+        ground: World | Callable[[float, float, float], float] | None = None,
+        travel: str | ArrayLike | None = None,
+        skeleton: Skeleton | None = None,
+    ) -> EditedClip: ...
     def with_root_motion(
         self, bone: str, motion: RootMotion, keys_per_second: float = 30.0
     ) -> Clip: ...
+
+@final
+class Stance:
+    @property
+    def bone(self) -> str: ...
+    @property
+    def span(self) -> tuple[float, float]: ...
+    @property
+    def place(self) -> tuple[float, float, float]: ...
+    @property
+    def slide(self) -> float: ...
+
+@final
+class Led:
+    @property
+    def bone(self) -> str: ...
+    @property
+    def miss(self) -> float: ...
+    @property
+    def at(self) -> float: ...
+
+@final
+class EditedClip:
+    @property
+    def clip(self) -> Clip: ...
+    @property
+    def stances(self) -> list[Stance]: ...
+    @property
+    def led(self) -> list[Led]: ...
+    @property
+    def root_moved(self) -> float: ...
 
 @final
 class RootMotion:

@@ -10,6 +10,7 @@ use pyo3::types::PyType;
 
 use super::bones_and_poses::{Armature, Pose, Poses, asked};
 use super::clip_builder::ClipBuilder;
+use super::clip_ik::{Asked, EditedClip};
 use super::curve::{EulerCurve, KeyedCurve, RotationCurve, Values};
 use super::playback;
 use super::playhead::Passage;
@@ -285,6 +286,46 @@ impl Clip {
         self.changed(py, |clip, armature| {
             clip.with_closed_seam(armature, seconds, keys_per_second)
         })
+    }
+
+    /// Inverse kinematics over the clip. `reach` are `Reach`es: bones that go to points, or along curves, over spans; `plant` are bones, feet
+    /// say, that stand still where they hardly move. Each frame keeps as near to the clip as that allows, and the root moves only where
+    /// limbs are too short: `root`, unless set the first bone from the top that carries all of these and branches.
+    ///
+    /// `up` is the axis up. Feet stand on the `ground`: a `World`, or a function of x, y, z that gives its height over
+    /// the level that the clip walks on. A clip on the spot travels by `travel` a second, or as its "feet" say. Of a rig's clip `skeleton`
+    /// has the joints and limits, and tips of bones reach and stand. `keys_per_second` frames are solved and keyed a second.
+    ///
+    /// Raises `UnknownNameError` for bones, `InvalidValueError` for spans and numbers out of range and for what is asked twice, and
+    /// whatever the function raises.
+    #[pyo3(signature = (
+        reach = Vec::new(), plant = Vec::new(), *, root = None, up = [0.0, 1.0, 0.0], keys_per_second = 60.0,
+        ground = None, travel = None, skeleton = None
+    ))]
+    #[allow(clippy::too_many_arguments, reason = "they are keywords")]
+    fn with_ik<'py>(
+        &self,
+        py: Python<'py>,
+        reach: Vec<Bound<'py, PyAny>>,
+        plant: Vec<String>,
+        root: Option<String>,
+        up: [f32; 3],
+        keys_per_second: f64,
+        ground: Option<Bound<'py, PyAny>>,
+        travel: Option<Bound<'py, PyAny>>,
+        skeleton: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<EditedClip> {
+        let asked = Asked {
+            reach,
+            plant,
+            root,
+            up,
+            keys_per_second,
+            ground,
+            travel,
+            skeleton,
+        };
+        asked.over(py, self)
     }
 
     /// The clip in place and the way of a bone over the ground: (clip, root motion). The bone stays above the ground where it started and

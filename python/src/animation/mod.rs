@@ -6,6 +6,7 @@ mod blend;
 mod bones_and_poses;
 mod clip;
 mod clip_builder;
+mod clip_ik;
 mod crowd;
 mod curve;
 mod euler_clip;
@@ -39,6 +40,8 @@ pub(crate) mod animation {
     use super::clip::Clip;
     #[pymodule_export]
     use super::clip_builder::ClipBuilder;
+    #[pymodule_export]
+    use super::clip_ik::{EditedClip, Led, Stance};
     #[pymodule_export]
     use super::crowd::{Crowd, PlayingClip};
     #[pymodule_export]

@@ -29,10 +29,11 @@ use crate::world::World;
 pub(crate) use camera::Camera;
 pub(crate) use derivative::SolutionDerivative;
 pub(crate) use frozen::{numbers, placement, rotation};
-pub(crate) use parameters::{ParameterMap, parameters_of};
+pub(crate) use parameters::{ParameterMap, limits as limits_of, parameters_of};
 pub(crate) use python_residual::{is_raised, raise_later, raised};
 pub(crate) use stated::Stated;
-pub(crate) use task::{Aimed, AnyTask, Move};
+pub(crate) use target::Target;
+pub(crate) use task::{Adds, Aimed, AnyTask, Move, add, items, tolerances};
 
 /// A bounded nonlinear least-squares problem: what the frames of a model should do, and within which
 /// bounds.

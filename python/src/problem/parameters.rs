@@ -189,7 +189,7 @@ pub(crate) fn parameters_of<'a>(
 }
 
 /// A pair (lower, upper).
-pub(super) fn limits(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Limits> {
+pub(crate) fn limits(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Limits> {
     let (lower, upper): (f64, f64) = value
         .extract()
         .map_err(|_| invalid(format!("{what} must be a dict of pairs (lower, upper)")))?;

@@ -5,11 +5,10 @@ use std::sync::Arc;
 use kinopt::Workspace;
 use kinopt::collision::Checker;
 use kinopt::problem::{Evaluation, ProblemError, Question, Targets};
-use kinopt::task::Quantity;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use super::task::{self, Numbers, items};
+use super::task::{self, items};
 use super::{
     Aimed, AnyTask, DERIVATIVES, Move, PREFERENCES, ParameterMap, named, parameters, raised,
 };
@@ -31,7 +30,7 @@ pub(crate) struct Stated {
 
 impl Stated {
     /// Checks and compiles these tasks, with the options of a `Problem` and what it keeps clear of; what the library says where there are none.
-    pub(super) fn new(
+    pub(crate) fn new(
         model: &Bound<'_, PyAny>,
         tasks: &Bound<'_, PyTuple>,
         options: &Bound<'_, PyDict>,
@@ -58,8 +57,7 @@ impl Stated {
             builder.bound(joint, parameters::limits(&limits, "bounds")?);
         }
         if let Some(tolerance) = option("tolerance")? {
-            let both = [Quantity::Metres, Quantity::Radians].into_iter();
-            for (quantity, tolerance) in Numbers::of(&tolerance, "tolerance")?.by(both) {
+            for (quantity, tolerance) in task::tolerances(&tolerance)? {
                 builder.tolerance(quantity, tolerance);
             }
         }
@@ -86,7 +84,7 @@ impl Stated {
     }
 
     /// Which task a key of targets is: a name or a number.
-    pub(super) fn task(&self, key: &Bound<'_, PyAny>) -> PyResult<usize> {
+    pub(crate) fn task(&self, key: &Bound<'_, PyAny>) -> PyResult<usize> {
         if let Ok(index) = key.extract::<usize>() {
             return match index < self.ids.len() {
                 true => Ok(index),

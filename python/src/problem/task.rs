@@ -64,12 +64,24 @@ impl<R: Target> AnyTask for TaskId<R> {
     }
 }
 
+/// What tasks are added to.
+pub(crate) trait Adds {
+    /// Takes a task, and the residual that it is of.
+    fn add_task<R: Target>(&mut self, task: Task<R>, residual: R) -> PyResult<Box<dyn AnyTask>>;
+}
+
+impl Adds for ProblemBuilder<'_> {
+    fn add_task<R: Target>(&mut self, task: Task<R>, _: R) -> PyResult<Box<dyn AnyTask>> {
+        Ok(Box::new(self.add(task)))
+    }
+}
+
 /// Adds a task of `kinopt.tasks` to a problem on `model`, which is that of `whole`.
-pub(super) fn add(
+pub(crate) fn add<B: Adds>(
     task: &Bound<'_, PyAny>,
     whole: &Bound<'_, PyAny>,
     model: &Model,
-    builder: &mut ProblemBuilder<'_>,
+    builder: &mut B,
 ) -> PyResult<Box<dyn AnyTask>> {
     let about = About::of(task)?;
     let kind = check(task)?;
@@ -103,24 +115,25 @@ pub(super) trait Visit {
     fn visit<R: Target>(self, residual: R) -> PyResult<Box<dyn AnyTask>>;
 }
 
-struct Add<'a, 'm> {
-    builder: &'a mut ProblemBuilder<'m>,
+struct Add<'a, B> {
+    builder: &'a mut B,
     about: About,
 }
 
-impl Visit for Add<'_, '_> {
+impl<B: Adds> Visit for Add<'_, B> {
     fn visit<R: Target>(self, residual: R) -> PyResult<Box<dyn AnyTask>> {
-        Ok(Box::new(self.builder.add(self.about.task(residual))))
+        let own = residual.clone();
+        self.builder.add_task(self.about.task(residual), own)
     }
 }
 
-struct Room<'a, 'm> {
+struct Room<'a, B> {
     lower: f64,
     upper: f64,
-    add: Add<'a, 'm>,
+    add: Add<'a, B>,
 }
 
-impl Visit for Room<'_, '_> {
+impl<B: Adds> Visit for Room<'_, B> {
     fn visit<R: Target>(self, residual: R) -> PyResult<Box<dyn AnyTask>> {
         self.add
             .visit(Within::between(residual, self.lower, self.upper))
@@ -413,8 +426,14 @@ impl About {
     }
 }
 
+/// A tolerance of metres and radians, or one for each quantity.
+pub(crate) fn tolerances(value: &Bound<'_, PyAny>) -> PyResult<Vec<(Quantity, f64)>> {
+    let both = [Quantity::Metres, Quantity::Radians].into_iter();
+    Ok(Numbers::of(value, "tolerance")?.by(both))
+}
+
 /// A dict, or none.
-pub(super) fn items<'py>(
+pub(crate) fn items<'py>(
     given: Option<&Bound<'py, PyAny>>,
     what: &str,
 ) -> PyResult<Vec<(Bound<'py, PyAny>, Bound<'py, PyAny>)>> {

@@ -80,6 +80,12 @@ impl<'m> MotionProblemBuilder<'m> {
         self
     }
 
+    /// The tolerance of all tasks that do not set their own, as [`ProblemBuilder::tolerance`].
+    pub fn tolerance(&mut self, quantity: Quantity, tolerance: f64) -> &mut Self {
+        self.problem.tolerance(quantity, tolerance);
+        self
+    }
+
     /// Adds a task of every frame, as [`ProblemBuilder::add`].
     pub fn add<R: Residual>(&mut self, task: impl Into<Task<R>>) -> TaskId<R> {
         self.problem.add(task)

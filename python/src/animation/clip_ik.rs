@@ -1,0 +1,268 @@
+//! Inverse kinematics over clips.
+
+use std::ops::RangeInclusive;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use kinopt::animation::curve::KeyedCurve;
+use kinopt::animation::{Armature as Bones, Clip as Motion};
+use kinopt::glam::{DVec3, Vec3};
+use kinopt::motion::clip_ik::{ClipIk, EditedClip as Edited, Reach, ground_speed};
+use kinopt::skeleton::BoneId;
+use kinopt::spatial::Vector3;
+use pyo3::prelude::*;
+
+use super::clip::Clip;
+use crate::arrays;
+use crate::error::{OrRaise, invalid};
+use crate::skeleton::Skeleton;
+use crate::world::World;
+
+/// A foot that stands over some seconds of a clip.
+#[pyclass(frozen, get_all, module = "kinopt.animation")]
+#[derive(Clone)]
+pub(crate) struct Stance {
+    /// The name of the bone.
+    bone: String,
+    /// The first and last moment, seconds of the clip.
+    span: (f64, f64),
+    /// Where it stands in the model.
+    place: (f64, f64, f64),
+    /// How far it is from there at most.
+    slide: f64,
+}
+
+#[pymethods]
+impl Stance {
+    fn __repr__(&self) -> String {
+        let (from, to) = self.span;
+        format!("Stance({:?}, {from:.3} s to {to:.3} s)", self.bone)
+    }
+}
+
+/// A bone that was led, and how well.
+#[pyclass(frozen, get_all, module = "kinopt.animation")]
+#[derive(Clone)]
+pub(crate) struct Led {
+    /// The name of the bone.
+    bone: String,
+    /// How far it is from where it should be, at most.
+    miss: f64,
+    /// When that is, seconds of the clip.
+    at: f64,
+}
+
+#[pymethods]
+impl Led {
+    fn __repr__(&self) -> String {
+        format!(
+            "Led({:?}, misses by {:.2e} at {:.3} s)",
+            self.bone, self.miss, self.at
+        )
+    }
+}
+
+/// A clip that was solved over: of `Clip.with_ik`.
+#[pyclass(frozen, get_all, module = "kinopt.animation")]
+pub(crate) struct EditedClip {
+    /// The new clip.
+    clip: Py<Clip>,
+    /// Where feet stand, foot by foot.
+    stances: Vec<Stance>,
+    /// What was asked for, planted feet first.
+    led: Vec<Led>,
+    /// How far the root moves at most from where the clip has it.
+    root_moved: f64,
+}
+
+#[pymethods]
+impl EditedClip {
+    fn __repr__(&self) -> String {
+        let slides = self.stances.iter().map(|stance| stance.slide);
+        format!(
+            "EditedClip({} stances that slide by {:.2e} at most, the root moves by {:.2e})",
+            self.stances.len(),
+            slides.fold(0.0, f64::max),
+            self.root_moved
+        )
+    }
+}
+
+/// What is asked over a clip.
+pub(super) struct Asked<'py> {
+    pub(super) reach: Vec<Bound<'py, PyAny>>,
+    pub(super) plant: Vec<String>,
+    pub(super) root: Option<String>,
+    pub(super) up: [f32; 3],
+    pub(super) keys_per_second: f64,
+    pub(super) ground: Option<Bound<'py, PyAny>>,
+    pub(super) travel: Option<Bound<'py, PyAny>>,
+    pub(super) skeleton: Option<Bound<'py, PyAny>>,
+}
+
+/// A height of the ground that Python has a say in, and what it raised.
+type Raised = Arc<Mutex<Option<PyErr>>>;
+
+impl Asked<'_> {
+    pub(super) fn over(&self, py: Python<'_>, clip: &Clip) -> PyResult<EditedClip> {
+        let (armature, motion) = (&clip.armature, &clip.inner);
+        let bone = |name: &String| armature.bone(name).or_raise();
+        let up = Vec3::from(self.up);
+        let skeleton = self
+            .skeleton
+            .as_ref()
+            .map(|own| skeleton_of(own))
+            .transpose()?;
+        let mut ik = ClipIk::new(armature)
+            .up(up)
+            .keys_per_second(self.keys_per_second);
+        if let Some(skeleton) = &skeleton {
+            ik = ik.joints_of(&skeleton.get().inner);
+        }
+        let feet = self
+            .plant
+            .iter()
+            .map(bone)
+            .collect::<PyResult<Vec<BoneId>>>()?;
+        for &foot in &feet {
+            ik = ik.plant(foot);
+        }
+        for given in &self.reach {
+            ik = ik.reach(reach(given, armature, motion)?);
+        }
+        if let Some(root) = &self.root {
+            ik = ik.root(bone(root)?);
+        }
+        if let Some(travel) = &self.travel {
+            let travel = match travel.extract::<String>().as_deref() {
+                Ok("feet") => {
+                    let rate = self.keys_per_second;
+                    let speed = py.detach(|| ground_speed(armature, motion, &feet, up, rate));
+                    speed.or_raise()?
+                }
+                Ok(word) => {
+                    return Err(invalid(format!(
+                        "travel is {word:?}: \"feet\" or x, y, z a second"
+                    )));
+                }
+                Err(_) => DVec3::from(arrays::array(travel, "travel")?).as_vec3(),
+            };
+            ik = ik.travel(travel);
+        }
+        let raised = Raised::default();
+        if let Some(ground) = &self.ground {
+            ik = on_ground(ik, ground, up, &raised)?;
+        }
+        let edited = py.detach(|| ik.solve(motion));
+        let late = raised.lock().unwrap_or_else(PoisonError::into_inner).take();
+        late.map_or(Ok(()), Err)?;
+        told(py, edited.or_raise()?, armature)
+    }
+}
+
+fn on_ground<'a>(
+    ik: ClipIk<'a>,
+    ground: &Bound<'_, PyAny>,
+    up: Vec3,
+    raised: &Raised,
+) -> PyResult<ClipIk<'a>> {
+    if let Ok(world) = ground.cast::<World>() {
+        let (world, up) = (
+            world.get().snapshot(),
+            Vector3::from(up.as_dvec3().to_array()),
+        );
+        return Ok(ik.ground(move |at| {
+            let at = Vector3::from(at.to_array());
+            world.top(at, up).unwrap_or(0.0).max(0.0)
+        }));
+    }
+    if !ground.is_callable() {
+        return Err(invalid(
+            "ground must be a World, or a function of x, y, z that gives a height",
+        ));
+    }
+    let (function, raised) = (ground.clone().unbind(), Arc::clone(raised));
+    Ok(ik.ground(move |at| {
+        Python::attach(|py| {
+            let height = function.call1(py, (at.x, at.y, at.z));
+            height
+                .and_then(|height| height.extract::<f64>(py))
+                .unwrap_or_else(|error| {
+                    let mut raised = raised.lock().unwrap_or_else(PoisonError::into_inner);
+                    raised.get_or_insert(error);
+                    0.0
+                })
+        })
+    }))
+}
+
+/// A `kinopt.animation.Reach`.
+fn reach(given: &Bound<'_, PyAny>, armature: &Bones, clip: &Motion) -> PyResult<Reach> {
+    let get = |name: &str| match given.getattr_opt(name)? {
+        Some(value) => Ok(value),
+        None => Err(invalid(format!(
+            "reach holds {}, which is no Reach",
+            given.repr()?
+        ))),
+    };
+    let name: String = arrays::name(&get("bone")?, "the bone of a reach")?;
+    let bone = armature.bone(&name).or_raise()?;
+    let span: Option<(f64, f64)> = get("span")?.extract()?;
+    let (target, times) = (get("target")?, get("times")?);
+    let mut reach = match arrays::axes(&target)? {
+        1 => Reach::to(bone, arrays::array(&target, "the target of a reach")?).or_raise()?,
+        _ => {
+            let rows = arrays::rows(&target, "the target of a reach", 3)?;
+            let points: Vec<DVec3> = rows.chunks_exact(3).map(DVec3::from_slice).collect();
+            let times = match times.is_none() {
+                false => arrays::vector_of(&times, "the times of a reach", points.len())?.to_vec(),
+                true => {
+                    let (from, to) = span.unwrap_or_else(|| {
+                        let [from, to] = clip.span().map(f64::from);
+                        (from, to)
+                    });
+                    let steps = points.len().saturating_sub(1).max(1) as f64;
+                    let moments = 0..points.len();
+                    moments
+                        .map(|k| from + (to - from) * k as f64 / steps)
+                        .collect()
+                }
+            };
+            Reach::along(bone, KeyedCurve::catmull_rom(times, points).or_raise()?)
+        }
+    };
+    if let Some((from, to)) = span {
+        reach = reach.over(RangeInclusive::new(from, to));
+    }
+    if let Some(fade) = get("fade")?.extract::<Option<f64>>()? {
+        reach = reach.fade(fade);
+    }
+    Ok(reach)
+}
+
+fn skeleton_of<'py>(given: &Bound<'py, PyAny>) -> PyResult<Bound<'py, Skeleton>> {
+    match given.cast::<Skeleton>() {
+        Ok(skeleton) => Ok(skeleton.clone()),
+        Err(_) => Err(invalid("skeleton must be a Skeleton")),
+    }
+}
+
+fn told(py: Python<'_>, edited: Edited, armature: &Arc<Bones>) -> PyResult<EditedClip> {
+    let name = |bone: BoneId| armature.names()[bone.index()].clone();
+    let stances = edited.stances.iter().map(|own| Stance {
+        bone: name(own.bone),
+        span: own.span.into(),
+        place: own.place.into(),
+        slide: own.slide,
+    });
+    let led = edited.led.iter().map(|own| Led {
+        bone: name(own.bone),
+        miss: own.miss,
+        at: own.at,
+    });
+    Ok(EditedClip {
+        stances: stances.collect(),
+        led: led.collect(),
+        root_moved: edited.root_moved,
+        clip: Py::new(py, Clip::of(armature, Arc::new(edited.clip)))?,
+    })
+}

@@ -1,0 +1,95 @@
+//! What is said of tasks frame by frame.
+
+use kinopt::motion::clip::MotionProblemBuilder;
+use kinopt::task::Task;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays;
+use crate::error::invalid;
+use crate::problem::{self, Adds, AnyTask, Stated, Target};
+
+/// Adds tasks with their targets and weights by frame.
+pub(super) struct ByFrame<'a, 'm, 'py> {
+    pub(super) builder: &'a mut MotionProblemBuilder<'m>,
+    /// Which task is added.
+    pub(super) task: usize,
+    pub(super) targets: Vec<OfTask<'py>>,
+    pub(super) weights: Vec<OfTask<'py>>,
+    pub(super) frames: usize,
+}
+
+/// What one task has, one for each frame.
+pub(super) struct OfTask<'py> {
+    task: usize,
+    /// As messages speak of it.
+    what: String,
+    values: Bound<'py, PyAny>,
+}
+
+/// Reads {"task": one a frame}.
+pub(super) fn of_tasks<'py>(
+    options: &Bound<'py, PyDict>,
+    name: &str,
+    stated: &Stated,
+) -> PyResult<Vec<OfTask<'py>>> {
+    let mut found: Vec<OfTask<'py>> = Vec::new();
+    for (key, values) in problem::items(options.get_item(name)?.as_ref(), name)? {
+        let task = stated.task(&key)?;
+        let what = format!("{name} of {}", key.str()?);
+        if found.iter().any(|own| own.task == task) {
+            return Err(invalid(format!("{name} has two for task {task}")));
+        }
+        found.push(OfTask { task, what, values });
+    }
+    Ok(found)
+}
+
+impl Adds for ByFrame<'_, '_, '_> {
+    fn add_task<R: Target>(&mut self, task: Task<R>, residual: R) -> PyResult<Box<dyn AnyTask>> {
+        let task_number = self.task;
+        let of = |all: &[OfTask<'_>]| all.iter().position(|own| own.task == task_number);
+        let id = self.builder.add(task);
+        if let Some(k) = of(&self.weights) {
+            let OfTask { what, values, .. } = &self.weights[k];
+            let weights = arrays::vector_of(values, what, self.frames)?;
+            self.builder.weights(id, &weights);
+        }
+        if let Some(k) = of(&self.targets) {
+            let targets = read(&self.targets[k], &residual, self.frames)?;
+            self.builder.follow(id, move |frame, residual: &mut R| {
+                if let Some(target) = targets.get(frame) {
+                    // Each was tried before.
+                    let _ = residual.aim(target);
+                }
+            });
+        }
+        Ok(Box::new(id))
+    }
+}
+
+/// One target a frame, each tried on the residual.
+fn read<R: Target>(own: &OfTask<'_>, residual: &R, frames: usize) -> PyResult<Vec<R::Value>> {
+    let what = &own.what;
+    let given = own
+        .values
+        .len()
+        .map_err(|_| invalid(format!("{what} must be one target a frame")))?;
+    if given != frames {
+        return Err(invalid(format!("{what} are {given} for {frames} frames")));
+    }
+    let mut targets = Vec::with_capacity(frames);
+    for (frame, value) in own.values.try_iter()?.enumerate() {
+        let what = format!("{what}, frame {frame},");
+        let target = R::read(&value?, &what)?;
+        let mut moved = residual.clone();
+        moved
+            .aim(&target)
+            .map_err(|problem| invalid(format!("{what} {problem}")))?;
+        moved
+            .validate()
+            .map_err(|problem| invalid(format!("{what} {problem}")))?;
+        targets.push(target);
+    }
+    Ok(targets)
+}

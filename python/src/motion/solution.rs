@@ -1,0 +1,268 @@
+//! What came of a motion.
+
+use kinopt::motion::clip::{self, MotionBound, MotionTermination};
+use kinopt::solver::Side;
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+
+use crate::arrays;
+use crate::pickling;
+
+/// A goal that a frame of a motion misses beyond its tolerance.
+#[pyclass(frozen, get_all, module = "kinopt")]
+#[derive(Clone)]
+pub(crate) struct MissedFrame {
+    /// The number of the frame.
+    frame: usize,
+    /// The task's name.
+    task: String,
+    /// Of what the error is: metres, radians, ….
+    quantity: String,
+    /// How large the error is.
+    error: f64,
+}
+
+/// A limit that holds a motion back in a frame.
+#[pyclass(frozen, get_all, module = "kinopt")]
+#[derive(Clone)]
+pub(crate) struct ActiveMotionLimit {
+    /// The frame; of a speed the one that it leads to.
+    frame: usize,
+    /// The name of the joint.
+    joint: String,
+    /// "position" or "speed".
+    bound: String,
+    /// "lower" or "upper"; of a speed whether it falls or rises.
+    side: String,
+    /// How fast the cost would fall beyond it, per radian or metre.
+    push: f64,
+}
+
+macro_rules! parts {
+    ($class:ident($($part:ident: $kind:ty),*), $repr:expr) => {
+        #[pymethods]
+        impl $class {
+            fn __repr__(&self) -> String {
+                let repr: fn(&Self) -> String = $repr;
+                repr(self)
+            }
+
+            fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+                let own = slf.get();
+                pickling::by_rebuild::<Self>(slf.py(), ($(own.$part.clone()),*))
+            }
+
+            #[staticmethod]
+            fn _rebuild($($part: $kind),*) -> Self {
+                Self { $($part),* }
+            }
+        }
+    };
+}
+
+parts!(MissedFrame(frame: usize, task: String, quantity: String, error: f64), |own| {
+    format!("MissedFrame({}, {:?}, {:.3e} {})", own.frame, own.task, own.error, own.quantity)
+});
+parts!(ActiveMotionLimit(frame: usize, joint: String, bound: String, side: String, push: f64), |own| {
+    format!("ActiveMotionLimit({}, {:?}, {} {})", own.frame, own.joint, own.side, own.bound)
+});
+
+/// A motion, and the truth about it.
+#[pyclass(frozen, module = "kinopt")]
+pub(crate) struct MotionSolution {
+    q: Vec<f64>,
+    width: usize,
+    costs: Vec<f64>,
+    /// The names of the numbers of a configuration, the columns of `q`.
+    #[pyo3(get)]
+    names: Vec<String>,
+    /// ½ Σ ‖w ∘ r‖² of all tasks and rate costs.
+    #[pyo3(get)]
+    cost: f64,
+    /// What of the cost is of velocities, accelerations and jerks.
+    #[pyo3(get)]
+    cost_of_rates: f64,
+    /// "stationary", "small step" or "iteration limit"; of windows that of the worst.
+    #[pyo3(get)]
+    termination: String,
+    /// Iterations of all windows.
+    #[pyo3(get)]
+    iterations: usize,
+    /// How far what stands still is from where its contact began, at most, metres.
+    #[pyo3(get)]
+    slip: f64,
+    /// What is missed in which frame, in order.
+    #[pyo3(get)]
+    missed: Vec<MissedFrame>,
+    /// Which limits of position and speed hold the motion back when, in order.
+    #[pyo3(get)]
+    active_limits: Vec<ActiveMotionLimit>,
+}
+
+impl MotionSolution {
+    pub(super) fn new(solved: &clip::MotionSolution, names: Vec<String>, width: usize) -> Self {
+        let frames = 0..solved.frames();
+        let missed = frames.clone().flat_map(|frame| {
+            solved.missed(frame).map(move |miss| MissedFrame {
+                frame,
+                task: miss.task.to_owned(),
+                quantity: miss.quantity.to_string(),
+                error: miss.error,
+            })
+        });
+        let limits = frames.clone().flat_map(|frame| {
+            solved
+                .active_limits(frame)
+                .map(move |limit| ActiveMotionLimit {
+                    frame,
+                    joint: limit.joint.to_owned(),
+                    bound: match limit.bound {
+                        MotionBound::Position => "position",
+                        MotionBound::Speed => "speed",
+                    }
+                    .to_owned(),
+                    side: match limit.side {
+                        Side::Lower => "lower",
+                        Side::Upper => "upper",
+                    }
+                    .to_owned(),
+                    push: limit.push,
+                })
+        });
+        let termination = match solved.termination() {
+            MotionTermination::Stationary => "stationary",
+            MotionTermination::SmallStep => "small step",
+            _ => "iteration limit",
+        };
+        Self {
+            missed: missed.collect(),
+            active_limits: limits.collect(),
+            costs: frames
+                .filter_map(|frame| solved.frame_cost(frame))
+                .collect(),
+            q: solved.q().to_vec(),
+            width,
+            names,
+            cost: solved.cost(),
+            cost_of_rates: solved.cost_of_rates(),
+            termination: termination.to_owned(),
+            iterations: solved.iterations(),
+            slip: solved.slip(),
+        }
+    }
+}
+
+/// What a solution is made again of.
+type Parts = (
+    (Vec<f64>, usize, Vec<f64>, Vec<String>),
+    (f64, f64, String, usize, f64),
+    Vec<(usize, String, String, f64)>,
+    Vec<(usize, String, String, String, f64)>,
+);
+
+#[pymethods]
+impl MotionSolution {
+    /// All configurations, shape (frames, nq), within all limits of position and speed.
+    #[getter]
+    fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        arrays::list(py, &self.q).reshape([self.costs.len(), self.width])
+    }
+
+    /// ½ ‖w ∘ r‖² of each frame's tasks, shape (frames,).
+    #[getter]
+    fn frame_costs<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::list(py, &self.costs)
+    }
+
+    /// Whether every goal is within its tolerance in every frame.
+    #[getter]
+    fn reached(&self) -> bool {
+        self.missed.is_empty()
+    }
+
+    fn __len__(&self) -> usize {
+        self.costs.len()
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "MotionSolution({} frames, cost {:.6e}, {}, {} missed, {} limits)",
+            self.costs.len(),
+            self.cost,
+            self.termination,
+            self.missed.len(),
+            self.active_limits.len()
+        )
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let own = slf.get();
+        let missed = own.missed.iter().map(|miss| {
+            (
+                miss.frame,
+                miss.task.clone(),
+                miss.quantity.clone(),
+                miss.error,
+            )
+        });
+        let limits = own.active_limits.iter().map(|limit| {
+            let (bound, side) = (limit.bound.clone(), limit.side.clone());
+            (limit.frame, limit.joint.clone(), bound, side, limit.push)
+        });
+        let parts: Parts = (
+            (
+                own.q.clone(),
+                own.width,
+                own.costs.clone(),
+                own.names.clone(),
+            ),
+            (
+                own.cost,
+                own.cost_of_rates,
+                own.termination.clone(),
+                own.iterations,
+                own.slip,
+            ),
+            missed.collect(),
+            limits.collect(),
+        );
+        pickling::by_rebuild::<Self>(slf.py(), (parts,))
+    }
+
+    #[staticmethod]
+    fn _rebuild(parts: Parts) -> Self {
+        let ((q, width, costs, names), told, missed, limits) = parts;
+        let (cost, cost_of_rates, termination, iterations, slip) = told;
+        let missed = missed
+            .into_iter()
+            .map(|(frame, task, quantity, error)| MissedFrame {
+                frame,
+                task,
+                quantity,
+                error,
+            });
+        let limits =
+            limits
+                .into_iter()
+                .map(|(frame, joint, bound, side, push)| ActiveMotionLimit {
+                    frame,
+                    joint,
+                    bound,
+                    side,
+                    push,
+                });
+        Self {
+            q,
+            width,
+            costs,
+            names,
+            cost,
+            cost_of_rates,
+            termination,
+            iterations,
+            slip,
+            missed: missed.collect(),
+            active_limits: limits.collect(),
+        }
+    }
+}

@@ -1,0 +1,146 @@
+"""Promise: whole motions in Python are those of the library: targets and weights by frame, limits to the bit, what is missed
+and which limits bind when, what stands still."""
+
+import pickle
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kinopt
+from kinopt import tasks
+
+MODELS = Path(__file__).parents[2] / "models"
+FRAMES = 40
+STEP = 1 / 30
+
+
+@pytest.fixture(scope="module")
+def arm() -> kinopt.Robot:
+    return kinopt.Robot.from_urdf(MODELS / "universal_ur5e.urdf")
+
+
+def leap(arm: kinopt.Robot, **options: object) -> kinopt.MotionProblem:
+    """The tool leaps by 40 cm halfway, which its joints are too slow for."""
+    rest = np.array([0.0, -1.2, 1.5, -1.0, -1.5, 0.0])
+    tip = arm.frame_names[-1]
+    at = kinopt.frame_placement(arm, tip, rest)[:3, 3]
+    targets = np.tile(at, (FRAMES, 1))
+    targets[FRAMES // 2 :, 2] += 0.4
+    given: dict[str, object] = {
+        "targets": {"reach": targets},
+        "acceleration": 1e-5,
+        "max_speeds": dict.fromkeys(arm.coordinate_names, 0.8),
+    } | options
+    work = [
+        tasks.Point(tip, at, name="reach"),
+        tasks.Posture(rest, name="rest", times=0.01),
+    ]
+    return kinopt.MotionProblem(arm, FRAMES, STEP, work, **given)  # type: ignore[arg-type]
+
+
+def test_a_motion_keeps_its_limits_and_tells_the_truth(arm: kinopt.Robot) -> None:
+    rest = np.array([0.0, -1.2, 1.5, -1.0, -1.5, 0.0])
+    motion = leap(arm)
+    assert (motion.frames, motion.time_step, motion.task_names) == (FRAMES, STEP, ["reach", "rest"])
+    solved = motion.solve(rest)
+    assert solved.q.shape == (FRAMES, 6) and len(solved) == FRAMES
+    assert solved.names == arm.coordinate_names
+    speeds = np.abs(np.diff(solved.q, axis=0)) / STEP
+    assert speeds.max() <= 0.8
+    assert speeds.max() > 0.79
+    # It sets off before the leap, and the leap is missed in the middle.
+    assert not solved.reached
+    missed = {miss.frame for miss in solved.missed if miss.task == "reach"}
+    assert FRAMES // 2 in missed or FRAMES // 2 - 1 in missed
+    limits = solved.active_limits
+    assert limits and all(limit.bound == "speed" for limit in limits)
+    assert all(limit.push > 0 and limit.side in ("lower", "upper") for limit in limits)
+    assert solved.cost == pytest.approx(solved.frame_costs.sum() + solved.cost_of_rates)
+    # From near, in windows and pickled it is the same motion.
+    near = motion.solve(solved.q)
+    assert near.cost == pytest.approx(solved.cost, rel=1e-5)
+    again = pickle.loads(pickle.dumps(motion)).solve(rest)
+    np.testing.assert_array_equal(again.q, solved.q)
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(solved)).q, solved.q)
+    windows = motion.solve(rest, windows=(20, 15))
+    assert windows.cost == pytest.approx(solved.cost, rel=0.05)
+
+
+def test_a_foot_stands_and_fixed_frames_are_fixed() -> None:
+    nao = kinopt.Robot.from_urdf(MODELS / "aldebaran_nao.urdf")
+    start = nao.neutral()
+    frames = 12
+    sole, hand = "left_sole", "left_hand"
+    at = kinopt.frame_placement(nao, hand, start)[:3, 3]
+    aims = at + np.linspace(0, 0.05, frames)[:, None] * np.array([0.0, 0.0, -1.0])
+    motion = kinopt.MotionProblem(
+        nao,
+        frames,
+        STEP,
+        [tasks.Point(hand, at, name="hand"), tasks.Posture(start, times=0.05)],
+        targets={"hand": aims},
+        weights={"hand": np.linspace(0, 1, frames)},
+        velocity=(1e-3, {nao.coordinate_names[0]: 2.0}),
+        contacts=[kinopt.Contact(sole, 0, frames, np.array([[0, 0, 0], [0.05, 0, 0], [0, 0.03, 0]]))],
+        first=start,
+    )
+    solved = motion.solve(start)
+    assert solved.slip < 1e-6
+    np.testing.assert_allclose(solved.q[0], start, atol=1e-12)
+
+
+def test_other_threads_run_meanwhile(arm: kinopt.Robot) -> None:
+    motion = leap(arm)
+    ticks = []
+    done = threading.Event()
+
+    def tick() -> None:
+        while not done.is_set():
+            ticks.append(time.monotonic())
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    start = time.monotonic()
+    motion.solve(np.zeros(6))
+    end = time.monotonic()
+    done.set()
+    thread.join()
+    within = [moment for moment in ticks if start < moment < end]
+    assert len(within) >= min(3, (end - start) / 0.05)
+
+
+def test_what_is_wrong_is_named(arm: kinopt.Robot) -> None:
+    def says(kind: type[Exception], text: str, **options: object) -> None:
+        with pytest.raises(kind, match=text):
+            leap(arm, **options)
+
+    says(kinopt.UnknownNameError, "task named `reech`", targets={"reech": np.zeros((FRAMES, 3))})
+    says(kinopt.InvalidValueError, "are 3 for 40 frames", targets={"reach": np.zeros((3, 3))})
+    bad = np.zeros((FRAMES, 3))
+    bad[7, 1] = np.nan
+    says(kinopt.InvalidValueError, "frame 7", targets={"reach": bad})
+    says(kinopt.InvalidValueError, "weights of reach", weights={"reach": [1.0, 2.0]})
+    says(kinopt.InvalidValueError, "frame 3", weights={"reach": [1.0] * 3 + [-1.0] * 37})
+    says(kinopt.UnknownNameError, "elbow", max_speeds={"elbow": 1.0})
+    says(kinopt.InvalidValueError, "max_speed", max_speeds={arm.coordinate_names[0]: -1.0})
+    says(kinopt.InvalidValueError, "rate cost", jerk=-1.0)
+    says(kinopt.UnknownNameError, "hip", acceleration=(1.0, {"hip": 2.0}))
+    says(kinopt.UnknownNameError, "foot", contacts=[kinopt.Contact("foot", 0, 5)])
+    tip = arm.frame_names[-1]
+    says(kinopt.InvalidValueError, "0 to 99", contacts=[kinopt.Contact(tip, 0, 99)])
+    says(kinopt.InvalidValueError, "first", first=np.zeros(3))
+    says(kinopt.InvalidValueError, "beyond its limits", last=np.full(6, 99.0))
+    with pytest.raises(kinopt.InvalidValueError, match="no frame"):
+        kinopt.MotionProblem(arm, 0, STEP, [tasks.Posture(np.zeros(6))])
+    with pytest.raises(kinopt.InvalidValueError, match="time_step"):
+        kinopt.MotionProblem(arm, 3, 0.0, [tasks.Posture(np.zeros(6))])
+    motion = leap(arm)
+    for start in (np.zeros(3), np.zeros((3, 6)), np.full(6, np.nan)):
+        with pytest.raises(kinopt.InvalidValueError):
+            motion.solve(start)
+    with pytest.raises(kinopt.InvalidValueError, match="tolerance"):
+        motion.solve(np.zeros(6), tolerance=-1.0)
