@@ -290,7 +290,16 @@ type Guessed = (
     Vec<String>,
 );
 
-fn told(guess: MapGuess) -> Guessed {
+fn told(mut guess: MapGuess, up: UpAxis) -> Guessed {
+    let name = |axis| match axis {
+        UpAxis::Y => "y",
+        UpAxis::Z => "z",
+    };
+    if let Some(along) = guess.up.filter(|along| *along != up) {
+        let (along, up) = (name(along), name(up));
+        let note = format!("the body stands along {along}, but {up} is taken for upward");
+        guess.notes.push(note);
+    }
     (guess.map.to_json(), guess.skeleton, guess.body, guess.notes)
 }
 
@@ -299,7 +308,7 @@ fn told(guess: MapGuess) -> Guessed {
 fn map_guessed(capture: &Bound<'_, Capture>, target: &Bound<'_, PyAny>) -> PyResult<Guessed> {
     let robot = target_of(target)?;
     let guess = BodyMap::guess(&capture.get().inner, robot.model());
-    guess.or_raise().map(told)
+    guess.or_raise().map(|guess| told(guess, capture.get().up))
 }
 
 /// The map of a known skeleton.
@@ -312,7 +321,7 @@ fn map_of_skeleton(
     let robot = target_of(target)?;
     let skeleton = KnownSkeleton::named(skeleton).or_raise()?;
     let guess = BodyMap::from_skeleton(&skeleton, &capture.get().inner, robot.model());
-    guess.or_raise().map(told)
+    guess.or_raise().map(|guess| told(guess, capture.get().up))
 }
 
 /// The names of the known skeletons.

@@ -46,6 +46,7 @@ CANNOT_RAISE = {
     "kinopt.io.obj_to_text",
     "kinopt.Retargeted",
     "kinopt.Retargeted.missed",
+    "kinopt.retargeting.ClipReport",
     "kinopt.retargeting.LimitMet",
     "kinopt.retargeting.MapGuess",
     "kinopt.methods.Ccd",

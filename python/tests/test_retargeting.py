@@ -168,6 +168,8 @@ def test_a_map_is_guessed_and_can_be_corrected(nao: kinopt.Robot, tmp_path: Path
     assert any(note.startswith("chest") for note in guess.notes)
     by_name = kinopt.retarget(places, nao, "smpl", fps=30)
     assert by_name.map == guess.map and by_name.notes == guess.notes
+    lying = kinopt.guess_map(Capture(places, names, 30, "y"), nao)
+    assert "the body stands along z, but y is taken for upward" in lying.notes
     guess.save(tmp_path / "map.json")
     again = kinopt.retarget(places, nao, tmp_path / "map.json", joints=names, fps=30)
     assert np.array_equal(again.q, by_name.q)

@@ -4,10 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use kinopt::Model;
-use kinopt::motion::retarget::{
-    BodyMap, BodyPart, Capture, KnownSkeleton, MapGuess, RetargetError,
-};
+use kinopt::motion::retarget::{BodyMap, BodyPart, KnownSkeleton, MapGuess, RetargetError, UpAxis};
 
+use super::source::Source;
 use crate::failure::Outcome;
 use crate::output;
 
@@ -82,7 +81,8 @@ impl MapChoice {
     }
 
     /// The map from a capture to a model; says of a guess what it is by, and what is to be looked at.
-    pub(super) fn of(&self, file: &str, capture: &Capture, model: &Model) -> Outcome<BodyMap> {
+    pub(super) fn of(&self, file: &str, source: &Source, model: &Model) -> Outcome<BodyMap> {
+        let capture = &source.capture;
         let told = |error: RetargetError| failure!("{file}: {error}");
         let guess = match self {
             Self::Given(_, map) => return Ok(map.clone()),
@@ -90,7 +90,7 @@ impl MapChoice {
             Self::Guessed => BodyMap::guess(capture, model),
         };
         let guess = guess.map_err(told)?;
-        say(file, &guess);
+        say(file, &guess, source.up);
         Ok(guess.map)
     }
 
@@ -103,7 +103,7 @@ impl MapChoice {
     }
 }
 
-fn say(file: &str, guess: &MapGuess) {
+fn say(file: &str, guess: &MapGuess, up: UpAxis) {
     let by = |known: Option<&'static str>, names: &str| match known {
         Some(known) => format!("the {names} of {known}"),
         None => format!("what {names} tell"),
@@ -115,6 +115,16 @@ fn say(file: &str, guess: &MapGuess) {
         by(guess.skeleton, "joints' names"),
         by(guess.body, "frames' names"),
     ));
+    if let Some(along) = guess.up.filter(|along| *along != up) {
+        let name = |axis| match axis {
+            UpAxis::Y => "y",
+            UpAxis::Z => "z",
+        };
+        let (along, up) = (name(along), name(up));
+        output::message(&format!(
+            "note: {file}: the body stands along {along}, but {up} is taken for upward: --up {along} says otherwise"
+        ));
+    }
     for note in &guess.notes {
         output::message(&format!("note: {file}: {note}"));
     }

@@ -153,7 +153,7 @@ impl<'a> Job<'a> {
             .source_options
             .read(source, given, skeleton)?;
         let robot = &self.target.robot;
-        let mut map = self.map.of(&file, &read.capture, robot.model())?;
+        let mut map = self.map.of(&file, &read, robot.model())?;
         // What the command says comes first.
         map.up = Some(read.up);
         let options = RetargetOptions::default();
@@ -200,7 +200,7 @@ impl Arguments {
         let (given, skeleton) = (choice.given(), choice.skeleton());
         let read = self.source_options.read(&self.source, given, skeleton)?;
         let file = self.source.display().to_string();
-        let mut map = choice.of(&file, &read.capture, target.robot.model())?;
+        let mut map = choice.of(&file, &read, target.robot.model())?;
         if source::is_array(&self.source) {
             map.joints = read.capture.names().to_vec();
         }

@@ -35,6 +35,9 @@ fn a_rig_s_keyframes_move_a_robot_by_names_alone() {
     let told = String::from_utf8(run.stderr).unwrap();
     assert!(told.contains("--print-map"), "{told}");
     let guessed = json(&out);
+    let run = kinopt!("retarget {rig} {robot} --base-joint free --fps 10 --up y --print-map");
+    let told = String::from_utf8(run.stderr).unwrap();
+    assert!(told.contains("--up z says otherwise"), "{told}");
     // What is printed, saved and given again says the same.
     let printed = kinopt!("retarget {rig} {robot} --base-joint free --fps 10 --print-map");
     let printed = String::from_utf8(printed.stdout).unwrap();

@@ -1,7 +1,7 @@
 """Datasets of targets over many processes and machines, by Ray Data: ``pip install 'kinopt[ray]'``.
 
 ``solve`` maps a dataset of targets to one of answers, ``solve_files`` a folder of Parquet files to another one, which
-can be ended and begun again. Workers are given a ``SolveArm`` or a ``SolveProblem``, which hold an arm or a problem.
+can be ended and begun again; ``retarget_files`` does a folder of people's movements. Workers are given a ``SolveArm`` or a ``SolveProblem``, which hold an arm or a problem.
 ``table`` and ``numbers`` turn numpy arrays into Arrow tables and back.
 """
 
@@ -12,6 +12,7 @@ if find_spec("ray") is None or find_spec("pyarrow") is None:
 
 from .datasets import TableSolver, solve
 from .files import solve_files, write_blocks
+from .movements import retarget_files
 from .solving import SolveArm, SolveProblem
 from .tables import column, numbers, table
 
@@ -21,6 +22,7 @@ __all__ = [
     "TableSolver",
     "column",
     "numbers",
+    "retarget_files",
     "solve",
     "solve_files",
     "table",

@@ -7,6 +7,7 @@ where none is given; ``RetargetFollower`` follows live.
 from __future__ import annotations
 
 from .._kinopt.retargeting import Capture
+from .folder import ClipReport, retarget_folder
 from .follower import RetargetFollower
 from .maps import MapGuess, guess_map
 from .movement import LimitMet, Retargeted
@@ -15,6 +16,7 @@ from .sources import read_capture
 
 __all__ = [
     "Capture",
+    "ClipReport",
     "LimitMet",
     "MapGuess",
     "RetargetFollower",
@@ -22,4 +24,5 @@ __all__ = [
     "guess_map",
     "read_capture",
     "retarget",
+    "retarget_folder",
 ]

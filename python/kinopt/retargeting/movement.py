@@ -14,6 +14,9 @@ from .._kinopt.retargeting import Capture
 from ..errors import FileError, InvalidValueError
 from ..types import Floats
 
+#: What a file is called before it is whole begins so.
+UNFINISHED = ".part."
+
 
 @dataclass(frozen=True)
 class LimitMet:
@@ -78,7 +81,7 @@ class Retargeted:
         path = Path(path)
         if path.suffix != ".npz":
             raise InvalidValueError(f"{path}: a .npz is written")
-        unfinished = path.with_name(f".{path.name}.part")
+        unfinished = path.with_name(f"{UNFINISHED}{path.name}")
         try:
             with unfinished.open("wb") as file:
                 np.savez(

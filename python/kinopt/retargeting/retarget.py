@@ -50,8 +50,7 @@ def asked(
             given = {**given, "up": up}
         up = given.get("up")
     capture = read_capture(source, joints=joints, skeleton=skeleton, fps=fps, up=up, clip=clip)
-    if isinstance(target, (str, os.PathLike)):
-        target = _read_robot(Path(target))
+    target = read_target(target)
     notes: list[str] = []
     if given is None:
         guess = guess_map(capture, target, skeleton)
@@ -59,7 +58,11 @@ def asked(
     return Question(capture, target, given, notes, options)
 
 
-def _read_robot(path: Path) -> Robot:
+def read_target(target: Model | HasModel | str | os.PathLike[str]) -> Model | HasModel:
+    """A target, read where it is the path of a robot's file."""
+    if not isinstance(target, (str, os.PathLike)):
+        return target
+    path = Path(target)
     if path.suffix.lower() == ".urdf":
         return Robot.from_urdf(path, base_joint="free")
     return Robot.from_mjcf(path, base_joint="free")

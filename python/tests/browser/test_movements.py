@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +17,6 @@ pytest.importorskip("viser", reason="SKIPPED: the viewer's browser tests need vi
 from kinopt.view.opening import open_page  # noqa: E402
 
 MODELS = Path(__file__).parents[3] / "models"
-PICTURES = os.environ.get("KINOPT_PICTURES")
 
 
 def test_source_and_target_are_played_side_by_side(tmp_path, open_tab):
@@ -26,7 +24,7 @@ def test_source_and_target_are_played_side_by_side(tmp_path, open_tab):
     made.write_capture(person, tmp_path / "waving.bvh")
     page = open_page(MODELS / "aldebaran_nao.urdf", port=8340, retarget=tmp_path / "waving.bvh", fps=30.0)
     try:
-        shown = open_tab(page, 1280, 800) if PICTURES else open_tab(page)
+        shown = open_tab(page)
         movement = page.time._clip
         assert movement.name == "waving" and movement.span[1] > 1.0
         orange = _orange(shown)
@@ -47,14 +45,6 @@ def test_source_and_target_are_played_side_by_side(tmp_path, open_tab):
         shown.settle(2.0)
         assert page.time.now != 1.2
         assert page.scene.loop.failure is None and unexpected(shown.console) == []
-        if PICTURES:
-            from PIL import Image
-
-            page.call(page.time.pause)
-            page.call(lambda: page.time.show(1.2))
-            shown.settle(2.0)
-            image = Image.fromarray(shown.colors().astype(np.uint8))
-            image.quantize(256).save(Path(PICTURES) / "view-retarget.png", optimize=True)
     finally:
         page.scene.close()
 

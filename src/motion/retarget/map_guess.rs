@@ -6,7 +6,7 @@ use super::body_map::DriveText;
 use super::known_maps::KnownBody;
 use super::part_names::parts_of;
 use super::proportions::Proportions;
-use super::{BodyMap, BodyPart, Capture, Drive, KnownSkeleton, RetargetError};
+use super::{BodyMap, BodyPart, Capture, Drive, KnownSkeleton, RetargetError, UpAxis};
 use crate::kinematics::ForwardKinematics;
 use crate::model::Model;
 use crate::spatial::Vector3;
@@ -15,6 +15,8 @@ use crate::spatial::Vector3;
 const FEWEST: usize = 3;
 /// Frames so near to each other, as a share of the model's reach, are at one place.
 const NEAR: f64 = 0.01;
+/// A body stands along an axis where it is so many times as far along it as along the others.
+const SURELY: f64 = 2.0;
 
 /// A map that was guessed, and by what.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +28,8 @@ pub struct MapGuess {
     pub skeleton: Option<&'static str>,
     /// The known body whose frames the model has.
     pub body: Option<&'static str>,
+    /// The axis along which the body stands, of y and z, where its parts tell.
+    pub up: Option<UpAxis>,
     /// What is to be looked at: parts that one of both has not by its names, and proportions that are no body's.
     pub notes: Vec<String>,
 }
@@ -141,6 +145,7 @@ impl BodyMap {
             map,
             skeleton,
             body,
+            up: stands_along(capture, &driving),
             notes,
         })
     }
@@ -173,6 +178,24 @@ fn apart(
         }
     }
     Ok(parts)
+}
+
+/// The axis along which the pelvis is above the ankles, in the mean over all frames.
+fn stands_along(capture: &Capture, joints: &BTreeMap<BodyPart, usize>) -> Option<UpAxis> {
+    let pelvis = *joints.get(&BodyPart::Pelvis)?;
+    let ankles = [BodyPart::LeftAnkle, BodyPart::RightAnkle];
+    let [left, right] = ankles.map(|ankle| joints.get(&ankle).copied());
+    let (left, right) = (left?, right?);
+    let frames = (0..capture.frames()).filter_map(|frame| capture.frame(frame));
+    let above = frames.fold(Vector3::zero(), |sum: Vector3<f64>, at| {
+        sum + (at[pelvis] - (at[left] + at[right]) * 0.5)
+    });
+    let [x, y, z] = above.to_array().map(f64::abs);
+    match () {
+        () if y > SURELY * x.max(z) => Some(UpAxis::Y),
+        () if z > SURELY * x.max(y) => Some(UpAxis::Z),
+        () => None,
+    }
 }
 
 /// The first of many names, for a message.

@@ -1,0 +1,97 @@
+"""Folders of movements: whole files or none, done once, by threads or by Ray's workers."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kinopt
+from kinopt.errors import FileError, InvalidValueError
+from kinopt.retargeting import retarget_folder
+from test_retargeting import BVH, JOINTS, MAP, NAO, sway
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    source = tmp_path / "from"
+    (source / "deeper").mkdir(parents=True)
+    for name, frames in (("one.npy", 10), ("two.npy", 12), ("deeper/three.npy", 8)):
+        np.save(source / name, sway(frames))
+    (source / "notes.txt").write_text("not read")
+    return source
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_a_folder_goes_on_where_it_was(folder: Path, tmp_path: Path) -> None:
+    into = tmp_path / "into"
+    lost = sway(5)
+    lost[2, 1] = np.nan
+    np.save(folder / "lost.npy", lost)
+    seen: list[tuple[int, int]] = []
+    reports = retarget_folder(folder, NAO, into, MAP, progress=lambda done, total: seen.append((done, total)))
+    assert [Path(report.source).name for report in reports] == ["three.npy", "lost.npy", "one.npy", "two.npy"]
+    assert seen[-1] == (4, 4)
+    failed = reports[1]
+    assert failed.error is not None and "lost.npy" in failed.error and "frame 2" in failed.error
+    assert not Path(failed.out).exists()
+    first = files(into)
+    assert set(first) == {"one.npz", "two.npz", "deeper/three.npz", "retarget.json"}
+    with np.load(into / "one.npz") as read:
+        assert np.array_equal(read["q"], kinopt.retarget(sway(10), NAO, MAP).q)
+    # As if it had been ended: one is missing, and half of it is there under another name.
+    (into / "two.npz").rename(into / ".part.two.npz")
+    np.save(folder / "lost.npy", sway(5))
+    again = retarget_folder(folder, NAO, into, MAP)
+    assert [report.done_before for report in again] == [True, False, True, False]
+    second = files(into)
+    assert set(second) == {*first, "lost.npz"} and second["one.npz"] == first["one.npz"]
+    assert not any(report.done_before for report in retarget_folder(folder, NAO, into, MAP, again=True))
+    with pytest.raises(InvalidValueError, match="another question"):
+        retarget_folder(folder, NAO, into, MAP, whole=True)
+
+
+def test_what_is_wrong_with_folders_is_named(folder: Path, tmp_path: Path) -> None:
+    with pytest.raises(FileError, match="no folder"):
+        retarget_folder(tmp_path / "none", NAO, tmp_path / "into")
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(FileError, match="there is no"):
+        retarget_folder(tmp_path / "empty", NAO, tmp_path / "into")
+    (folder / "one.bvh").write_text(BVH)
+    with pytest.raises(InvalidValueError, match="would both be written"):
+        retarget_folder(folder, NAO, tmp_path / "into")
+    with pytest.raises(InvalidValueError, match="threads"):
+        retarget_folder(folder / "deeper", NAO, tmp_path / "into", MAP, threads=0)
+    assert JOINTS
+
+
+@pytest.mark.skipif(
+    importlib.util.find_spec("ray") is None, reason="SKIPPED LOUDLY: ray is not installed: pip install 'kinopt[ray]'"
+)
+def test_ray_writes_the_same(folder: Path, tmp_path: Path) -> None:
+    import ray
+
+    import kinopt.ray
+
+    ray.init(num_cpus=2, include_dashboard=False, ignore_reinit_error=True, log_to_driver=False)
+    try:
+        expected, into = tmp_path / "expected", tmp_path / "into"
+        robot = kinopt.Robot.from_urdf(NAO, base_joint="free")
+        retarget_folder(folder, robot, expected, MAP)
+        reports = kinopt.ray.retarget_files(folder, robot, into, MAP)
+        assert all(report.error is None and report.frames for report in reports)
+        for name in ("one.npz", "two.npz", "deeper/three.npz"):
+            with np.load(expected / name) as one, np.load(into / name) as other:
+                assert all(np.array_equal(one[key], other[key]) for key in one.files)
+        # What one left, the other goes on with.
+        os.remove(into / "two.npz")
+        assert [report.done_before for report in retarget_folder(folder, robot, into, MAP)] == [True, True, False]
+        assert all(report.done_before for report in kinopt.ray.retarget_files(folder, robot, into, MAP))
+    finally:
+        ray.shutdown()

@@ -1,0 +1,164 @@
+//! Promise: captures that are odd come through, and what is wrong is named: one frame, limbs without length, bodies that are turned or
+//! lie, joints that are missing or not finite; what comes out is finite and within limits.
+
+use kinopt::motion::retarget::{
+    BodyMap, Capture, RetargetError, RetargetOptions, Retargeted, Retargeting, UpAxis,
+};
+use kinopt::robot::{BaseJoint, Robot};
+use kinopt::spatial::Vector3;
+
+const JOINTS: [&str; 9] = [
+    "Hips",
+    "LeftUpLeg",
+    "LeftLeg",
+    "LeftFoot",
+    "RightUpLeg",
+    "RightLeg",
+    "RightFoot",
+    "LeftHand",
+    "RightHand",
+];
+
+fn nao() -> Robot {
+    let nao = Robot::read("models/aldebaran_nao.urdf").unwrap();
+    nao.with_base_joint(BaseJoint::FREE).unwrap()
+}
+
+/// A person, legs apart, who sways.
+fn person(frame: usize) -> [Vector3<f64>; 9] {
+    let sway = 0.03 * (frame as f64 * 0.1).sin();
+    [
+        [0.0, sway, 1.0],
+        [0.0, 0.1 + sway, 0.9],
+        [0.03, 0.12, 0.5],
+        [0.0, 0.15, 0.1],
+        [0.0, -0.1 + sway, 0.9],
+        [0.03, -0.12, 0.5],
+        [0.0, -0.15, 0.1],
+        [0.2, 0.3, 0.9],
+        [0.2, -0.3, 0.9],
+    ]
+    .map(Vector3::from)
+}
+
+fn capture(frames: usize, place: impl Fn(usize, Vector3<f64>) -> Vector3<f64>) -> Capture {
+    let places = (0..frames).flat_map(|frame| {
+        let own = person(frame).into_iter().enumerate();
+        own.flat_map(|(joint, at)| place(joint, at).to_array())
+            .collect::<Vec<_>>()
+    });
+    let numbers: Vec<f64> = places.collect();
+    Capture::new(JOINTS.map(str::to_owned).to_vec(), &numbers, 30.0).unwrap()
+}
+
+fn retargeted(robot: &Robot, capture: &Capture, up: UpAxis, whole: bool) -> Retargeted {
+    let guess = BodyMap::guess(capture, robot.model()).unwrap();
+    let options = RetargetOptions {
+        up,
+        ..RetargetOptions::default()
+    };
+    let retargeting = Retargeting::new(robot, &guess.map, capture, options).unwrap();
+    let found = if whole {
+        retargeting.whole()
+    } else {
+        retargeting.per_frame()
+    }
+    .unwrap();
+    assert_eq!(found.frames(), capture.frames());
+    let model = robot.model();
+    for q in found.q.chunks_exact(found.configuration_len) {
+        assert!(q.iter().all(|number| number.is_finite()));
+        assert!(model.is_within_limits(q));
+    }
+    found
+}
+
+#[test]
+fn one_frame_is_a_movement() {
+    let robot = nao();
+    for whole in [false, true] {
+        let found = retargeted(&robot, &capture(1, |_, at| at), UpAxis::Z, whole);
+        assert_eq!(found.slip, 0.0);
+    }
+}
+
+#[test]
+fn limbs_without_length_and_bodies_that_are_a_point_come_through() {
+    let robot = nao();
+    let shinless = capture(5, |joint, at| if joint == 3 { person(0)[2] } else { at });
+    let told = BodyMap::guess(&shinless, robot.model())
+        .unwrap()
+        .notes
+        .join("\n");
+    assert!(told.contains("the left shin"), "{told}");
+    retargeted(&robot, &shinless, UpAxis::Z, false);
+    retargeted(
+        &robot,
+        &capture(5, |_, _| Vector3::new(1.0, 2.0, 3.0)),
+        UpAxis::Z,
+        false,
+    );
+}
+
+#[test]
+fn a_person_turned_by_a_right_angle_is_the_same_robot_turned() {
+    let robot = nao();
+    let straight = retargeted(&robot, &capture(20, |_, at| at), UpAxis::Z, false);
+    let turned = capture(20, |_, at| Vector3::new(-at.y, at.x, at.z));
+    let turned = retargeted(&robot, &turned, UpAxis::Z, false);
+    let width = straight.configuration_len;
+    for (own, other) in straight
+        .q
+        .chunks_exact(width)
+        .zip(turned.q.chunks_exact(width))
+    {
+        let off = own[7..].iter().zip(&other[7..]).map(|(a, b)| (a - b).abs());
+        // As far as three steps a frame lead, which go other ways.
+        assert!(off.fold(0.0, f64::max) < 1e-3);
+        assert!((own[0] - other[1]).abs() < 1e-4 && (own[1] + other[0]).abs() < 1e-4);
+    }
+}
+
+#[test]
+fn upward_is_told_by_how_a_body_stands() {
+    let robot = nao();
+    let standing = capture(20, |_, at| at);
+    let lying = capture(20, |_, at| Vector3::new(at.x, at.z, -at.y));
+    for (capture, up) in [(&standing, UpAxis::Z), (&lying, UpAxis::Y)] {
+        assert_eq!(BodyMap::guess(capture, robot.model()).unwrap().up, Some(up));
+    }
+    // By the right axis both are one movement, to the bit.
+    let one = retargeted(&robot, &standing, UpAxis::Z, false);
+    assert_eq!(retargeted(&robot, &lying, UpAxis::Y, false).q, one.q);
+}
+
+#[test]
+fn what_is_missing_is_named() {
+    let robot = nao();
+    let capture = capture(3, |_, at| at);
+    let refused = |map: &str| {
+        let map = BodyMap::from_json(map, "").unwrap();
+        let made = Retargeting::new(&robot, &map, &capture, RetargetOptions::default());
+        made.unwrap_err().to_string()
+    };
+    let joint = refused(r#"{"drives": {"Hips": "torso", "LeftFeet": "left_sole"}}"#);
+    assert!(
+        joint.contains("LeftFeet") && joint.contains("did you mean `LeftFoot`"),
+        "{joint}"
+    );
+    let frame = refused(r#"{"drives": {"Hips": "torso", "LeftFoot": "left_soul"}}"#);
+    assert!(
+        frame.contains("left_soul") && frame.contains("did you mean `left_sole`"),
+        "{frame}"
+    );
+    let contact = refused(r#"{"drives": {"Hips": "torso"}, "contacts": ["LeftFoot"]}"#);
+    assert!(contact.contains("LeftFoot"), "{contact}");
+    let mut numbers = vec![0.0; 3 * 9 * 4];
+    numbers[3 * 9 * 2 + 3 * 7 + 1] = f64::INFINITY;
+    let lost = Capture::new(JOINTS.map(str::to_owned).to_vec(), &numbers, 30.0);
+    let named = RetargetError::NotFinite {
+        frame: 2,
+        joint: "LeftHand".to_owned(),
+    };
+    assert_eq!(lost.unwrap_err(), named);
+}
