@@ -7,6 +7,7 @@ mod clip_ik;
 mod clip_minima;
 mod contacts;
 mod guessed_maps;
+mod keyframe_ik;
 mod live_followers;
 mod path_bounds;
 mod path_courses;

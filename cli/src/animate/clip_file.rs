@@ -10,7 +10,8 @@ use kinopt::skeleton::Skeleton;
 use serde::Serialize;
 
 use super::frames::Frames;
-use super::ik_options::{IkOptions, IkReport};
+use super::ik_options::IkOptions;
+use super::ik_report::IkReport;
 use crate::animated_armature::{AnimatedArmature, extension};
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
@@ -91,6 +92,41 @@ impl ClipOptions {
         ];
         let own = options.into_iter().find(|(_, given)| *given);
         own.map(|(name, _)| name).or_else(|| self.ik.given())
+    }
+
+    /// Writes a rig whose keys are solved for, with its mesh and weights beside it.
+    pub(super) fn write_keys(
+        &self,
+        loaded: &LoadedModel,
+        fps: f64,
+        out: &Path,
+        json: bool,
+    ) -> Outcome<()> {
+        let Some(rig) = &loaded.rig else {
+            return Err(failure!("{}: it is no rig", loaded.file));
+        };
+        let mut rig = rig.clone();
+        let (clip, told, changed) = self.ik.of_keys(&rig, fps)?;
+        rig.clip = clip;
+        rig.write(out)?;
+        let keys = rig.clip.tracks().iter().map(|track| track.keys.len()).sum();
+        let duration = rig.clip.time_span().map_or(0.0, |[from, to]| to - from);
+        let document = || Document {
+            file: out.display().to_string(),
+            clip: "keys",
+            duration,
+            keys,
+            notes: &[],
+            ik: Some(&told),
+        };
+        let text = || {
+            format!(
+                "{changed} of {keys} keys changed, in {}\n{}",
+                out.display(),
+                told.text()
+            )
+        };
+        output::result(json, document, text)
     }
 
     /// Writes a rig's keyframes with its skin.

@@ -4,15 +4,16 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use kinopt::animation::curve::KeyedCurve;
-use kinopt::animation::{Armature, Clip};
+use kinopt::animation::{Armature, Clip, EulerClip};
 use kinopt::collision::World;
 use kinopt::glam::{DVec3, Vec3};
-use kinopt::motion::clip_ik::{ClipIk, EditedClip, Reach, ground_speed};
+use kinopt::io::rig::Rig;
+use kinopt::motion::clip_ik::{ClipIk, KeyframeIk, Reach, ground_speed};
 use kinopt::motion::path::{CartesianPath, QuaternionOrder};
 use kinopt::skeleton::{BoneId, Skeleton};
 use kinopt::spatial::Vector3;
-use serde::Serialize;
 
+use super::ik_report::IkReport;
 use crate::animated_armature::extension;
 use crate::failure::Outcome;
 use crate::{number_list, numpy_file};
@@ -113,32 +114,6 @@ fn span(text: &str) -> Result<[f64; 2], String> {
     number_list::parse_exactly(text, "--span")
 }
 
-/// What came of it.
-#[derive(Serialize)]
-pub(super) struct IkReport {
-    stances: Vec<StanceReport>,
-    led: Vec<LedReport>,
-    /// How far the root moves at most from where the clip has it, in the file's unit.
-    root_moved: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    travel: Option<[f32; 3]>,
-}
-
-#[derive(Serialize)]
-struct StanceReport {
-    bone: String,
-    span: [f64; 2],
-    place: [f64; 3],
-    slide: f64,
-}
-
-#[derive(Serialize)]
-struct LedReport {
-    bone: String,
-    miss: f64,
-    at: f64,
-}
-
 impl IkOptions {
     /// The option about inverse kinematics that was given, if one was.
     pub(super) fn given(&self) -> Option<&'static str> {
@@ -178,7 +153,7 @@ impl IkOptions {
             ik = ik.joints_of(skeleton);
         }
         for (k, reach) in self.reach.iter().enumerate() {
-            ik = ik.reach(self.reach(k, reach, armature, &clip)?);
+            ik = ik.reach(self.reach(k, reach, armature, clip.span().map(f64::from))?);
         }
         let feet = self.plant.iter().map(|name| armature.bone(name));
         let feet = feet.collect::<Result<Vec<BoneId>, _>>()?;
@@ -202,8 +177,33 @@ impl IkOptions {
             });
         }
         let edited = ik.solve(&clip)?;
-        let report = report(&edited, armature, travel);
+        let report = IkReport::of_clip(&edited, armature, travel);
         Ok((edited.clip, Some(report)))
+    }
+
+    /// A rig's keyframes with what is asked solved for their keys, what came of that, and how many changed.
+    pub(super) fn of_keys(&self, rig: &Rig, fps: f64) -> Outcome<(EulerClip, IkReport, usize)> {
+        let others = [
+            ("--plant", !self.plant.is_empty()),
+            ("--up", self.up.is_some()),
+        ];
+        if let Some((option, _)) = others.into_iter().find(|(_, given)| *given) {
+            return Err(usage!(
+                "{option} is for clips written as .glb or .gltf, not for a rig's keys"
+            ));
+        }
+        let armature = Armature::of_skeleton(&rig.skeleton);
+        let span = rig.clip.time_span().unwrap_or([0.0; 2]);
+        let mut ik = KeyframeIk::new(&rig.skeleton).moments_per_second(fps);
+        for (k, reach) in self.reach.iter().enumerate() {
+            ik = ik.reach(self.reach(k, reach, &armature, span)?);
+        }
+        if let Some(root) = &self.root {
+            ik = ik.root(armature.bone(root)?);
+        }
+        let edited = ik.solve(&rig.clip)?;
+        let report = IkReport::of_keys(&edited.led, &armature);
+        Ok((edited.clip, report, edited.keys_changed))
     }
 
     fn reach(
@@ -211,7 +211,7 @@ impl IkOptions {
         k: usize,
         argument: &ReachArgument,
         armature: &Armature,
-        clip: &Clip,
+        of_clip: [f64; 2],
     ) -> Outcome<Reach> {
         let span = match &self.span[..] {
             [] => None,
@@ -229,7 +229,7 @@ impl IkOptions {
         let mut reach = match &argument.target {
             Target::Point(point) => Reach::to(bone, *point)?,
             Target::File(file) => {
-                let span = span.unwrap_or(clip.span().map(f64::from));
+                let span = span.unwrap_or(of_clip);
                 let curve = curve(file, span);
                 Reach::along(bone, curve?)
             }
@@ -279,51 +279,4 @@ fn curve(file: &Path, [from, to]: [f64; 2]) -> Outcome<KeyedCurve<DVec3>> {
             .collect()
     });
     KeyedCurve::catmull_rom(times, points).map_err(|error| named(error.to_string()))
-}
-
-fn report(edited: &EditedClip, armature: &Armature, travel: Option<Vec3>) -> IkReport {
-    let name = |bone: BoneId| armature.names()[bone.index()].clone();
-    let stances = edited.stances.iter().map(|stance| StanceReport {
-        bone: name(stance.bone),
-        span: stance.span,
-        place: stance.place.to_array(),
-        slide: stance.slide,
-    });
-    let led = edited.led.iter().map(|led| LedReport {
-        bone: name(led.bone),
-        miss: led.miss,
-        at: led.at,
-    });
-    IkReport {
-        stances: stances.collect(),
-        led: led.collect(),
-        root_moved: edited.root_moved,
-        travel: travel.map(|by| by.to_array()),
-    }
-}
-
-impl IkReport {
-    /// What it says to people.
-    pub(super) fn text(&self) -> String {
-        let mut lines = Vec::new();
-        if !self.stances.is_empty() {
-            let slides = self.stances.iter().map(|stance| stance.slide);
-            lines.push(format!(
-                "{} stances, which slide by {:.2e} at most",
-                self.stances.len(),
-                slides.fold(0.0, f64::max)
-            ));
-        }
-        for led in &self.led {
-            lines.push(format!(
-                "`{}` misses by {:.2e} at most, at {:.3} s",
-                led.bone, led.miss, led.at
-            ));
-        }
-        if let Some([x, y, z]) = self.travel {
-            lines.push(format!("it travels by {x:.4}, {y:.4}, {z:.4} a second"));
-        }
-        lines.push(format!("the root moves by {:.2e} at most", self.root_moved));
-        lines.join("\n") + "\n"
-    }
 }

@@ -3,6 +3,7 @@
 mod clip_file;
 mod frames;
 mod ik_options;
+mod ik_report;
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +15,7 @@ use serde::Serialize;
 
 use self::clip_file::{ClipOptions, is_gltf};
 use self::frames::Frames;
-use crate::animated_armature::AnimatedArmature;
+use crate::animated_armature::{AnimatedArmature, extension};
 use crate::failure::{Failure, Outcome};
 use crate::interpolation_choice::{InterpolationChoice, playback};
 use crate::loaded_model::LoadedModel;
@@ -38,6 +39,8 @@ Examples:
         stairs.json --into fox.glb                      the walk, repeated, goes up stairs on planted feet
   kinopt animate hero.glb --clip Idle --fps 30 --reach hand.r=0.4,1.2,0.3 --span 1,2.5 --fade 0.3 --into hero.glb
                                                         a hand reaches for a point within a second and a half of the clip
+  kinopt animate humanoid.json --fps 60 --reach right_hand=curve.csv --span 1.2,3 --out changed.json
+                                                        the rig's own keys of the arm are solved for, and nothing else changes
   kinopt animate arm.json --fps 60 --from 1 --to 2 --format ply --skinning dqs --out frames
                                                         one second of them";
 
@@ -56,7 +59,8 @@ pub(crate) struct Arguments {
     #[arg(value_name = "MODEL")]
     model: PathBuf,
 
-    /// Where to write: with --time a .obj, .ply or .glb file, with --fps a folder, or a .glb file for all frames.
+    /// Where to write: with --time a .obj, .ply or .glb file, with --fps a folder, or a .glb file for all frames; of a rig with --reach a
+    /// .json, whose own keys are solved for.
     #[arg(long, value_name = "FILE|DIR", required_unless_present = "into")]
     out: Option<PathBuf>,
 
@@ -137,6 +141,12 @@ fn run_rig(arguments: &Arguments, json: bool) -> Outcome<()> {
     let mut loaded = LoadedModel::read(&arguments.model, &ModelOptions::default())?;
     loaded.refuse_clip(arguments.clip.as_deref())?;
     loaded.interpolate_keyframes(arguments.interpolation)?;
+    if let (Some(fps), Some(out)) = (
+        arguments.fps,
+        arguments.out.as_deref().filter(|out| is_rig(out)),
+    ) {
+        return arguments.clip_options.write_keys(&loaded, fps, out, json);
+    }
     let clip = loaded.keyframes("animate")?;
     let skin = loaded.skin(arguments.skin_weights)?;
     let span = clip.time_span().unwrap_or([0.0; 2]);
@@ -195,6 +205,11 @@ fn run_scene(arguments: &Arguments, json: bool) -> Outcome<()> {
             .map(|own| own.mesh.positions().len())
             .sum())
     })
+}
+
+/// Whether a file is written as a rig, by its name.
+fn is_rig(path: &Path) -> bool {
+    extension(path) == "json"
 }
 
 impl Arguments {

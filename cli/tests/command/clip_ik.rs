@@ -122,3 +122,32 @@ fn a_rig_reaches_within_its_limits_and_is_written_as_one_file() {
     assert!(led["miss"].as_f64().unwrap() < 1e-3, "{led}");
     assert_eq!(document["root_moved"], 0.0);
 }
+
+#[test]
+fn a_rig_s_own_keys_are_solved_for() {
+    let folder = Folder::new("clip-ik-keys");
+    let out = folder.file("changed.json");
+    let rig = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../models/humanoid/humanoid.json"
+    );
+    let document = answer!(
+        "animate {rig} --fps=30 --reach right_hand=0.3,-0.3,1.3 --span 0.9,2.2 --out {out}"
+    );
+    assert_eq!(document["led"][0]["bone"], "right_hand");
+    let [old, new] = [rig, &out].map(|file| kinopt::io::rig::Rig::read(file).unwrap());
+    assert_eq!(new.skeleton.bones().len(), old.skeleton.bones().len());
+    let keys = |rig: &kinopt::io::rig::Rig| rig.clip.tracks().to_vec();
+    let mut changed = 0;
+    for (new, old) in keys(&new).iter().zip(&keys(&old)) {
+        for (new, old) in new.keys.iter().zip(&old.keys) {
+            let apart = [0, 1, 2].map(|k| (new.angles[k] - old.angles[k]).abs());
+            let same = apart.iter().all(|apart| *apart < 1e-12);
+            assert!(same || (0.9..=2.2).contains(&old.time));
+            changed += usize::from(!same);
+        }
+    }
+    assert!(changed > 0);
+    refused!("animate {rig} --fps=30 --out {out}" => 1, "nothing to reach");
+    refused!("animate {rig} --fps=30 --plant left_foot --out {out}" => 2, "--plant");
+}

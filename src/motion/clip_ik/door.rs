@@ -7,6 +7,7 @@ use glam::{DVec3, Vec3};
 
 use super::edited::EditedClip;
 use super::posed_bones::Hinges;
+use super::root_bone::{above, branching_above};
 use super::solving::solve;
 use super::{ClipIkError, Reach};
 use crate::SizeMismatch;
@@ -191,12 +192,12 @@ impl<'a> ClipIk<'a> {
         for &bone in bones.iter().chain(&self.root) {
             self.name(bone)?;
         }
-        let root = self.root.or_else(|| self.branching_above(&bones));
+        let root = self.root.or_else(|| branching_above(self.armature, &bones));
         for (&bone, &root) in bones
             .iter()
             .flat_map(|bone| root.iter().map(move |root| (bone, root)))
         {
-            if !self.above(bone).contains(&root) {
+            if !above(self.armature, bone).contains(&root) {
                 return Err(ClipIkError::NotBelowRoot {
                     bone: self.name(bone)?.to_owned(),
                     root: self.name(root)?.to_owned(),
@@ -229,28 +230,6 @@ impl<'a> ClipIk<'a> {
             bone: bone.index(),
             bones: names.len(),
         })
-    }
-
-    /// What a bone hangs on, from its parent up.
-    fn above(&self, bone: BoneId) -> Vec<BoneId> {
-        let parent = |bone: &BoneId| self.armature.parent(*bone);
-        std::iter::successors(parent(&bone), parent).collect()
-    }
-
-    /// The topmost bone that carries all of these and at which the armature branches.
-    fn branching_above(&self, bones: &[BoneId]) -> Option<BoneId> {
-        let carried: Vec<Vec<BoneId>> = bones.iter().map(|&bone| self.above(bone)).collect();
-        let branches = |bone: &BoneId| {
-            let children = self.armature.bone_ids();
-            children
-                .filter(|child| self.armature.parent(*child) == Some(*bone))
-                .count()
-                > 1
-        };
-        let mut from_top = carried.first()?.iter().rev();
-        from_top
-            .find(|bone| carried.iter().all(|above| above.contains(bone)) && branches(bone))
-            .copied()
     }
 
     /// How a rig's bone turns.

@@ -1,8 +1,8 @@
 //! What can be wrong with inverse kinematics over a clip.
 
 use crate::SizeMismatch;
-use crate::animation::ChannelError;
 use crate::animation::curve::KeyError;
+use crate::animation::{ChannelError, ClipError, SampleError};
 use crate::bad_option::BadOption;
 use crate::ik::SolveError;
 use crate::kinematics::KinematicsError;
@@ -77,6 +77,15 @@ pub enum ClipIkError {
     /// The keys of a curve of targets.
     #[error("the curve of targets: {0}")]
     Curve(#[from] KeyError),
+    /// No key that may change.
+    #[error("no key of a bone that carries what reaches lies within its span")]
+    NoKeys,
+    /// Keys that make no clip.
+    #[error("the new keys: {0}")]
+    Keys(#[from] ClipError),
+    /// A moment at which the keys cannot be sampled.
+    #[error(transparent)]
+    Sample(#[from] SampleError),
     /// A number out of its range.
     #[error(transparent)]
     Option(#[from] BadOption),

@@ -2,7 +2,7 @@
 //!
 //! Each frame keeps as near to the clip as its goals allow, and the root moves only where limbs would be too short. A
 //! [`ClipIk`] says what is asked, its [`solve`](ClipIk::solve) makes an [`EditedClip`]; [`ground_speed`] tells how fast
-//! the ground passes under feet that walk on the spot.
+//! the ground passes under feet that walk on the spot. A [`KeyframeIk`] solves for a rig's own keys instead.
 
 mod door;
 mod edited;
@@ -10,9 +10,11 @@ mod effector;
 mod error;
 mod frame_solver;
 mod ground_speed;
+mod keyframes;
 mod planting;
 mod posed_bones;
 mod root;
+mod root_bone;
 mod sampling;
 mod solving;
 mod splice;
@@ -22,3 +24,4 @@ pub use edited::{EditedClip, Led, Stance};
 pub use effector::Reach;
 pub use error::ClipIkError;
 pub use ground_speed::ground_speed;
+pub use keyframes::{EditedKeys, KeyframeIk};

@@ -1,0 +1,194 @@
+//! How far bones are from where they should be at many moments of a clip, by its keys.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::basis::KeyAngle;
+use super::interior::Cost;
+use crate::animation::{EulerClip, Playback};
+use crate::model::Source;
+use crate::motion::clip_ik::{ClipIkError, Reach};
+use crate::problem::{Evaluation, Problem, Scratch, Targets, TaskId};
+use crate::skeleton::Skeleton;
+use crate::solver::LeastSquares;
+use crate::task::Point;
+
+/// A moment of the clip.
+#[derive(Debug)]
+struct Moment {
+    /// The solver's variables as the clip has them.
+    x: Vec<f64>,
+    targets: Targets,
+    /// What multiplies the rows of each reach.
+    weights: Vec<f64>,
+    /// Variable of the frame, key's angle, and what the one gains by the other.
+    gains: Vec<(usize, usize, f64)>,
+}
+
+/// ½ Σ ‖w r‖² over moments, and ½ λ² ‖Δ‖².
+#[derive(Debug)]
+pub(super) struct KeyCost {
+    problem: Problem,
+    scratch: Scratch,
+    moments: Vec<Moment>,
+    keep: f64,
+    residual: Vec<f64>,
+    jacobian: DMatrix<f64>,
+}
+
+/// Rows of a point.
+const ROWS: usize = 3;
+
+impl KeyCost {
+    pub(super) fn new(
+        (skeleton, clip): (&Skeleton, &EulerClip),
+        reaches: &[Reach],
+        keys: &[KeyAngle],
+        times: &[f64],
+        (span, keep): ([f64; 2], f64),
+    ) -> Result<Self, ClipIkError> {
+        let mut builder = Problem::builder(skeleton.model());
+        let tasks: Vec<TaskId<Point>> = reaches
+            .iter()
+            .map(|reach| builder.add(Point::new(skeleton.tip(reach.bone), [0.0; 3])))
+            .collect();
+        let problem = builder.build()?;
+        let map = problem.parameters();
+        let (variables, rows) = (problem.variables(), problem.rows());
+        let mut q = vec![0.0; skeleton.angles()];
+        let mut moments = Vec::with_capacity(times.len());
+        for &time in times {
+            clip.sample(time, Playback::Hold, &mut q)?;
+            let mut x = vec![0.0; variables];
+            map.gather(&q, &mut x);
+            let mut targets = problem.targets();
+            let mut weights = Vec::with_capacity(reaches.len());
+            for (reach, &task) in reaches.iter().zip(&tasks) {
+                targets
+                    .get_mut(task)?
+                    .set_target(reach.target(time).to_array());
+                weights.push(reach.weight(time, span));
+            }
+            let gains = keys.iter().enumerate().filter_map(|(k, key)| {
+                let gain = key.gain(time);
+                match map.sources()[key.coordinate] {
+                    Source::Variable {
+                        variable, ratio, ..
+                    } if gain != 0.0 => Some((variable, k, gain / ratio)),
+                    _ => None,
+                }
+            });
+            let gains = gains.collect();
+            moments.push(Moment {
+                x,
+                targets,
+                weights,
+                gains,
+            });
+        }
+        Ok(Self {
+            scratch: problem.scratch(),
+            residual: vec![0.0; rows],
+            jacobian: DMatrix::zeros(rows, variables),
+            problem,
+            moments,
+            keep,
+        })
+    }
+
+    /// How far each reach is off at a moment where it counts fully.
+    pub(super) fn misses(
+        &mut self,
+        keys: &DVector<f64>,
+    ) -> Result<Vec<Vec<Option<f64>>>, ClipIkError> {
+        let mut all = Vec::with_capacity(self.moments.len());
+        for k in 0..self.moments.len() {
+            self.evaluate(k, keys, false)?;
+            let weights = self.moments[k]
+                .weights
+                .iter()
+                .zip(self.residual.chunks(ROWS));
+            let miss = weights.map(|(weight, rows)| {
+                (*weight >= 1.0).then(|| crate::solver::dot(rows, rows).sqrt())
+            });
+            all.push(miss.collect());
+        }
+        Ok(all)
+    }
+
+    fn evaluate(
+        &mut self,
+        moment: usize,
+        keys: &DVector<f64>,
+        differentiate: bool,
+    ) -> Result<(), ClipIkError> {
+        let own = &self.moments[moment];
+        let mut x = own.x.clone();
+        for &(variable, key, gain) in &own.gains {
+            x[variable] += gain * keys[key];
+        }
+        let question = self.problem.with_targets(&own.targets)?;
+        let mut evaluation = Evaluation::new(question, &mut self.scratch);
+        evaluation.residual(&x, &mut self.residual);
+        if differentiate {
+            evaluation.jacobian(&x, &mut self.jacobian);
+        }
+        Ok(())
+    }
+
+    fn sum(
+        &mut self,
+        keys: &DVector<f64>,
+        mut each: impl FnMut(&Self, usize),
+    ) -> Result<f64, ClipIkError> {
+        let mut sum = self.keep * self.keep * keys.norm_squared();
+        for k in 0..self.moments.len() {
+            self.evaluate(k, keys, true)?;
+            let weighed = self.moments[k]
+                .weights
+                .iter()
+                .zip(self.residual.chunks(ROWS));
+            sum += weighed
+                .map(|(w, rows)| w * w * crate::solver::dot(rows, rows))
+                .sum::<f64>();
+            each(self, k);
+        }
+        Ok(0.5 * sum)
+    }
+}
+
+impl Cost for KeyCost {
+    type Error = ClipIkError;
+
+    fn value(&mut self, keys: &DVector<f64>) -> Result<f64, ClipIkError> {
+        self.sum(keys, |_, _| {})
+    }
+
+    fn linearise(
+        &mut self,
+        keys: &DVector<f64>,
+        gradient: &mut DVector<f64>,
+        hessian: &mut DMatrix<f64>,
+    ) -> Result<f64, ClipIkError> {
+        let squared = self.keep * self.keep;
+        gradient.copy_from(&(keys * squared));
+        hessian.fill(0.0);
+        hessian.fill_diagonal(squared);
+        self.sum(keys, |own, k| {
+            let moment = &own.moments[k];
+            for (row, residual) in own.residual.iter().enumerate() {
+                let weight = moment.weights[row / ROWS];
+                let weight = weight * weight;
+                if weight == 0.0 {
+                    continue;
+                }
+                for &(variable, a, gain) in &moment.gains {
+                    let slope = weight * gain * own.jacobian[(row, variable)];
+                    gradient[a] += slope * residual;
+                    for &(other, b, gain) in &moment.gains {
+                        hessian[(a, b)] += slope * gain * own.jacobian[(row, other)];
+                    }
+                }
+            }
+        })
+    }
+}

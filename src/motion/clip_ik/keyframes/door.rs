@@ -1,0 +1,247 @@
+//! What is asked of a rig's keys, and what came of it.
+
+use super::basis::{KeyAngle, Row, limit_rows};
+use super::cost::KeyCost;
+use super::interior::minimise;
+use crate::animation::{Armature, EulerClip, EulerTrack};
+use crate::bad_option::{BadOption, POSITIVE};
+use crate::motion::clip_ik::root_bone::{above, branching_above};
+use crate::motion::clip_ik::{ClipIkError, Led, Reach};
+use crate::skeleton::{ANGLES_PER_BONE, BoneId, Skeleton};
+
+/// Inverse kinematics over a rig's keyframes, which are solved for themselves.
+///
+/// Tips reach for points and along curves over spans, as over a [clip](super::super::ClipIk); what changes are the rig's own keys
+/// within those spans, of the bones that carry the tips, and nothing else: no key is added, and between keys runs the
+/// spline that ran there. Joint limits hold between keys as well, told of the spline's control points. Where keys are
+/// few, tips come as near as these let them: the sum of squares over the span is least.
+///
+/// ```
+/// use kinopt::io::rig::Rig;
+/// use kinopt::motion::clip_ik::{KeyframeIk, Reach};
+///
+/// let rig = Rig::read("models/humanoid/humanoid.json")?;
+/// let hand = rig.skeleton.bone("right_hand")?;
+/// let reach = Reach::to(hand, [0.3, -0.25, 1.2])?.over(1.2..=2.8).fade(0.3);
+/// let edited = KeyframeIk::new(&rig.skeleton).reach(reach).solve(&rig.clip)?;
+/// assert!(edited.keys_changed > 0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct KeyframeIk<'a> {
+    skeleton: &'a Skeleton,
+    reaches: Vec<Reach>,
+    root: Option<BoneId>,
+    rate: f64,
+}
+
+/// Keyframes that were solved for. Lengths are in the rig's unit.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct EditedKeys {
+    /// The keyframes.
+    pub clip: EulerClip,
+    /// How far each tip is from where it should be, at most at the moments that were looked at and where it counts fully.
+    pub led: Vec<Led>,
+    /// How many keys are not what they were.
+    pub keys_changed: usize,
+}
+
+/// What a radian of a key costs, in shares of the skeleton's size.
+const KEPT: f64 = 1e-3;
+/// More moments than this are a slip.
+const MOST_MOMENTS: f64 = 1e6;
+
+impl<'a> KeyframeIk<'a> {
+    /// Of a rig's skeleton, looking at 60 moments a second.
+    #[must_use]
+    pub fn new(skeleton: &'a Skeleton) -> Self {
+        Self {
+            skeleton,
+            reaches: Vec::new(),
+            root: None,
+            rate: 60.0,
+        }
+    }
+
+    setters! {
+        /// Something to reach for.
+        pub fn reach(mut self, reach: Reach) { self.reaches.push(reach) }
+        /// Only keys of bones below this one change. Unless set, the first from the top that carries all tips and at which
+        /// the skeleton branches.
+        pub fn root(mut self, bone: BoneId) { self.root = Some(bone) }
+        /// How many moments a second count.
+        pub fn moments_per_second(mut self, rate: f64) { self.rate = rate }
+    }
+
+    /// Solves for keys.
+    ///
+    /// # Errors
+    /// Nothing is asked, a bone of another skeleton or twice at one time, spans and fades that are not within the clip, no
+    /// key of a bone that carries a tip within its span, a rate out of range.
+    pub fn solve(&self, clip: &EulerClip) -> Result<EditedKeys, ClipIkError> {
+        BadOption::check("moments_per_second", self.rate, POSITIVE)?;
+        let span = clip.time_span().ok_or(ClipIkError::NoKeys)?;
+        let armature = Armature::of_skeleton(self.skeleton);
+        self.check(&armature, span)?;
+        let keys = self.keys(clip, &armature, span)?;
+        if keys.is_empty() {
+            return Err(ClipIkError::NoKeys);
+        }
+        let keep = KEPT * self.skeleton.size();
+        let times = self.times(span)?;
+        let mut cost = KeyCost::new(
+            (self.skeleton, clip),
+            &self.reaches,
+            &keys,
+            &times,
+            (span, keep),
+        )?;
+        let rows = self.rows(clip, &keys)?;
+        let found = minimise(&mut cost, &rows, keys.len())?;
+        let misses = cost.misses(&found)?;
+        let led = self.reaches.iter().enumerate().map(|(k, reach)| {
+            let own = misses.iter().zip(&times);
+            let own = own.filter_map(|(miss, time)| Some((miss[k]?, *time)));
+            let worst = own.max_by(|one, other| one.0.total_cmp(&other.0));
+            let (miss, at) = worst.unwrap_or((0.0, span[0]));
+            Led {
+                bone: reach.bone,
+                miss,
+                at,
+            }
+        });
+        let mut tracks = clip.tracks().to_vec();
+        for (key, change) in keys.iter().zip(found.iter()) {
+            let bone = tracks[key.track].bone;
+            let limits = self.skeleton.bones()[bone.index()].limits[key.angle];
+            let own = &mut tracks[key.track].keys[key.key].angles[key.angle];
+            let was = *own;
+            // To the bit; one that was beyond stays no further out.
+            *own = (was + change).clamp(limits.lower.min(was), limits.upper.max(was));
+        }
+        let changed = tracks
+            .iter()
+            .zip(clip.tracks())
+            .flat_map(|(new, old)| new.keys.iter().zip(&old.keys));
+        let keys_changed = changed.filter(|(new, old)| new != old).count();
+        let keyless = clip.keyless().iter().map(|&bone| EulerTrack {
+            bone,
+            keys: Vec::new(),
+        });
+        let clip = EulerClip::new(tracks.into_iter().chain(keyless).collect())?
+            .interpolated(|track| clip.interpolation(track.bone).clone())?;
+        Ok(EditedKeys {
+            clip,
+            led: led.collect(),
+            keys_changed,
+        })
+    }
+
+    fn check(&self, armature: &Armature, span: [f64; 2]) -> Result<(), ClipIkError> {
+        if self.reaches.is_empty() {
+            return Err(ClipIkError::Nothing);
+        }
+        let bones = armature.bones();
+        for (k, reach) in self.reaches.iter().enumerate() {
+            let bone = reach.bone.index();
+            let name = armature
+                .names()
+                .get(bone)
+                .ok_or(ClipIkError::UnknownBone { bone, bones })?;
+            reach.check(span)?;
+            if self.reaches[..k]
+                .iter()
+                .any(|other| reach.clashes(other, span))
+            {
+                return Err(ClipIkError::Twice { bone: name.clone() });
+            }
+            if let Some(root) = self
+                .root
+                .filter(|&root| !above(armature, reach.bone).contains(&root))
+            {
+                let root = armature.names().get(root.index());
+                return Err(ClipIkError::NotBelowRoot {
+                    bone: name.clone(),
+                    root: root.cloned().unwrap_or_default(),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// The keys that may change.
+    fn keys(
+        &self,
+        clip: &EulerClip,
+        armature: &Armature,
+        span: [f64; 2],
+    ) -> Result<Vec<KeyAngle>, ClipIkError> {
+        let tips: Vec<BoneId> = self.reaches.iter().map(|reach| reach.bone).collect();
+        let root = self.root.or_else(|| branching_above(armature, &tips));
+        let carries = |bone: BoneId, reach: &Reach| {
+            let mut chain = vec![reach.bone];
+            chain.extend(above(armature, reach.bone));
+            chain
+                .into_iter()
+                .take_while(|own| Some(*own) != root)
+                .any(|own| own == bone)
+        };
+        let mut keys = Vec::new();
+        for (index, track) in clip.tracks().iter().enumerate() {
+            let Some(own) = self.skeleton.bones().get(track.bone.index()) else {
+                let (bone, bones) = (track.bone.index(), armature.bones());
+                return Err(ClipIkError::UnknownBone { bone, bones });
+            };
+            for (key, at) in track.keys.iter().enumerate() {
+                let within = |reach: &Reach| {
+                    let [from, to] = reach.span(span);
+                    (from..=to).contains(&at.time) && carries(track.bone, reach)
+                };
+                if !self.reaches.iter().any(within) {
+                    continue;
+                }
+                for angle in (0..ANGLES_PER_BONE).filter(|&angle| !own.limits[angle].is_locked()) {
+                    keys.push(KeyAngle::new(clip, index, key, angle)?);
+                }
+            }
+        }
+        Ok(keys)
+    }
+
+    /// The moments that count.
+    fn times(&self, span: [f64; 2]) -> Result<Vec<f64>, ClipIkError> {
+        let mut times = Vec::new();
+        for reach in &self.reaches {
+            let [from, to] = reach.span(span);
+            let (from, to) = (from.max(span[0]), to.min(span[1]));
+            let steps = ((to - from) * self.rate).ceil().max(1.0);
+            BadOption::check(
+                "the moments of a span",
+                steps,
+                (|n| n <= MOST_MOMENTS, "at most a million"),
+            )?;
+            times.extend((0..=steps as usize).map(|k| from + (to - from) * k as f64 / steps));
+        }
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        Ok(times)
+    }
+
+    fn rows(&self, clip: &EulerClip, keys: &[KeyAngle]) -> Result<Vec<Row>, ClipIkError> {
+        let mut rows = Vec::new();
+        for (index, track) in clip.tracks().iter().enumerate() {
+            for angle in 0..ANGLES_PER_BONE {
+                let own = keys.iter().enumerate();
+                let own: Vec<_> = own
+                    .filter(|(_, key)| key.track == index && key.angle == angle)
+                    .collect();
+                if !own.is_empty() {
+                    let limits = self.skeleton.bones()[track.bone.index()].limits[angle];
+                    rows.extend(limit_rows(clip, track, angle, limits, &own)?);
+                }
+            }
+        }
+        Ok(rows)
+    }
+}

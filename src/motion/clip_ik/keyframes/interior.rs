@@ -1,0 +1,161 @@
+//! Least squares within linear limits, from a start that may touch them: a primal-dual interior method (Nocedal & Wright 2006,
+//! "Numerical Optimization", section 19.3) whose Hessian is Gauss-Newton's, damped where a step does not help.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::basis::Row;
+use crate::scalar::elementary;
+
+/// What is minimised: ½ ‖r‖², with its gradient and JᵀJ.
+pub(super) trait Cost {
+    type Error;
+    fn value(&mut self, x: &DVector<f64>) -> Result<f64, Self::Error>;
+    fn linearise(
+        &mut self,
+        x: &DVector<f64>,
+        gradient: &mut DVector<f64>,
+        hessian: &mut DMatrix<f64>,
+    ) -> Result<f64, Self::Error>;
+}
+
+const ITERATIONS: usize = 100;
+/// Steps stop short of a limit by this share of the way there.
+const TO_LIMIT: f64 = 0.995;
+/// The barrier falls to this share of itself, and at the end to this share of the cost at first.
+const FALL: f64 = 0.2;
+const LAST: f64 = 1e-10;
+/// Room that a row is given at first, radians.
+const ROOM: f64 = 1e-2;
+/// A step this short ends, radians.
+const SHORT: f64 = 1e-10;
+
+/// Minimises within base + Σ gain x ≤ 0 for all rows, which x = 0 keeps. What it returns keeps them all.
+pub(super) fn minimise<C: Cost>(
+    cost: &mut C,
+    rows: &[Row],
+    variables: usize,
+) -> Result<DVector<f64>, C::Error> {
+    let mut x = DVector::zeros(variables);
+    let (mut gradient, mut hessian) = (
+        DVector::zeros(variables),
+        DMatrix::zeros(variables, variables),
+    );
+    let mut f = cost.linearise(&x, &mut gradient, &mut hessian)?;
+    let scale = f.max(f64::MIN_POSITIVE);
+    let mut barrier = 0.1 * f / rows.len().max(1) as f64;
+    let mut slack: Vec<f64> = rows.iter().map(|row| (-row.base).max(ROOM)).collect();
+    let mut push: Vec<f64> = slack.iter().map(|slack| barrier / slack).collect();
+    let (mut damping, mut best) = (1e-8 * hessian.diagonal().max(), x.clone());
+    for _ in 0..ITERATIONS {
+        let miss: Vec<f64> = rows
+            .iter()
+            .zip(&slack)
+            .map(|(row, s)| row.at(&x) + s)
+            .collect();
+        let Some(step) = step(
+            rows,
+            &gradient,
+            &hessian,
+            (&slack, &push, &miss),
+            barrier,
+            damping,
+        ) else {
+            damping = 10.0 * damping.max(1e-12 * scale);
+            continue;
+        };
+        let (to_slack, to_push) = directions(rows, &step, (&slack, &push, &miss), barrier);
+        let share = longest(&slack, &to_slack);
+        let tried = &x + share * &step;
+        let next: Vec<f64> = slack
+            .iter()
+            .zip(&to_slack)
+            .map(|(s, d)| s + share * d)
+            .collect();
+        let missed: f64 = miss.iter().map(|miss| miss.abs()).sum();
+        let weight = push.iter().copied().fold(0.0, f64::max);
+        let merit = |f: f64, slack: &[f64], missed: f64| {
+            f - barrier * slack.iter().map(|s| elementary::ln(*s)).sum::<f64>()
+                + 2.0 * weight * missed
+        };
+        let (before, then) = (merit(f, &slack, missed), cost.value(&tried)?);
+        let after = merit(then, &next, (1.0 - share) * missed);
+        if after.is_nan() || after > before + 1e-12 * before.abs() {
+            damping *= 4.0;
+            // Nothing more to win at this barrier.
+            if damping > 1e6 * hessian.diagonal().max() {
+                break;
+            }
+            continue;
+        }
+        damping *= 0.3;
+        let forward = longest(&push, &to_push);
+        for (push, d) in push.iter_mut().zip(&to_push) {
+            *push += forward * d;
+        }
+        (x, slack) = (tried, next);
+        if rows.iter().all(|row| row.at(&x) <= 0.0) {
+            best.copy_from(&x);
+        }
+        f = cost.linearise(&x, &mut gradient, &mut hessian)?;
+        let moved = share * step.amax();
+        if barrier <= LAST * scale && moved < SHORT {
+            break;
+        }
+        if moved < 1e-3 || share > 0.9 {
+            barrier = (FALL * barrier).max(LAST * scale / rows.len().max(1) as f64);
+        }
+    }
+    Ok(best)
+}
+
+impl Row {
+    pub(super) fn at(&self, x: &DVector<f64>) -> f64 {
+        self.base + self.gains.iter().map(|(v, gain)| gain * x[*v]).sum::<f64>()
+    }
+}
+
+/// (H + Aᵀ diag(z/s) A) dx = −∇f − Aᵀ z − Aᵀ (μ − s z + z r)/s.
+fn step(
+    rows: &[Row],
+    gradient: &DVector<f64>,
+    hessian: &DMatrix<f64>,
+    (slack, push, miss): (&[f64], &[f64], &[f64]),
+    barrier: f64,
+    damping: f64,
+) -> Option<DVector<f64>> {
+    let (mut matrix, mut right) = (hessian.clone(), -gradient);
+    for k in 0..right.len() {
+        matrix[(k, k)] += damping;
+    }
+    for (row, ((&s, &z), &r)) in rows.iter().zip(slack.iter().zip(push).zip(miss)) {
+        let pull = z + (barrier - s * z + z * r) / s;
+        for &(a, gain) in &row.gains {
+            right[a] -= gain * pull;
+            for &(b, other) in &row.gains {
+                matrix[(a, b)] += gain * other * z / s;
+            }
+        }
+    }
+    Cholesky::new(matrix).map(|factor| factor.solve(&right))
+}
+
+fn directions(
+    rows: &[Row],
+    step: &DVector<f64>,
+    (slack, push, miss): (&[f64], &[f64], &[f64]),
+    barrier: f64,
+) -> (Vec<f64>, Vec<f64>) {
+    let each = rows.iter().zip(slack.iter().zip(push).zip(miss));
+    let each = each.map(|(row, ((&s, &z), &r))| {
+        let along: f64 = row.gains.iter().map(|(v, gain)| gain * step[*v]).sum();
+        let to_slack = -r - along;
+        (to_slack, (barrier - s * z - z * to_slack) / s)
+    });
+    each.unzip()
+}
+
+/// How much of a step keeps all of these above 0.
+fn longest(values: &[f64], step: &[f64]) -> f64 {
+    let shares = values.iter().zip(step).filter(|(_, d)| **d < 0.0);
+    shares.map(|(v, d)| -TO_LIMIT * v / d).fold(1.0, f64::min)
+}

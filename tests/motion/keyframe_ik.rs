@@ -1,0 +1,223 @@
+//! Promise: a hand follows a curve by its rig's own keys within the span and nothing else changes; limits hold between keys as
+//! well; and no small change of those keys within the limits does better.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::animation::curve::KeyedCurve;
+use kinopt::animation::{EulerClip, EulerKey, EulerTrack, Playback};
+use kinopt::glam::DVec3;
+use kinopt::io::rig::Rig;
+use kinopt::motion::clip_ik::{ClipIkError, KeyframeIk, Reach};
+use kinopt::skeleton::{BoneId, Skeleton};
+use support::random::Random;
+
+const SPAN: [f64; 2] = [1.2, 3.0];
+const HAND: &str = "right_hand";
+
+fn rig() -> Rig {
+    Rig::read("models/humanoid/humanoid.json").unwrap()
+}
+
+/// Keys every 0.2 s on all that moves the right arm, through what the rig's own keys do.
+fn dense(rig: &Rig) -> EulerClip {
+    let bones = [
+        "right_clavicle",
+        "right_upper_arm",
+        "right_forearm",
+        "right_hand",
+    ];
+    let tracks = bones.iter().map(|name| {
+        let bone = rig.skeleton.bone(name).unwrap();
+        let keys = (0..=15).map(|k| {
+            let time = 0.2 * f64::from(k);
+            let q = angles(&rig.skeleton, &rig.clip, time);
+            let angles = [0, 1, 2].map(|angle| q[3 * bone.index() + angle]);
+            EulerKey { time, angles }
+        });
+        let keys = keys.collect();
+        EulerTrack { bone, keys }
+    });
+    EulerClip::new(tracks.collect()).unwrap()
+}
+
+fn angles(skeleton: &Skeleton, clip: &EulerClip, time: f64) -> Vec<f64> {
+    let mut q = vec![0.0; skeleton.angles()];
+    clip.sample(time, Playback::Hold, &mut q).unwrap();
+    q
+}
+
+/// By forward kinematics of the bones: the tip is at x = length of the posed bone.
+fn tip(skeleton: &Skeleton, clip: &EulerClip, bone: BoneId, time: f64) -> DVec3 {
+    let placed = skeleton.pose(&angles(skeleton, clip, time)).unwrap();
+    DVec3::from(placed.tip(skeleton, bone).unwrap().to_array())
+}
+
+/// A loop of 10 cm about where the hand is halfway.
+fn curve(skeleton: &Skeleton, clip: &EulerClip, hand: BoneId) -> KeyedCurve<DVec3> {
+    let middle = tip(skeleton, clip, hand, 2.1);
+    let times: Vec<f64> = (0..=18).map(|k| SPAN[0] + 0.1 * f64::from(k)).collect();
+    let points = times.iter().map(|time| {
+        let (sin, cos) = (3.0 * (time - SPAN[0])).sin_cos();
+        middle + DVec3::new(0.06 * sin, 0.05 * cos, 0.05 * sin)
+    });
+    let points = points.collect();
+    KeyedCurve::catmull_rom(times, points).unwrap()
+}
+
+fn all_times() -> impl Iterator<Item = f64> {
+    (0..=3000).map(|k| f64::from(k) / 1000.0)
+}
+
+#[test]
+fn the_hand_follows_by_the_rig_s_own_keys_alone() {
+    let rig = rig();
+    let (skeleton, clip) = (&rig.skeleton, dense(&rig));
+    let hand = skeleton.bone(HAND).unwrap();
+    let curve = curve(skeleton, &clip, hand);
+    let reach = Reach::along(hand, curve.clone())
+        .over(SPAN[0]..=SPAN[1])
+        .fade(0.2);
+    let edited = KeyframeIk::new(skeleton).reach(reach).solve(&clip).unwrap();
+    // It follows, between keys as well; and did not before.
+    let off = |clip: &EulerClip| {
+        let times = all_times().filter(|time| (1.5..=2.7).contains(time));
+        let off = times.map(|time| tip(skeleton, clip, hand, time).distance(curve.at(time)));
+        off.fold(0.0, f64::max)
+    };
+    let (before, after) = (off(&clip), off(&edited.clip));
+    assert!(before > 0.05 && after < 0.02, "{before} {after}");
+    assert!(
+        (edited.led[0].miss - after).abs() < 0.02,
+        "{:?} {after}",
+        edited.led
+    );
+    // Keys outside the span are what they were, to the bit; and so are times, bones and what nothing moves.
+    let mut changed = 0;
+    assert_eq!(edited.clip.tracks().len(), clip.tracks().len());
+    for (new, old) in edited.clip.tracks().iter().zip(clip.tracks()) {
+        assert_eq!((new.bone, new.keys.len()), (old.bone, old.keys.len()));
+        for (new, old) in new.keys.iter().zip(&old.keys) {
+            assert_eq!(new.time, old.time);
+            if (SPAN[0]..=SPAN[1]).contains(&old.time) {
+                changed += usize::from(new != old);
+            } else {
+                assert_eq!(new, old);
+            }
+        }
+    }
+    assert_eq!(changed, edited.keys_changed);
+    // So two keys before the span nothing moves.
+    for time in all_times().filter(|time| *time <= SPAN[0] - 0.4) {
+        assert_eq!(
+            angles(skeleton, &edited.clip, time),
+            angles(skeleton, &clip, time)
+        );
+    }
+}
+
+#[test]
+fn limits_hold_between_keys_where_targets_ask_for_more() {
+    let rig = rig();
+    let (skeleton, clip) = (&rig.skeleton, dense(&rig));
+    let hand = skeleton.bone(HAND).unwrap();
+    // Behind the back and far away: shoulder and elbow come to their limits.
+    for target in [[-0.6, -0.1, 1.3], [0.1, 0.6, 1.5], [0.0, -0.2, 0.4]] {
+        let reach = Reach::to(hand, target).unwrap().over(SPAN[0]..=SPAN[1]);
+        let edited = KeyframeIk::new(skeleton).reach(reach).solve(&clip).unwrap();
+        let mut touched = false;
+        for time in all_times() {
+            let [new, old] = [&edited.clip, &clip].map(|clip| angles(skeleton, clip, time));
+            for (k, (new, old)) in new.iter().zip(&old).enumerate() {
+                let limits = skeleton.bones()[k / 3].limits[k % 3];
+                // Where the clip itself was beyond, no further.
+                let (lower, upper) = (limits.lower.min(*old), limits.upper.max(*old));
+                assert!(
+                    lower - 1e-9 <= *new && *new <= upper + 1e-9,
+                    "{target:?}, {time} s: {k}"
+                );
+                touched |= new != old && ((new - lower).abs() < 0.05 || (upper - new).abs() < 0.05);
+            }
+        }
+        assert!(touched, "{target:?} asks for no limit");
+    }
+}
+
+#[test]
+fn no_small_change_of_the_keys_does_better() {
+    let rig = rig();
+    let (skeleton, clip) = (&rig.skeleton, dense(&rig));
+    let hand = skeleton.bone(HAND).unwrap();
+    let curve = curve(skeleton, &clip, hand);
+    let reach = || {
+        Reach::along(hand, curve.clone())
+            .over(SPAN[0]..=SPAN[1])
+            .fade(0.0)
+    };
+    let edited = KeyframeIk::new(skeleton)
+        .reach(reach())
+        .solve(&clip)
+        .unwrap();
+    // Told anew: the sum of squares over 60 moments a second, and 0.001 of the rig's size for a radian of a key.
+    let cost = |of: &EulerClip| {
+        let moments = (0..=108).map(|k| SPAN[0] + (SPAN[1] - SPAN[0]) * f64::from(k) / 108.0);
+        let off =
+            moments.map(|time| tip(skeleton, of, hand, time).distance_squared(curve.at(time)));
+        let off: f64 = off.sum();
+        let pairs = of.tracks().iter().zip(clip.tracks());
+        let keys = pairs.flat_map(|(new, old)| new.keys.iter().zip(&old.keys));
+        let moved =
+            keys.flat_map(|(new, old)| [0, 1, 2].map(|k| (new.angles[k] - old.angles[k]).powi(2)));
+        off + (1e-3 * skeleton.size()).powi(2) * moved.sum::<f64>()
+    };
+    let least = cost(&edited.clip);
+    assert!(least < 0.05 * cost(&clip));
+    let mut random = Random::new(5);
+    let mut tried = 0;
+    for _ in 0..300 {
+        let mut tracks = edited.clip.tracks().to_vec();
+        let track = random.below(tracks.len());
+        let bone = tracks[track].bone.index();
+        let key = 7 + random.below(8);
+        let angle = random.below(3);
+        let limits = skeleton.bones()[bone].limits[angle];
+        let own = &mut tracks[track].keys[key].angles[angle];
+        let new = *own + random.within(-0.02, 0.02);
+        // Well within, so that neither key nor spline is at a limit.
+        if !(limits.lower + 0.1..=limits.upper - 0.1).contains(&new) {
+            continue;
+        }
+        *own = new;
+        tried += 1;
+        let other = cost(&EulerClip::new(tracks).unwrap());
+        assert!(
+            other > least - 1e-6,
+            "key {key} of bone {bone}: {other} {least}"
+        );
+    }
+    assert!(tried > 50, "{tried}");
+}
+
+#[test]
+fn what_is_wrong_is_named() {
+    let rig = rig();
+    let clip = dense(&rig);
+    let hand = rig.skeleton.bone(HAND).unwrap();
+    let reach = || Reach::to(hand, [0.3, -0.3, 1.2]).unwrap();
+    let ik = || KeyframeIk::new(&rig.skeleton);
+    let says = |ik: KeyframeIk<'_>| ik.solve(&clip).unwrap_err().to_string();
+    assert_eq!(ik().solve(&clip).unwrap_err(), ClipIkError::Nothing);
+    assert!(says(ik().reach(reach()).reach(reach())).contains("twice"));
+    assert!(says(ik().reach(reach().over(7.0..=8.0))).contains("from 7 s"));
+    let short = || reach().over(1.05..=1.15);
+    assert!(says(ik().reach(short())).contains("no key"));
+    assert!(says(ik().reach(reach()).moments_per_second(f64::NAN)).contains("moments_per_second"));
+    assert!(says(ik().reach(reach()).moments_per_second(1e12)).contains("million"));
+    let foot = rig.skeleton.bone("left_foot").unwrap();
+    assert!(says(ik().reach(reach()).root(foot)).contains("does not hang on the root `left_foot`"));
+    let still = Reach::to(foot, [0.0, 0.1, 0.1]).unwrap();
+    assert!(says(ik().reach(still)).contains("no key"));
+    let none = EulerClip::default();
+    assert_eq!(
+        ik().reach(reach()).solve(&none).unwrap_err(),
+        ClipIkError::NoKeys
+    );
+}
