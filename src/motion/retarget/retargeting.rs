@@ -1,5 +1,6 @@
 //! Fits a capture to a model, and brings the one onto the other.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::contacts::Standing;
@@ -125,24 +126,34 @@ impl<'r> Retargeting<'r> {
 
     /// How firmly each driven point stands in a frame, led there and let go.
     fn firmness(&self, frame: usize, firmness: &mut [f64]) {
-        firmness.fill(0.0);
         let lead = self.options.contacts.lead_frames(self.frame_rate);
-        for Standing { limb, span } in &self.standing {
-            let off = match frame < span.start {
-                true => span.start - frame,
-                false => (frame + 1).saturating_sub(span.end),
-            };
-            let share = 1.0 - off as f64 / (lead + 1) as f64;
-            firmness[*limb] = firmness[*limb].max(share);
+        for (limb, firmness) in firmness.iter_mut().enumerate() {
+            let shares = self.next_to(limb, frame).map(|span| {
+                let off = match frame < span.start {
+                    true => span.start - frame,
+                    false => (frame + 1).saturating_sub(span.end),
+                };
+                1.0 - off as f64 / (lead + 1) as f64
+            });
+            *firmness = shares.fold(0.0, f64::max);
         }
     }
 
     /// Which driven points stand in a frame.
     fn stand(&self, frame: usize, stands: &mut [bool]) {
-        stands.fill(false);
-        for standing in self.standing.iter().filter(|own| own.span.contains(&frame)) {
-            stands[standing.limb] = true;
+        for (limb, stands) in stands.iter_mut().enumerate() {
+            *stands = self.next_to(limb, frame).any(|span| span.contains(&frame));
         }
+    }
+
+    /// The spans over which a limb stands before a frame or in it, and after it: as they are in order of limbs and frames, a movement
+    /// of a million frames costs as much a frame as a short one.
+    fn next_to(&self, limb: usize, frame: usize) -> impl Iterator<Item = &Range<usize>> {
+        let before = |own: &Standing| (own.limb, own.span.start) <= (limb, frame);
+        let after = self.standing.partition_point(before);
+        let near = &self.standing[after.saturating_sub(1)..self.standing.len().min(after + 1)];
+        let own = near.iter().filter(move |own| own.limb == limb);
+        own.map(|own| &own.span)
     }
 
     /// A follower that begins where the first frame wants it, for places that come one by one.
