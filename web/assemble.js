@@ -12,7 +12,7 @@ for (const license of ["LICENSE-APACHE", "LICENSE-MIT"]) copyFileSync(here(`../$
 rmSync(here("dist/kinopt_bg.wasm.d.ts"));
 
 // All but what makes the module ready.
-const classes = names("dist/kinopt.js", /^export class (\w+)/gm).join(", ");
+const classes = names("dist/kinopt.js", /^export (?:class|function) (\w+)/gm).join(", ");
 const types = names("dist/kinopt.d.ts", /^export (?:interface|type) (\w+)/gm).filter((name) => !/^(Sync)?Init/.test(name)).join(", ");
 const own = ['export { placement } from "./placement.js";', 'export * as tasks from "./tasks.js";'];
 write("all.js", [`export { ${classes} } from "./kinopt.js";`, ...own]);

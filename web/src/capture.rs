@@ -71,8 +71,8 @@ impl MotionCapture {
         self.notes.clone()
     }
 
-    /// A figure to drag, standing in a pose, at rest without one.
-    pub fn figure(&self, pose: Option<Pose>) -> Result<Figure, JsError> {
-        Figure::standing(&self.armature.inner, &self.turning, pose.as_ref())
+    /// A figure to drag, standing in a pose.
+    pub fn figure(&self, pose: &Pose) -> Result<Figure, JsError> {
+        Figure::standing(&self.armature.inner, &self.turning, pose)
     }
 }

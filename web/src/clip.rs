@@ -87,6 +87,16 @@ impl Clip {
             cursor: Cursor::new(),
         }
     }
+
+    #[cfg(feature = "retargeting")]
+    pub(crate) fn inner(&self) -> &kinopt::animation::Clip {
+        &self.inner
+    }
+
+    #[cfg(feature = "retargeting")]
+    pub(crate) fn armature(&self) -> &Bones {
+        &self.armature
+    }
 }
 
 #[wasm_bindgen]

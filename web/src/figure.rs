@@ -21,16 +21,14 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// The figure of an armature that stands in a pose (at rest without one), whose bones `turning` turn.
+    /// The figure of an armature that stands in a pose, whose bones `turning` turn.
     pub(crate) fn standing(
         armature: &Rc<Bones>,
         turning: &BTreeSet<BoneId>,
-        pose: Option<&Pose>,
+        pose: &Pose,
     ) -> Result<Self, JsError> {
-        let mut armature = Bones::clone(armature);
-        if let Some(pose) = pose {
-            armature = armature.at_rest_in(&pose.inner).map_err(raise)?;
-        }
+        let armature = Bones::clone(armature);
+        let armature = armature.at_rest_in(&pose.inner).map_err(raise)?;
         let limits = |bone: BoneId| match turning.contains(&bone) {
             true => [Limits::UNBOUNDED; 3],
             false => [Limits::new(0.0, 0.0); 3],

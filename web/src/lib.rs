@@ -21,6 +21,8 @@ mod names;
 mod object;
 mod placement;
 mod problem;
+#[cfg(feature = "retargeting")]
+mod retargeting;
 mod rig;
 mod robot;
 #[cfg(feature = "gltf")]

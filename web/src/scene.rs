@@ -61,10 +61,10 @@ impl Scene {
         self.inner.notes.iter().map(ToString::to_string).collect()
     }
 
-    /// A figure to drag, standing in a pose, at rest without one.
-    pub fn figure(&self, pose: Option<Pose>) -> Result<Figure, JsError> {
+    /// A figure to drag, standing in a pose.
+    pub fn figure(&self, pose: &Pose) -> Result<Figure, JsError> {
         let turning = self.inner.turning_bones();
-        Figure::standing(&self.armature.inner, &turning, pose.as_ref())
+        Figure::standing(&self.armature.inner, &turning, pose)
     }
 
     /// Memory for posing the meshes by "lbs" (linear blend) or "dqs" (dual quaternions).

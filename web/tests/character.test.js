@@ -1,7 +1,7 @@
 // A character is dragged, posed and played.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { Drag, MotionCapture, Problem, Solver, tasks } from "kinopt";
+import { Drag, MotionCapture, Problem, Scene, Solver, tasks } from "kinopt";
 import { humanoid, pinned } from "./humanoid.js";
 
 test("a hand is dragged along 300 points, the pins hold, no joint leaps", () => {
@@ -72,7 +72,7 @@ test("a capture is played, and dragged from where it stands", () => {
     const tip = placed.slice(16 * 3 + 12, 16 * 3 + 15);
     // A quarter turn about z takes up to the left.
     [-50, 140, 0].forEach((value, k) => assert.ok(Math.abs(tip[k] - value) < 1e-3, `${tip}`));
-    const figure = capture.figure();
+    const figure = capture.figure(capture.armature.rest);
     const { skeleton } = figure;
     const q = skeleton.model.neutral();
     const target = [20, 170, 0];
@@ -82,4 +82,71 @@ test("a capture is played, and dragged from where it stands", () => {
     assert.ok(solution.reached, solution.explain());
     const reached = capture.armature.localToModel(figure.toPose(solution.q)).slice(60, 63);
     target.forEach((value, k) => assert.ok(Math.abs(reached[k] - value) < 1e-2, `${reached}`));
+});
+
+/** A strip of three vertices on two bones, the second of which turns by a quarter in a second: a file and its buffer. */
+function strip() {
+    const parts = [
+        new Float32Array([0, 0, 0, 0, 1, 0, 0, 2, 0]),
+        new Float32Array([0, 0, 1, 0, 0, 1, 0, 0, 1]),
+        new Uint8Array([0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0]),
+        new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0]),
+        new Uint32Array([0, 1, 2]),
+        new Float32Array([0, 1]),
+        new Float32Array([0, 0, 0, 1, 0, 0, Math.SQRT1_2, Math.SQRT1_2]),
+    ];
+    const types = [[3, "VEC3", 5126], [3, "VEC3", 5126], [3, "VEC4", 5121], [3, "VEC4", 5126], [3, "SCALAR", 5125], [2, "SCALAR", 5126], [2, "VEC4", 5126]];
+    let byteOffset = 0;
+    const bufferViews = parts.map(({ byteLength }) => {
+        const view = { buffer: 0, byteOffset, byteLength };
+        byteOffset += byteLength;
+        return view;
+    });
+    const accessors = types.map(([count, type, componentType], bufferView) => ({ bufferView, componentType, count, type }));
+    Object.assign(accessors[0], { min: [0, 0, 0], max: [0, 2, 0] });
+    Object.assign(accessors[5], { min: [0], max: [1] });
+    const file = {
+        asset: { version: "2.0" },
+        buffers: [{ uri: "strip.bin", byteLength: byteOffset }],
+        bufferViews,
+        accessors,
+        meshes: [{ primitives: [{ attributes: { POSITION: 0, NORMAL: 1, JOINTS_0: 2, WEIGHTS_0: 3 }, indices: 4 }] }],
+        nodes: [{ name: "low", children: [1] }, { name: "high", translation: [0, 1, 0], children: [3] }, { mesh: 0, skin: 0 }, { name: "end", translation: [0, 1, 0] }],
+        // Bound where they are: the inverse bind matrices are the identity where none are given.
+        skins: [{ joints: [0, 1] }],
+        scenes: [{ nodes: [0, 2] }],
+        scene: 0,
+        animations: [{ name: "bend", samplers: [{ input: 5, output: 6 }], channels: [{ sampler: 0, target: { node: 1, path: "rotation" } }] }],
+    };
+    const buffer = new Uint8Array(byteOffset);
+    parts.forEach((part, k) => buffer.set(new Uint8Array(part.buffer), bufferViews[k].byteOffset));
+    return [new TextEncoder().encode(JSON.stringify(file)), buffer];
+}
+
+test("a scene is played with its skin, and dragged from where its clip has it", () => {
+    const [file, buffer] = strip();
+    const asked = [];
+    const scene = Scene.fromBytes(file, "strip.gltf", (name) => (asked.push(name), name === "strip.bin" ? buffer : undefined));
+    assert.deepEqual(asked, ["strip.bin"]);
+    const [clip] = scene.clips;
+    assert.deepEqual([clip.name, clip.duration], ["bend", 1]);
+    for (const method of ["lbs", "dqs"]) {
+        const skin = scene.posing(method);
+        assert.deepEqual([...skin.triangles], [0, 1, 2]);
+        skin.deform(clip.sample(1));
+        // W of the second bone: a quarter turn about z at (0, 1, 0); its vertices are in its own coordinates.
+        const places = [0, 0, 0, -1, 1, 0, -2, 1, 0];
+        skin.positions.forEach((value, k) => assert.ok(Math.abs(value - places[k]) < 1e-5, `${method} ${skin.positions}`));
+        assert.equal(skin.normals.length, 9);
+    }
+    const figure = scene.figure(clip.sample(1));
+    const { skeleton } = figure;
+    const q = skeleton.model.neutral();
+    const task = tasks.point(skeleton.tip("end"), [0, 2, 0], { name: "end" });
+    const solution = new Drag(new Problem(skeleton.model, [task]), q).settle();
+    assert.ok(solution.reached, solution.explain());
+    const placed = scene.armature.localToModel(figure.toPose(solution.q));
+    const at = scene.armature.names.indexOf("end");
+    [0, 2, 0].forEach((value, k) => assert.ok(Math.abs(placed[16 * at + 12 + k] - value) < 1e-3, `${placed.slice(16 * at + 12, 16 * at + 15)}`));
+    assert.throws(() => Scene.fromBytes(file, "strip.gltf"), /strip\.gltf.*strip\.bin/s);
 });

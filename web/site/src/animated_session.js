@@ -1,36 +1,27 @@
 // A glTF scene or a capture: dragged from where its clip has it, on its feet.
-import { Drag, Problem, tasks } from "kinopt";
-import { Handles, told } from "./handles.js";
+import { Problem } from "kinopt";
+import { CharacterSession } from "./character_session.js";
 
-export class AnimatedSession {
+export class AnimatedSession extends CharacterSession {
     constructor(thing, { skinning = "lbs" }) {
+        super();
         this.thing = thing;
         this.clip = thing.clips ? thing.clips[0] : thing.clip;
-        this.stand(undefined);
+        this.stand(this.thing.armature.rest);
         this.skin(skinning);
     }
 
     describe() {
-        return {
-            kind: "character",
-            up: "y",
-            from: [0.55, 0.3, 1],
-            handles: this.handles.names,
-            parents: this.figure.skeleton.parents,
-            pins: [],
-            triangles: this.posing?.triangles ?? new Uint32Array(),
-            seconds: this.clip?.duration ?? 0,
-            notes: this.thing.notes,
-        };
+        const triangles = this.posing?.triangles ?? new Uint32Array();
+        const seconds = this.clip?.duration ?? 0;
+        return this.described({ up: "y", from: [0.55, 0.3, 1], pins: [], triangles, seconds, notes: this.thing.notes });
     }
 
-    /** Has it stand in a pose, at rest without one; its angles count from there. */
+    /** Has it stand in a pose; its angles count from there. */
     stand(pose) {
         this.figure = this.thing.figure(pose);
         const { skeleton } = this.figure;
-        this.q = skeleton.model.neutral();
-        const frames = skeleton.boneNames.map((bone) => [bone, skeleton.tip(bone)]);
-        this.handles = new Handles(skeleton.model, Object.fromEntries(frames));
+        this.stands(skeleton, skeleton.model.neutral());
     }
 
     skin(method) {
@@ -39,22 +30,10 @@ export class AnimatedSession {
         return this.show();
     }
 
+    /** What a figure without limits does not move is told by the library. */
     grab(handle, pins) {
-        const { skeleton } = this.figure;
-        const held = new Set([...skeleton.holds([handle]), ...pins, handle]);
-        const points = [...held].map((name) =>
-            tasks.point(this.handles.frames[name], this.handles.place(this.q, name), { name }));
-        this.grabbed = handle;
-        this.dragging = new Drag(Problem.holding(skeleton, [handle], points, this.q), this.q);
-        return {};
-    }
-
-    drag(target) {
-        const begun = performance.now();
-        const solution = this.dragging.advance({ [this.grabbed]: target });
-        this.q = solution.q;
-        const milliseconds = performance.now() - begun;
-        return { ...this.show(), ...told(solution, this.figure.skeleton.model.reach), solved: milliseconds, rests: this.dragging.rests };
+        const held = [...this.skeleton.holds([handle]), ...pins];
+        return this.drags(handle, held, (points) => Problem.holding(this.skeleton, [handle], points, this.q));
     }
 
     play(seconds) {
@@ -63,15 +42,11 @@ export class AnimatedSession {
     }
 
     rest() {
-        this.stand(undefined);
+        this.stand(this.thing.armature.rest);
         return this.show();
     }
 
     show() {
-        const begun = performance.now();
-        this.posing?.deform(this.figure.toPose(this.q));
-        const posed = performance.now() - begun;
-        const skin = this.posing ? { positions: this.posing.positions.slice(), normals: this.posing.normals.slice() } : {};
-        return { ...skin, places: this.handles.places(this.q), posed };
+        return this.shown((posing) => posing.deform(this.figure.toPose(this.q)));
     }
 }

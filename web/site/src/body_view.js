@@ -38,12 +38,14 @@ export class BodyView {
     #skin() {
         this.geometry = new THREE.BufferGeometry();
         this.geometry.setIndex(new THREE.BufferAttribute(this.opened.triangles, 1));
-        for (const name of ["position", "normal"]) {
+        // What has no normals is lit face by face.
+        const flatShading = this.opened.normals.length === 0;
+        for (const name of flatShading ? ["position"] : ["position", "normal"]) {
             const numbers = new Float32Array(this.opened.positions.length);
             const attribute = new THREE.BufferAttribute(numbers, 3).setUsage(THREE.DynamicDrawUsage);
             this.geometry.setAttribute(name, attribute);
         }
-        const mesh = new THREE.Mesh(this.geometry, solid(SKIN, { transparent: true, opacity: 0.92, side: THREE.DoubleSide }));
+        const mesh = new THREE.Mesh(this.geometry, solid(SKIN, { transparent: true, opacity: 0.92, side: THREE.DoubleSide, flatShading }));
         mesh.frustumCulled = false;
         this.group.add(mesh);
     }
@@ -103,7 +105,7 @@ export class BodyView {
             const { position, normal } = this.geometry.attributes;
             position.array.set(positions ?? places);
             position.needsUpdate = true;
-            if (normals) {
+            if (normal) {
                 normal.array.set(normals);
                 normal.needsUpdate = true;
             }

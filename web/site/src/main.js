@@ -11,6 +11,8 @@ const library = new Library();
 const page = {
     view: undefined,
     opened: undefined,
+    /** What the library was asked for it. */
+    asked: undefined,
     pins: new Set(),
     grabbed: undefined,
     /** Where what is grabbed should go. */
@@ -36,7 +38,9 @@ async function open(wanted, name) {
     say(`Opening ${name}…`);
     const patience = setTimeout(() => (element("stop").hidden = false), 300);
     try {
-        const opened = await library.ask("open", { ...(await wanted), skinning: page.method });
+        const asked = { ...(await wanted), skinning: page.method };
+        const opened = await library.ask("open", asked);
+        page.asked = asked;
         page.view?.remove();
         page.opened = opened;
         page.pins = new Set(opened.pins);
@@ -52,6 +56,8 @@ async function open(wanted, name) {
         say(opened.notes.join(" "));
     } catch (error) {
         say(error.message, true);
+        // A library that was stopped has forgotten what it had before.
+        if (page.asked) page.view.show(await library.ask("open", { ...page.asked, skinning: page.method }));
     } finally {
         clearTimeout(patience);
         element("stop").hidden = true;

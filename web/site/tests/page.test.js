@@ -185,6 +185,32 @@ test("files are chosen, and bad ones are told in the library's words", { skip },
     await page.close();
 });
 
+test("what takes long is stopped, and what was open is there again", { skip }, async () => {
+    const { page, said } = await opened();
+    await page.evaluate(() => {
+        const joints = Array.from({ length: 60 }, (_, k) => `JOINT j${k} {\nOFFSET 0 1 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n`);
+        const head = `HIERARCHY\nROOT r {\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n${joints.join("")}End Site {\nOFFSET 0 1 0\n}\n`;
+        const frames = 80_000;
+        const text = `${head}${"}\n".repeat(61)}MOTION\nFrames: ${frames}\nFrame Time: 0.01\n${`${"0.5 ".repeat(183)}\n`.repeat(frames)}`;
+        const dataTransfer = new DataTransfer();
+        dataTransfer.items.add(new File([text], "long.bvh"));
+        dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true }));
+    });
+    await page.locator("#stop").click();
+    await page.waitForFunction(() => document.querySelector("#status").textContent === "Stopped.");
+    await page.waitForFunction(() => document.querySelector("#stop").hidden);
+    const hand = await seen(page, "left_hand");
+    await page.mouse.move(hand.x, hand.y);
+    await page.mouse.down();
+    await page.mouse.move(hand.x - 30, hand.y + 60, { steps: 20 });
+    await page.mouse.up();
+    await settled(page);
+    const moved = await seen(page, "left_hand");
+    assert.ok(Math.hypot(moved.x - hand.x, moved.y - hand.y) > 20);
+    assert.deepEqual(said, []);
+    await page.close();
+});
+
 test("a finger drags on a small screen, where nothing is wider than it", { skip }, async () => {
     const { page, said } = await opened({ viewport: { width: 360, height: 640 }, hasTouch: true, isMobile: true });
     assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= 360));
