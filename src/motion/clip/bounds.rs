@@ -4,8 +4,27 @@ use crate::problem::Problem;
 
 /// Shares of the moves, and of the ranges about their middles, that a motion well within its bounds is looked for in.
 const SHARES: [f64; 6] = [0.5, 0.9, 0.99, 0.999, 0.999_99, 0.999_999_9];
-/// How much a start is drawn towards that motion, so that it stands off its bounds.
-const INWARD: f64 = 0.02;
+/// How a start is drawn off its bounds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Inward {
+    /// So far towards a motion well within them …
+    share: f64,
+    /// … where a variable has not this share of its range and of its moves as room.
+    room: f64,
+}
+
+impl Inward {
+    /// Every variable: a start is no more than that.
+    pub(super) const ALL: Self = Self {
+        share: 0.02,
+        room: f64::INFINITY,
+    };
+    /// What is at its bounds alone, and little: the start is good.
+    pub(super) const LITTLE: Self = Self {
+        share: 0.005,
+        room: 0.0025,
+    };
+}
 
 /// Bounds that are the same in all frames.
 #[derive(Clone, Debug)]
@@ -73,7 +92,7 @@ impl FrameBounds {
     ///
     /// # Errors
     /// A variable that cannot come from one fixed frame to the next.
-    pub(super) fn draw_within(&self, x: &mut Frames<'_>) -> Result<(), TooFar> {
+    pub(super) fn draw_within(&self, x: &mut Frames<'_>, inward: Inward) -> Result<(), TooFar> {
         let frames = x.frames();
         for variable in (0..self.most.len()).filter(|&variable| self.is_bounded(variable)) {
             let leaps = |frame: usize| {
@@ -112,6 +131,9 @@ impl FrameBounds {
                 }
                 x.set(frame, variable, value);
             }
+            if self.room(x, variable) > inward.room {
+                continue;
+            }
             let free: Vec<usize> = (0..frames).filter(|&frame| !x.fixed[frame]).collect();
             // One that has no range of its own stands off its moves by keeping still.
             let still = free.first().map_or(0.0, |&frame| x.at(frame, variable));
@@ -122,10 +144,30 @@ impl FrameBounds {
                     false => middle[frame],
                 };
                 let value = x.at(frame, variable);
-                x.set(frame, variable, value + INWARD * (inside - value));
+                x.set(frame, variable, value + inward.share * (inside - value));
             }
         }
         Ok(())
+    }
+
+    /// How far a motion stays off a variable's bounds, as a share of the way between them, and of its moves.
+    fn room(&self, x: &Frames<'_>, variable: usize) -> f64 {
+        let (low, high) = (self.lower[variable], self.upper[variable]);
+        let range = Some(high - low)
+            .filter(|range| range.is_finite())
+            .unwrap_or(1.0);
+        let most = self.most[variable];
+        let mut room = f64::INFINITY;
+        for frame in (0..x.frames()).filter(|&frame| !x.fixed[frame]) {
+            let value = x.at(frame, variable);
+            room = room.min((value - low) / range).min((high - value) / range);
+            for beside in [frame.wrapping_sub(1), frame + 1] {
+                if beside < x.frames() && most.is_finite() {
+                    room = room.min((most - (value - x.at(beside, variable)).abs()) / most);
+                }
+            }
+        }
+        room
     }
 
     fn is_bounded(&self, variable: usize) -> bool {

@@ -16,7 +16,7 @@ use crate::task::{Point, Quantity, Residual, Task};
 /// How large values of a variable without limits are taken to be, where rounding is told, in radians or metres.
 const UNBOUNDED_SIZE: f64 = 1e4;
 
-/// So many times the largest weight of a length.
+/// A metre of slip costs a held point so many times the largest weight of a length.
 const STIFFER: f64 = 300.0;
 
 /// Collects the tasks, weights and limits of a [`MotionProblem`]; [`build`](Self::build) checks them.
@@ -31,8 +31,6 @@ pub struct MotionProblemBuilder<'m> {
     /// By number of a configuration.
     speeds: Vec<f64>,
     contacts: Vec<Contact>,
-    /// What a metre of slip costs a held point, in the largest weight of a length.
-    stiffer: f64,
     ends: [Option<Vec<f64>>; 2],
     /// The first name or number that was wrong.
     wrong: Option<MotionError>,
@@ -59,7 +57,6 @@ impl<'m> MotionProblemBuilder<'m> {
             rate_costs: Vec::new(),
             speeds: vec![f64::INFINITY; model.configuration_len()],
             contacts: Vec::new(),
-            stiffer: STIFFER,
             ends: [None, None],
             wrong: None,
         }
@@ -159,12 +156,6 @@ impl<'m> MotionProblemBuilder<'m> {
         self
     }
 
-    /// How many times the largest weight of a length a metre of slip costs, before springs are tightened.
-    pub(in crate::motion) fn stiffness(&mut self, times: f64) -> &mut Self {
-        self.stiffer = times;
-        self
-    }
-
     /// The configuration of the first frame.
     pub fn first(&mut self, q: &[f64]) -> &mut Self {
         self.ends[0] = Some(q.to_vec());
@@ -238,7 +229,7 @@ impl<'m> MotionProblemBuilder<'m> {
             follow(0, &mut targets)?;
         }
         Ok(MotionProblem {
-            stiffness: stiffness(&problem, self.stiffer),
+            stiffness: stiffness(&problem),
             space: FrameSpace::new(map),
             bounds: FrameBounds::new(&problem, most),
             problem,
@@ -325,13 +316,13 @@ fn check_weights(
 }
 
 /// What a metre of slip costs a held point: far more than the tasks pull it by.
-fn stiffness(problem: &Problem, times: f64) -> f64 {
+fn stiffness(problem: &Problem) -> f64 {
     let blocks = problem
         .compiled_tasks()
         .iter()
         .flat_map(|task| task.blocks());
     let metres = blocks.filter(|block| block.measure.quantity == Quantity::Metres);
-    times * metres.map(|block| block.weight).fold(1.0, f64::max)
+    STIFFER * metres.map(|block| block.weight).fold(1.0, f64::max)
 }
 
 /// The points of contacts as one problem.

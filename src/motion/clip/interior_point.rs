@@ -6,7 +6,7 @@
 
 use super::barrier::Barrier;
 use super::block_banded::BlockBanded;
-use super::bounds::Frames;
+use super::bounds::{Frames, Inward};
 use super::evaluator::{Evaluator, Stretch};
 use super::{MotionError, MotionProblem, MotionTermination};
 use crate::solver::dot;
@@ -41,6 +41,8 @@ pub(super) struct Limits {
     pub(super) iterations: usize,
     /// Whether frames may bend as they do.
     pub(super) curvature: bool,
+    /// How a start is drawn off its bounds.
+    pub(super) inward: Inward,
     /// What may still slip from a frame to the next, metres.
     pub(super) slip_m: f64,
 }
@@ -84,7 +86,10 @@ impl Window<'_, '_> {
         let n = self.motion.variables();
         let frames = self.fixed.len();
         let fixed = &self.fixed;
-        let within = self.motion.bounds.draw_within(&mut Frames { x, fixed });
+        let within = self
+            .motion
+            .bounds
+            .draw_within(&mut Frames { x, fixed }, limits.inward);
         within.map_err(|too_far| self.too_far(too_far.variable))?;
         self.evaluator.held.begin(frames);
         let mut barrier = Barrier::new(&self.motion.bounds, &self.fixed);

@@ -1,5 +1,6 @@
 //! Solves motions: all frames as one, or window by window.
 
+use super::bounds::Inward;
 use super::evaluator::{Evaluator, Stretch};
 use super::frame_residuals::FrameResiduals;
 use super::interior_point::{Limits, Window};
@@ -30,6 +31,7 @@ pub struct MotionSolver {
     curvature: bool,
     slip_m: f64,
     windows: Option<Windows>,
+    inward: Inward,
 }
 
 impl Default for MotionSolver {
@@ -41,6 +43,7 @@ impl Default for MotionSolver {
             curvature: true,
             slip_m: 1e-8,
             windows: None,
+            inward: Inward::ALL,
         }
     }
 }
@@ -58,6 +61,13 @@ impl MotionSolver {
         pub fn with_slip(mut self, metres: f64) { self.slip_m = metres }
         /// In windows, or all frames as one.
         pub fn with_windows(mut self, windows: Option<Windows>) { self.windows = windows }
+    }
+
+    /// Takes the start for a good one, which is hardly moved off its bounds.
+    #[must_use]
+    pub(in crate::motion) fn with_good_start(mut self) -> Self {
+        self.inward = Inward::LITTLE;
+        self
     }
 
     /// Solves a motion, from a configuration near its first frame's.
@@ -130,6 +140,7 @@ impl MotionSolver {
             iterations: self.max_iterations,
             curvature: self.curvature,
             slip_m: self.slip_m,
+            inward: self.inward,
         };
         let mut evaluator = Evaluator::new(motion);
         let mut report = Report::new(motion);

@@ -15,6 +15,12 @@ fn joints_above(model: &Model, frame: FrameId) -> Vec<JointId> {
     joints.collect()
 }
 
+/// The joint that moves a frame, if any does.
+pub(super) fn moving_joint(model: &Model, frame: FrameId) -> Option<JointId> {
+    let mut above = joints_above(model, frame).into_iter();
+    above.find(|id| model.joints()[id.index()].kind.moves())
+}
+
 /// Where a limb's end is on the joint that moves it, beyond all that is fixed to that one.
 fn from_moving_joint(model: &Model, limb: &Limb) -> Vector3<f64> {
     let frame = &model.frames()[limb.frame.index()];

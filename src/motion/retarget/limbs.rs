@@ -2,12 +2,12 @@
 
 use super::hip_line::HipLine;
 use super::limb_lengths::{capture_places, lengths, model_places, quantile};
-use super::limb_tree::{hips, leg_limbs, order};
+use super::limb_tree::{hips, leg_limbs, moving_joint, order};
 use super::{BodyMap, Capture, RetargetError, UpAxis};
 use crate::bad_option::{BadOption, NOT_NEGATIVE, POSITIVE};
 use crate::kinematics::ForwardKinematics;
 use crate::model::{FrameId, Model, UnknownName};
-use crate::spatial::Vector3;
+use crate::spatial::{Placement, Vector3};
 
 /// A limb shorter than this share of the body is none: it is as long as the model's.
 const NO_LIMB: f64 = 1e-6;
@@ -28,6 +28,8 @@ pub(super) struct Limb {
     pub(super) scale: f64,
     /// Whether it stands on something at times.
     pub(super) stands: bool,
+    /// Whether it is a point of another one's body rather than of the frame that the map names.
+    pub(super) is_heel: bool,
     /// How high it is over the ground that the model stands on, metres.
     pub(super) clearance: f64,
     /// How high the person's is when it stands on the ground, in the capture's unit.
@@ -112,6 +114,7 @@ impl Limbs {
             .iter()
             .map(|limb| placed[limb.frame.index()].apply(limb.offset));
         let stood: Vec<_> = stood.collect();
+        put_heels_on_feet(model, &mut all, placed);
         let mut own = Self {
             hips: hips(&all),
             hip_line: None,
@@ -171,6 +174,24 @@ impl Limbs {
     }
 }
 
+/// Where an ankle stands and so does what is beyond it, a toe, the foot stands: so the ankle's point is taken for one of the
+/// foot, where it is in a configuration. Ankles' frames are often on the shin, which would have to stand still as well.
+fn put_heels_on_feet(model: &Model, all: &mut [Limb], placed: &[Placement<f64>]) {
+    for ankle in 0..all.len() {
+        let beyond = |toe: &&Limb| {
+            let moving = [&all[ankle], *toe].map(|limb| moving_joint(model, limb.frame));
+            toe.parent == Some(ankle) && toe.stands && moving[0] != moving[1]
+        };
+        let foot = all.iter().find(beyond).map(|toe| toe.frame);
+        let limb = &mut all[ankle];
+        if let Some(foot) = foot.filter(|_| limb.stands) {
+            let at = placed[limb.frame.index()].apply(limb.offset);
+            limb.offset = placed[foot.index()].inverse().apply(at);
+            (limb.frame, limb.is_heel) = (foot, true);
+        }
+    }
+}
+
 /// A capture's vector with z upward.
 pub(super) fn upright(at: Vector3<f64>, up: UpAxis) -> Vector3<f64> {
     match up {
@@ -209,6 +230,7 @@ fn of_map(model: &Model, map: &BodyMap, capture: &Capture) -> Result<Vec<Limb>, 
                 Some(contacts) => contacts.contains(&drive.joint),
                 None => drive.is_of_a_foot(),
             },
+            is_heel: false,
             clearance: 0.0,
             ground: 0.0,
         });

@@ -27,6 +27,7 @@ mod part_names;
 mod proportions;
 mod retargeted;
 mod retargeting;
+mod whole;
 
 pub use super::ContactDetection;
 pub use body_map::{BodyMap, Drive, UpAxis};

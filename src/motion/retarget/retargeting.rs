@@ -4,24 +4,15 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::contacts::Standing;
-use super::driven_point::DrivenPoint;
-use super::follower::posture;
 use super::limbs::Limbs;
 use super::retargeted::{GivenUp, Measures};
 use super::{BodyFollower, BodyMap, Capture, ContactDetection, RetargetError, Retargeted, UpAxis};
 use crate::bad_option::{BadOption, NOT_NEGATIVE, POSITIVE};
-use crate::kinematics::ForwardKinematics;
+use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::FrameId;
-use crate::motion::clip::{Contact, MotionProblem, MotionSolver, RateCost, Windows};
+use crate::motion::clip::Windows;
 use crate::robot::Robot;
 use crate::spatial::Vector3;
-
-/// What is held in whole movements slips no more than this from a frame to the next, metres …
-const SLIP: f64 = 1e-6;
-/// … for which springs are stiff at once, as there is no time to tighten them …
-const STIFFNESS: f64 = 3000.0;
-/// … and a window takes no more iterations.
-const MOST_ITERATIONS: usize = 40;
 
 /// How a movement is brought onto a model.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,7 +39,7 @@ impl Default for RetargetOptions {
             contacts: ContactDetection::default(),
             landing_weight: 4.0,
             acceleration: 1e-4,
-            tolerance: 1e-3,
+            tolerance: 0.03,
             windows: Windows {
                 frames: 120,
                 ahead: 30,
@@ -67,8 +58,8 @@ pub struct Retargeting<'r> {
     /// How many joints a captured frame has.
     pub(super) joints: usize,
     /// Frame after frame.
-    targets: Arc<[Vector3<f64>]>,
-    standing: Vec<Standing>,
+    pub(super) targets: Arc<[Vector3<f64>]>,
+    pub(super) standing: Vec<Standing>,
 }
 
 impl<'r> Retargeting<'r> {
@@ -190,55 +181,11 @@ impl<'r> Retargeting<'r> {
         self.measure(q)
     }
 
-    /// Solves the whole movement: smooth, as each frame knows what comes, and what stands held to a micrometre.
-    ///
-    /// # Errors
-    /// As [`follower`](Self::follower), and what [`MotionSolver`] refuses.
-    pub fn whole(&self) -> Result<Retargeted, RetargetError> {
-        let start = self.per_frame()?;
-        let model = self.robot.model();
-        let mut motion = MotionProblem::builder(model, self.frames(), 1.0 / self.frame_rate);
-        motion.parameters(self.robot.map().clone());
-        motion.max_speeds_of(self.robot);
-        motion.stiffness(STIFFNESS);
-        let n = self.limbs.all.len();
-        for (k, limb) in self.limbs.all.iter().enumerate() {
-            let point = motion.add(DrivenPoint::new(limb.frame, limb.offset));
-            let (targets, weight) = (Arc::clone(&self.targets), limb.weight);
-            motion.follow(point, move |frame, point| {
-                point.set(targets[frame * n + k], weight)
-            });
-        }
-        if let Some(line) = self.limbs.hip_line.clone() {
-            let (line, targets) = (motion.add(line), Arc::clone(&self.targets));
-            motion.follow(line, move |frame, line| {
-                line.aim(&targets[frame * n..(frame + 1) * n]);
-            });
-        }
-        motion.add(posture(model));
-        motion.rate_cost(RateCost::acceleration(self.options.acceleration));
-        for Standing { limb, span } in &self.standing {
-            let limb = &self.limbs.all[*limb];
-            motion.contact(Contact::new(limb.frame, span.clone()).at([limb.offset]));
-        }
-        let motion = motion.build()?;
-        let solver = MotionSolver::default()
-            .with_tolerance(self.options.tolerance)
-            .with_curvature(false)
-            .with_slip(SLIP)
-            .with_max_iterations(MOST_ITERATIONS)
-            .with_windows(Some(self.options.windows));
-        let solved = solver.solve_near(&motion, &start.q)?;
-        self.measure(solved.q().to_vec())
-    }
-
     /// Tells how well configurations follow.
-    fn measure(&self, q: Vec<f64>) -> Result<Retargeted, RetargetError> {
+    pub(super) fn measure(&self, q: Vec<f64>) -> Result<Retargeted, RetargetError> {
         let model = self.robot.model();
         let driven = self.driven();
-        let wrong =
-            |error: crate::kinematics::KinematicsError| RetargetError::Map(error.to_string());
-        let mut kinematics = ForwardKinematics::of_frames(model, &driven).map_err(wrong)?;
+        let mut kinematics = ForwardKinematics::of_frames(model, &driven).map_err(told)?;
         let mut measures = Measures::new(driven.len());
         let mut stands = vec![false; driven.len()];
         let can_stand = self
@@ -246,11 +193,11 @@ impl<'r> Retargeting<'r> {
             .all
             .iter()
             .enumerate()
-            .filter(|(_, limb)| limb.stands);
+            .filter(|(_, limb)| limb.stands && !limb.is_heel);
         let can_stand: Vec<usize> = can_stand.map(|(limb, _)| limb).collect();
         let mut contacts = Vec::with_capacity(self.frames() * can_stand.len());
         for (frame, q) in q.chunks_exact(model.configuration_len()).enumerate() {
-            let placed = kinematics.place(q).map_err(wrong)?;
+            let placed = kinematics.place(q).map_err(told)?;
             self.stand(frame, &mut stands);
             let targets = self.targets(frame).unwrap_or_default();
             for (k, (limb, target)) in self.limbs.all.iter().zip(targets).enumerate() {
@@ -279,4 +226,8 @@ impl<'r> Retargeting<'r> {
             q,
         })
     }
+}
+
+pub(super) fn told(error: KinematicsError) -> RetargetError {
+    RetargetError::Map(error.to_string())
 }

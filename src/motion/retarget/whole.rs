@@ -1,0 +1,103 @@
+//! Whole movements: all frames as one problem.
+
+use std::sync::Arc;
+
+use super::contacts::Standing;
+use super::driven_point::DrivenPoint;
+use super::follower::posture;
+use super::retargeting::told;
+use super::{RetargetError, Retargeted, Retargeting};
+use crate::kinematics::ForwardKinematics;
+use crate::motion::clip::{MotionProblem, MotionSolver, RateCost};
+use crate::motion::contact_detection::smooth;
+use crate::spatial::Vector3;
+
+/// What a place counts in a whole movement that is held, for the most that any place counts …
+const HELD: f64 = 200.0;
+/// … and a window takes no more iterations.
+const MOST_ITERATIONS: usize = 40;
+
+impl Retargeting<'_> {
+    /// Solves the whole movement: smooth, as each frame knows what comes, and what stands held where frame by frame it came down.
+    ///
+    /// # Errors
+    /// As [`follower`](Self::follower), and what [`MotionSolver`] refuses.
+    pub fn whole(&self) -> Result<Retargeted, RetargetError> {
+        let start = self.per_frame()?;
+        let model = self.robot.model();
+        let aims: Arc<[_]> = self.aims(&start.q)?.into();
+        let mut motion = MotionProblem::builder(model, self.frames(), 1.0 / self.frame_rate);
+        motion.parameters(self.robot.map().clone());
+        motion.max_speeds_of(self.robot);
+        let n = self.limbs.all.len();
+        for (k, limb) in self.limbs.all.iter().enumerate() {
+            let point = motion.add(DrivenPoint::new(limb.frame, limb.offset));
+            let aims = Arc::clone(&aims);
+            motion.follow(point, move |frame, point| {
+                let (place, weight) = aims[frame * n + k];
+                point.set(place, weight);
+            });
+        }
+        if let Some(line) = self.limbs.hip_line.clone() {
+            let (line, targets) = (motion.add(line), Arc::clone(&self.targets));
+            motion.follow(line, move |frame, line| {
+                line.aim(&targets[frame * n..(frame + 1) * n]);
+            });
+        }
+        motion.add(posture(model));
+        motion.rate_cost(RateCost::acceleration(self.options.acceleration));
+        let motion = motion.build()?;
+        let solver = MotionSolver::default()
+            .with_tolerance(self.options.tolerance)
+            .with_curvature(false)
+            .with_good_start()
+            .with_max_iterations(MOST_ITERATIONS)
+            .with_windows(Some(self.options.windows));
+        let solved = solver.solve_near(&motion, &start.q)?;
+        self.measure(solved.q().to_vec())
+    }
+
+    /// Where each driven point should be in each frame of a whole movement, and how much that counts: what stands should
+    /// where it came to in a movement frame by frame, as there are configurations of the body that do.
+    fn aims(&self, q: &[f64]) -> Result<Vec<(Vector3<f64>, f64)>, RetargetError> {
+        let model = self.robot.model();
+        let n = self.limbs.all.len();
+        let heaviest = self
+            .limbs
+            .all
+            .iter()
+            .map(|limb| limb.weight)
+            .fold(f64::MIN_POSITIVE, f64::max);
+        let weights = self.limbs.all.iter().map(|limb| limb.weight);
+        let mut aims: Vec<_> = self.targets.iter().copied().zip(weights.cycle()).collect();
+        let mut kinematics = ForwardKinematics::of_frames(model, &self.driven()).map_err(told)?;
+        let lead = self.options.contacts.lead_frames(self.frame_rate);
+        let mut stands = Vec::with_capacity(self.standing.len());
+        for Standing { limb, span } in &self.standing {
+            let middle = (span.start + span.end) / 2;
+            let width = model.configuration_len();
+            let placed = kinematics
+                .place(&q[middle * width..(middle + 1) * width])
+                .map_err(told)?;
+            let place = placed[*limb].apply(self.limbs.all[*limb].offset);
+            stands.push(place);
+            // As it is led there and let go, so are its targets.
+            let off = place - self.targets[middle * n + limb];
+            for away in 1..=lead {
+                let by = off * (1.0 - smooth(away as f64 / (lead + 1) as f64));
+                let before = span.start.checked_sub(away);
+                let after = Some(span.end + away - 1).filter(|frame| *frame < self.frames());
+                for frame in before.into_iter().chain(after) {
+                    let aim = &mut aims[frame * n + limb];
+                    aim.0 += by;
+                }
+            }
+        }
+        for (Standing { limb, span }, place) in self.standing.iter().zip(stands) {
+            for frame in span.clone() {
+                aims[frame * n + limb] = (place, HELD * heaviest);
+            }
+        }
+        Ok(aims)
+    }
+}
