@@ -174,7 +174,9 @@ impl ClipOptions {
         let (clip, told) = self.changed(clip, &scene.armature, Some(skeleton), frames)?;
         let clip = clip.renamed(self.clip_name.clone().unwrap_or_else(|| "keys".into()));
         scene.clips.push(clip.clone());
-        gltf::write(&scene, &WriteOptions::default(), out)?;
+        let mut options = WriteOptions::default();
+        options.up = self.ik.up();
+        gltf::write(&scene, &options, out)?;
         say(out, &clip, &scene.armature, (&notes, told.as_ref()), json)
     }
 

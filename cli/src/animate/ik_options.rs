@@ -54,7 +54,7 @@ pub(super) struct IkOptions {
     #[arg(long, value_name = "BONE", requires = "fps")]
     root: Option<String>,
 
-    /// Which axis is up. Default: y.
+    /// Which axis is up; a rig is stood up in the .glb where that is not y, glTF's. Default: y.
     #[arg(long, value_enum, requires = "fps", hide_default_value = true)]
     up: Option<UpAxis>,
 }
@@ -129,6 +129,15 @@ impl IkOptions {
             .map(|(name, _)| name)
     }
 
+    /// The axis up.
+    pub(super) fn up(&self) -> Vec3 {
+        match self.up.unwrap_or(UpAxis::Y) {
+            UpAxis::X => Vec3::X,
+            UpAxis::Y => Vec3::Y,
+            UpAxis::Z => Vec3::Z,
+        }
+    }
+
     /// The clip with what is asked solved over it, and what came of that; the clip itself where nothing is.
     pub(super) fn over(
         &self,
@@ -138,16 +147,14 @@ impl IkOptions {
         fps: f64,
     ) -> Outcome<(Clip, Option<IkReport>)> {
         if self.reach.is_empty() && self.plant.is_empty() {
-            return match self.given() {
+            // A rig is stood up in any case.
+            let up = self.up.filter(|_| skeleton.is_none()).map(|_| "--up");
+            return match self.root.as_ref().map(|_| "--root").or(up) {
                 Some(option) => Err(usage!("{option} is for --reach and --plant")),
                 None => Ok((clip, None)),
             };
         }
-        let up = match self.up.unwrap_or(UpAxis::Y) {
-            UpAxis::X => Vec3::X,
-            UpAxis::Y => Vec3::Y,
-            UpAxis::Z => Vec3::Z,
-        };
+        let up = self.up();
         let mut ik = ClipIk::new(armature).up(up).keys_per_second(fps);
         if let Some(skeleton) = skeleton {
             ik = ik.joints_of(skeleton);

@@ -151,3 +151,26 @@ fn a_rig_s_own_keys_are_solved_for() {
     refused!("animate {rig} --fps=30 --out {out}" => 1, "nothing to reach");
     refused!("animate {rig} --fps=30 --plant left_foot --out {out}" => 2, "--plant");
 }
+
+#[test]
+fn a_rig_whose_up_is_z_stands_in_the_file() {
+    let folder = Folder::new("clip-ik-up");
+    let rig = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../models/humanoid/humanoid.json"
+    );
+    let head = |file: &str| {
+        let scene = gltf::read(file).unwrap();
+        let bone = scene.armature.bone("head").unwrap();
+        let rest = scene.armature.rest();
+        let place = scene.armature.model_from_bone(rest, bone).unwrap();
+        kinopt::glam::Vec3::from(place.translation)
+    };
+    let [lying, standing] = ["lying.glb", "standing.glb"].map(|name| folder.file(name));
+    answer!("animate {rig} --fps=5 --out {lying}");
+    answer!("animate {rig} --fps=5 --up z --out {standing}");
+    let (lying, standing) = (head(&lying), head(&standing));
+    assert!(lying.z > 1.4 && standing.y > 1.4);
+    // Right-handed: x stays, y is where −z was.
+    assert!((standing - kinopt::glam::Vec3::new(lying.x, lying.z, -lying.y)).length() < 1e-5);
+}

@@ -54,6 +54,9 @@ pub enum UnwritableScene {
     /// A number of keys a second that is none.
     #[error("{0} keys a second; it must be a finite number above 0")]
     BadRate(f32),
+    /// An axis up without a direction.
+    #[error("the axis up, {0:?}, is not finite or has no direction")]
+    BadUp([f32; 3]),
     /// A curve so long that it would take more keys than anyone wants.
     #[error("a curve would take {samples} keys; ask for fewer a second")]
     TooManySamples {

@@ -18,6 +18,7 @@ mod skins;
 use std::io::{Error, ErrorKind};
 use std::path::Path;
 
+use glam::Vec3;
 use gltf_json as json;
 use gltf_json::Index;
 
@@ -39,13 +40,17 @@ pub struct WriteOptions {
     /// squad, Hermite rotations, Euler angles, and morph weights that are not keyed together. They
     /// become lines through these and the curve's own keys.
     pub keys_per_second: f32,
+    /// The scene's axis up. Where it is not glTF's own, y, a node above all bones turns it there, so that a figure whose up
+    /// is z stands in viewers; bones, clips and skins stay as they are.
+    pub up: Vec3,
 }
 
 impl Default for WriteOptions {
-    /// 30 keys a second.
+    /// 30 keys a second, up is y.
     fn default() -> Self {
         Self {
             keys_per_second: 30.0,
+            up: Vec3::Y,
         }
     }
 }
@@ -58,6 +63,7 @@ impl Default for WriteOptions {
 /// - A clip that starts before 0 s is moved there, as glTF has no times before it. One that lasts
 ///   beyond its keys does so by a bone that keeps its place; one that is shorter than its keys
 ///   gets their span.
+/// - A scene whose axis [up](WriteOptions::up) is not y has a bone more, which stands it up.
 /// - Events are left out, and so is what morph targets do to normals and tangents of a mesh that has
 ///   none. Morph targets are called as in the armature.
 /// - Normals are written as they are; glTF asks for unit length.
@@ -73,7 +79,10 @@ pub fn to_bytes(scene: &Scene, options: &WriteOptions) -> Result<Vec<u8>, Unwrit
     document.root.nodes = nodes::of(&scene.armature);
     let bones = (0..scene.armature.bones()).map(BoneId::new);
     let roots = bones.filter(|bone| scene.armature.parent(*bone).is_none());
-    let roots: Vec<_> = roots.map(|bone| Index::new(bone.index() as u32)).collect();
+    let mut roots: Vec<_> = roots.map(|bone| Index::new(bone.index() as u32)).collect();
+    if let Some(turn) = nodes::standing(&scene.armature, options.up, &roots)? {
+        roots = vec![document.root.push(turn)];
+    }
     if !roots.is_empty() {
         let shown = document.root.push(plain!(json::Scene {
             name: None,

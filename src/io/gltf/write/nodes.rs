@@ -1,8 +1,10 @@
 //! Bones into the document.
 
+use glam::{Quat, Vec3};
 use gltf_json::Index;
 use gltf_json::scene::{Node, UnitQuaternion};
 
+use super::UnwritableScene;
 use crate::animation::Armature;
 use crate::skeleton::BoneId;
 
@@ -31,4 +33,29 @@ pub(super) fn of(armature: &Armature) -> Vec<Node> {
         node.children = (!children.is_empty()).then_some(children);
     }
     nodes
+}
+
+/// A node above `roots` that turns an axis up to y, glTF's (section 3.4); none where it is that.
+pub(super) fn standing(
+    armature: &Armature,
+    up: Vec3,
+    roots: &[Index<Node>],
+) -> Result<Option<Node>, UnwritableScene> {
+    let axis = up
+        .try_normalize()
+        .ok_or(UnwritableScene::BadUp(up.to_array()))?;
+    if axis == Vec3::Y || roots.is_empty() {
+        return Ok(None);
+    }
+    let mut name = "up".to_owned();
+    while armature.names().contains(&name) {
+        name.push('\'');
+    }
+    let turn = Quat::from_rotation_arc(axis, Vec3::Y);
+    Ok(Some(Node {
+        name: Some(name),
+        rotation: Some(UnitQuaternion(turn.to_array())),
+        children: Some(roots.to_vec()),
+        ..Node::default()
+    }))
 }
