@@ -759,7 +759,7 @@ impl Shape {
         placement::to_array(py, &self.inner.link_from_shape)
     }
 
-    /// "box", "cylinder", "capsule", "sphere" or "mesh".
+    /// "box", "cylinder", "capsule", "sphere", "ellipsoid" or "mesh".
     #[getter]
     fn kind(&self) -> &'static str {
         use kinopt::robot::Geometry;
@@ -768,13 +768,14 @@ impl Shape {
             Geometry::Cylinder { .. } => "cylinder",
             Geometry::Capsule { .. } => "capsule",
             Geometry::Sphere { .. } => "sphere",
+            Geometry::Ellipsoid { .. } => "ellipsoid",
             Geometry::Mesh { .. } => "mesh",
             _ => "other",
         }
     }
 
     /// Its measures by name: a box has `size` (whole lengths along x, y, z), a cylinder and a capsule
-    /// `radius` and `length` (along z; a capsule's without its caps), a sphere `radius`, a mesh `file`
+    /// `radius` and `length` (along z; a capsule's without its caps), a sphere `radius`, an ellipsoid `radii`, a mesh `file`
     /// (as it stands in the robot's file) and `scale`.
     #[getter]
     fn measures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -787,6 +788,7 @@ impl Shape {
                 measures.set_item("length", *length)?;
             }
             Geometry::Sphere { radius } => measures.set_item("radius", *radius)?,
+            Geometry::Ellipsoid { radii } => measures.set_item("radii", *radii)?,
             Geometry::Mesh { file, scale } => {
                 measures.set_item("file", file)?;
                 measures.set_item("scale", *scale)?;

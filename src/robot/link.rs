@@ -54,6 +54,11 @@ pub enum Geometry {
         /// Its radius.
         radius: f64,
     },
+    /// An ellipsoid, which MJCF knows.
+    Ellipsoid {
+        /// Its radii along x, y and z.
+        radii: [f64; 3],
+    },
     /// A mesh in a file of its own, which is not opened.
     Mesh {
         /// As it stands in the robot's file: `package://…`, `file://…` or a path.

@@ -1,7 +1,9 @@
 //! Promise: a shape is checked when it is made, and what is wrong is named.
 
-use kinopt::collision::{Shape, ShapeError};
+use kinopt::collision::{Checker, Shape, ShapeError, World};
+use kinopt::robot::Robot;
 use kinopt::spatial::Vector3;
+use support::random::Random;
 
 #[test]
 fn lengths_are_positive_and_finite() {
@@ -11,6 +13,7 @@ fn lengths_are_positive_and_finite() {
         assert!(Shape::capsule(1.0, bad).is_err() && Shape::capsule(bad, 1.0).is_err());
         assert!(Shape::cylinder(1.0, bad).is_err() && Shape::cylinder(bad, 1.0).is_err());
         assert!(Shape::cuboid([1.0, bad, 1.0]).is_err());
+        assert!(Shape::ellipsoid([1.0, bad, 1.0]).is_err());
         assert!(Shape::points(vec![Vector3::zero()], bad).is_err());
         assert!(Shape::height_field(vec![0.0; 4], 2, [1.0, bad]).is_err());
     }
@@ -26,4 +29,45 @@ fn points_in_a_plane_have_no_hull() {
         matches!(error, ShapeError::Flat { points: 20, .. }),
         "{error}"
     );
+}
+
+#[test]
+fn an_ellipsoid_is_held_by_its_hull_which_is_hardly_larger() {
+    let radii = [0.3, 0.05, 1.2];
+    let hull = Shape::ellipsoid(radii).unwrap();
+    let mut farthest = f64::NEG_INFINITY;
+    let mut random = Random::new(3);
+    for _ in 0..5000 {
+        let [x, y, z] = [(); 3].map(|()| random.within(-1.0, 1.0));
+        let length = (x * x + y * y + z * z).sqrt();
+        let [x, y, z] = [x, y, z].map(|part| part / length);
+        let at = |scale: f64| {
+            Vector3::new(
+                scale * x * radii[0],
+                scale * y * radii[1],
+                scale * z * radii[2],
+            )
+        };
+        // A point of the ellipsoid is within, one that is 2 % further out is not.
+        let inside = hull.signed_distance(at(1.0));
+        assert!(inside <= 1e-12, "{inside}");
+        farthest = farthest.max(inside);
+        assert!(hull.signed_distance(at(1.02)) > 0.0);
+    }
+    assert!(farthest > -1e-3, "{farthest}");
+}
+
+#[test]
+fn ellipsoids_of_mjcf_keep_clear() {
+    let text = r#"<mujoco><worldbody><body name="arm"><joint name="hinge" axis="0 0 1"/>
+        <geom type="ellipsoid" size="0.5 0.1 0.1" pos="0.5 0 0"/></body></worldbody></mujoco>"#;
+    let robot = Robot::parse_mjcf(text, "arm.xml").unwrap();
+    let mut world = World::new();
+    world
+        .add_sphere("ball", 0.05, Vector3::new(0.9, 0.3, 0.0))
+        .unwrap();
+    let checker = Checker::of(&robot).unwrap().with_world(&world).unwrap();
+    assert!(checker.collisions(&[0.0]).unwrap().is_empty());
+    let touching = checker.collisions(&[0.32]).unwrap();
+    assert_eq!(touching[0].second, "ball");
 }

@@ -23,13 +23,15 @@ export interface RobotOptions {
 
 /** A body of a link, centred on its own origin; metres. */
 export interface Shape {
-    kind: "box" | "cylinder" | "capsule" | "sphere" | "mesh";
+    kind: "box" | "cylinder" | "capsule" | "sphere" | "ellipsoid" | "mesh";
     name?: string;
     /** A 4 x 4 matrix by columns. */
     linkFromShape: Float64Array;
     size?: Float64Array;
     radius?: number;
     length?: number;
+    /** Of an ellipsoid, along x, y and z. */
+    radii?: Float64Array;
     file?: string;
     scale?: Float64Array;
 }
@@ -159,6 +161,7 @@ fn told(shape: &kinopt::robot::Shape) -> JsValue {
         Geometry::Cylinder { radius, length } => round("cylinder", *radius, Some(*length)),
         Geometry::Capsule { radius, length } => round("capsule", *radius, Some(*length)),
         Geometry::Sphere { radius } => round("sphere", *radius, None),
+        Geometry::Ellipsoid { radii } => vec![("kind", "ellipsoid".into()), ("radii", list(radii))],
         Geometry::Mesh { file, scale } => vec![
             ("kind", "mesh".into()),
             ("file", file.as_str().into()),

@@ -97,11 +97,11 @@ class Judge:
                 f"| {1e3 * seconds:.1f} |")
 
 
-def by_kinopt(arm: kinopt.Arm, asked: Asked, rounds: int) -> tuple[np.ndarray, float]:
+def by_kinopt(arm: kinopt.Arm, asked: Asked, rounds: int, keep_times: bool = False) -> tuple[np.ndarray, float]:
     best, q = np.inf, None
     for _ in range(rounds):
         begun = time.process_time()
-        q = kinopt.solve_path(arm, asked.points, times=asked.times).q
+        q = kinopt.solve_path(arm, asked.points, times=asked.times, keep_times=keep_times).q
         best = min(best, time.process_time() - begun)
     return q, best
 
@@ -222,6 +222,9 @@ def main() -> None:
         judge = Judge(wanted.urdf, wanted.base, wanted.tip, arm.joint_names, wanted.jump)
         q, seconds = by_kinopt(arm, asked, wanted.rounds)
         print(judge.line("kinopt", asked, q, seconds), flush=True)
+        if asked.times is not None and np.isfinite(arm.velocity_limits).all():
+            told = judge.line("kinopt, speeds kept", asked, *by_kinopt(arm, asked, wanted.rounds, True))
+            print(told, flush=True)
         if asked.boxes:
             clear = kinopt.Arm(robot, wanted.base, wanted.tip, world=world, margin=MARGIN)
             told = judge.line("kinopt, its boxes", asked, *by_kinopt(clear, asked, wanted.rounds))

@@ -260,7 +260,7 @@ fn extent(shape: &Shape) -> Vec<Vector3<f64>> {
         Geometry::Capsule { length, .. } => {
             vec![[0.0, 0.0, -0.5 * length], [0.0, 0.0, 0.5 * length]]
         }
-        Geometry::Sphere { .. } => vec![[0.0; 3]],
+        Geometry::Sphere { .. } | Geometry::Ellipsoid { .. } => vec![[0.0; 3]],
         _ => Vec::new(),
     };
     let placed = points.into_iter();

@@ -64,7 +64,7 @@ def _corners(shape: Any) -> list[Array]:
         case "cylinder":
             # The square within its rim.
             half = np.array([measures["radius"] / np.sqrt(2)] * 2 + [measures["length"] / 2])
-        case "sphere":
+        case "sphere" | "ellipsoid":
             half = np.zeros(3)
         case _:
             return []

@@ -175,6 +175,8 @@ def _solids(shape: Any, files: MeshFiles) -> list[tuple[Solid, Color | None]] | 
             return [(solids.capsule(measures["length"], measures["radius"]), None)]
         case "sphere":
             return [(solids.sphere(measures["radius"]), None)]
+        case "ellipsoid":
+            return [(solids.sphere(1.0).scaled(measures["radii"]), None)]
         case "mesh":
             read = files.read(measures["file"])
             if read is None:

@@ -4,6 +4,7 @@
 mod bounds;
 mod convex_hull;
 mod error;
+mod geodesic;
 mod height_field;
 mod point_cloud;
 mod signed_distance;
@@ -23,6 +24,7 @@ pub use triangle_mesh::TriangleMesh;
 use crate::robot::Geometry;
 use crate::spatial::Vector3;
 use error::size;
+use geodesic::around_unit_ball;
 
 /// A shape whose numbers are checked, about its own origin; lengths in metres. Cheap to clone.
 #[derive(Clone, Debug)]
@@ -113,6 +115,21 @@ impl Shape {
         Ok(Self::of(ShapeKind::Cuboid { size }))
     }
 
+    /// What holds an ellipsoid with these radii along x, y and z: a convex hull of 162 points, which sticks out of it by less than 2 % of a radius.
+    ///
+    /// # Errors
+    /// A radius that is not positive and finite.
+    pub fn ellipsoid([x, y, z]: [f64; 3]) -> Result<Self, ShapeError> {
+        let radii = Vector3::new(
+            size("radius of the ellipsoid along x", x)?,
+            size("radius of the ellipsoid along y", y)?,
+            size("radius of the ellipsoid along z", z)?,
+        );
+        let scaled = |p: &Vector3<f64>| Vector3::new(p.x * radii.x, p.y * radii.y, p.z * radii.z);
+        let corners: Vec<_> = around_unit_ball().iter().map(scaled).collect();
+        Self::convex(&corners)
+    }
+
     /// Everything below z = 0: a floor, or a wall where it is turned.
     #[must_use]
     pub fn half_space() -> Self {
@@ -197,6 +214,7 @@ impl TryFrom<&Geometry> for Shape {
             Geometry::Cylinder { radius, length } => Self::cylinder(*radius, *length),
             Geometry::Capsule { radius, length } => Self::capsule(*radius, *length),
             Geometry::Sphere { radius } => Self::sphere(*radius),
+            Geometry::Ellipsoid { radii } => Self::ellipsoid(*radii),
             Geometry::Mesh { file, .. } => Err(ShapeError::NeedsFile { file: file.clone() }),
         }
     }

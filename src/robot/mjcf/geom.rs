@@ -171,7 +171,10 @@ fn solid(
                 Some(Geometry::Cylinder { radius, length }),
             )
         }
-        "ellipsoid" => (Solid::Ellipsoid(size), None),
+        "ellipsoid" => (
+            Solid::Ellipsoid(size),
+            Some(Geometry::Ellipsoid { radii: size }),
+        ),
         _ => {
             let size = size.map(|half| 2.0 * half);
             (

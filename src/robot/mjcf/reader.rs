@@ -34,7 +34,7 @@ impl Robot {
     /// [`loops`](crate::model::Model::loops) of the model, unnamed ones BODY/connect and BODY/weld by their first body;
     /// those to a `mocap` body, which is a target, and other relations are left out with a note. `inertial`s, or the masses of geoms that
     /// need no mesh's file, are kept with the geoms ([`link`](Self::link)): those of groups 0 to 2 as visuals, those
-    /// with a contact type as collisions, planes, height fields and ellipsoids not at all. `actuatorfrcrange` is
+    /// with a contact type as collisions, planes and height fields not at all. `actuatorfrcrange` is
     /// the [`effort_limit`](Self::effort_limit). Masses are as they stand: `settotalmass`, `boundmass` and
     /// `balanceinertia` change none. Actuators, sensors, tendons and the like are not looked at.
     ///

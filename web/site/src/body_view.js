@@ -149,10 +149,11 @@ export class BodyView {
 }
 
 /** A body of a link; the library's cylinders and capsules stand along z, three.js's along y. */
-function drawn({ kind, size, radius, length, linkFromShape }, color) {
+function drawn({ kind, size, radius, length, radii, linkFromShape }, color) {
     const geometry = {
         box: () => new THREE.BoxGeometry(...size),
         sphere: () => new THREE.SphereGeometry(radius, 24, 16),
+        ellipsoid: () => new THREE.SphereGeometry(1, 24, 16).scale(...radii),
         cylinder: () => new THREE.CylinderGeometry(radius, radius, length, 32).rotateX(Math.PI / 2),
         capsule: () => new THREE.CapsuleGeometry(radius, length, 8, 32).rotateX(Math.PI / 2),
     }[kind]();

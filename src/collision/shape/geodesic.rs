@@ -1,0 +1,73 @@
+//! A polyhedron of triangles that are nearly alike.
+
+use std::collections::BTreeMap;
+
+use crate::spatial::Vector3;
+
+/// How often each triangle is made four.
+const SPLITS: usize = 2;
+
+/// The corners of a polyhedron around the unit ball, which touches its faces: an icosahedron whose triangles are split and put on the
+/// sphere (Fuller's geodesic dome), then let out.
+pub(super) fn around_unit_ball() -> Vec<Vector3<f64>> {
+    let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
+    let mut corners = Vec::new();
+    for (a, b) in [
+        (1.0, golden),
+        (1.0, -golden),
+        (-1.0, golden),
+        (-1.0, -golden),
+    ] {
+        corners.extend([
+            Vector3::new(0.0, a, b),
+            Vector3::new(a, b, 0.0),
+            Vector3::new(b, 0.0, a),
+        ]);
+    }
+    // Neighbours are 2 apart, all others further.
+    let near = |i: usize, j: usize, corners: &[Vector3<f64>]| {
+        (corners[i] - corners[j]).norm_squared() < 4.5
+    };
+    let mut triangles = Vec::new();
+    for i in 0..corners.len() {
+        for j in i + 1..corners.len() {
+            for k in j + 1..corners.len() {
+                if near(i, j, &corners) && near(j, k, &corners) && near(i, k, &corners) {
+                    triangles.push([i, j, k]);
+                }
+            }
+        }
+    }
+    corners
+        .iter_mut()
+        .for_each(|corner| *corner = unit(*corner));
+    for _ in 0..SPLITS {
+        let mut middles: BTreeMap<(usize, usize), usize> = BTreeMap::new();
+        let mut middle = |a: usize, b: usize| {
+            *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                corners.push(unit(corners[a] + corners[b]));
+                corners.len() - 1
+            })
+        };
+        let mut split = Vec::with_capacity(4 * triangles.len());
+        for &[a, b, c] in &triangles {
+            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+            split.extend([[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]);
+        }
+        triangles = split;
+    }
+    // How far the planes of the triangles are from the middle, at least.
+    let inner = triangles.iter().map(|triangle| {
+        let [a, b, c] = triangle.map(|corner| corners[corner]);
+        unit((b - a).cross(c - a)).dot(a).abs()
+    });
+    let inner = inner.fold(1.0, f64::min);
+    corners
+        .iter()
+        .map(|corner| *corner * inner.recip())
+        .collect()
+}
+
+fn unit(p: Vector3<f64>) -> Vector3<f64> {
+    p * p.norm().recip()
+}
