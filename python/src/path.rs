@@ -280,7 +280,7 @@ impl PathSolution {
 /// Raises `InvalidValueError`, which names the point or option, and `FileError` or `InvalidFileError` of a file.
 #[pyfunction]
 #[pyo3(signature = (arm, path, *, times = None, keep_times = false, course = None, start = None, end = None, joint_weights = None,
-    max_step = 0.2, samples = 64, tools = None, tool_of_points = None, order = None))]
+    max_step = 0.2, samples = 256, tools = None, tool_of_points = None, order = None))]
 #[expect(clippy::too_many_arguments, reason = "they are keywords")]
 pub(crate) fn solve_path(
     py: Python<'_>,

@@ -62,6 +62,12 @@ fn jumps(name: &str, base: &str, tip: &str, count: usize) -> usize {
         let untold = (1..rows.len())
             .find(|&row| longest(rows[row - 1], rows[row]) > 0.2 + 1e-9 && !told.contains(&row));
         assert_eq!(untold, None, "{name} {case}: {told:?}");
+        // What is told is a step that is longer than a branch allows.
+        let short = solution
+            .reconfigurations
+            .iter()
+            .find(|told| told.distance <= 0.2);
+        assert_eq!(short, None, "{name} {case}");
         jumps += usize::from(!told.is_empty());
     }
     jumps

@@ -123,8 +123,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "NUMBERS", value_parser = Numbers::parse_some, help_heading = LIMITS)]
     pub(super) accelerations: Option<Numbers>,
 
-    /// Configurations that are known of a place at most, from 4 to 4096: more find more, and take longer. Default: 64.
-    #[arg(long, value_name = "N", default_value_t = 64, hide_default_value = true, help_heading = LIMITS)]
+    /// Configurations that are known of a place at most, from 4 to 4096: more find more, and take longer. Default: 256.
+    #[arg(long, value_name = "N", default_value_t = 256, hide_default_value = true, help_heading = LIMITS)]
     pub(super) samples: usize,
 
     /// What counts as reached, in metres and radians. Default: 1e-6.

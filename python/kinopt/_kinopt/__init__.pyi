@@ -789,7 +789,7 @@ def solve_path(
     end: ArrayLike | None = None,
     joint_weights: ArrayLike | None = None,
     max_step: float = 0.2,
-    samples: int = 64,
+    samples: int = 256,
     tools: list[Arm] | None = None,
     tool_of_points: list[int] | None = None,
     order: Literal["w-first", "w-last"] | None = None,

@@ -115,6 +115,16 @@ pub(super) fn keep_ends(growth: &Growth<'_>, way: &mut Way) {
     }
 }
 
+/// Steps at which a branch was left, but which have become as short as any: by the shortening their ends came together.
+pub(super) fn rejoin(growth: &Growth<'_>, way: &mut Way) {
+    let n = growth.middle.len();
+    for knot in 1..way.reached.len() {
+        let reached = way.reached[knot - 1] && way.reached[knot];
+        let (from, to) = (way.row(knot - 1, n), way.row(knot, n));
+        way.joined[knot] |= reached && growth.bounds.allow(growth.knots, knot, from, to);
+    }
+}
+
 /// Steps that are too long are tried once more, each from where the last one ended.
 fn mend(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
     let (knots, n) = (growth.knots, growth.middle.len());

@@ -15,7 +15,7 @@ use crate::arm::Arm;
 use crate::bad_option::{AT_LEAST_ONE, BadOption, POSITIVE};
 
 /// Configurations that are known of a station at most, and bytes of all.
-const SAMPLES: usize = 64;
+const SAMPLES: usize = 256;
 const MEMORY: usize = 200_000_000;
 /// Rounds of shortening.
 const ROUNDS: usize = 12;
@@ -62,7 +62,7 @@ impl<'a> PathSolver<'a> {
         /// Whether a step in which a joint would have to move faster than its velocity limit, by the path's times, is a
         /// reconfiguration too. Default false.
         pub fn with_times_kept(mut self, kept: bool) { self.times_count = kept }
-        /// How many configurations are known of a place at most, from 4 to 4096; fewer where the path is very long. Default 64.
+        /// How many configurations are known of a place at most, from 4 to 4096; fewer where the path is very long. Default 256.
         pub fn with_samples(mut self, most: usize) { self.samples = most }
         /// The configuration that the first point is to be reached in, radians or metres. It must stand there. Default: any.
         pub fn with_start(mut self, q: &[f64]) { self.start = Some(q.to_vec()) }
@@ -173,6 +173,7 @@ impl<'a> PathSolver<'a> {
             shortening.run(&mut way)?;
         }
         fill::keep_ends(growth, &mut way);
+        fill::rejoin(growth, &mut way);
         Ok(way)
     }
 
