@@ -1,7 +1,7 @@
 //! From the configurations chosen at stations to one at every knot.
 
 use super::PathError;
-use super::graph::Chosen;
+use super::graph::{Chosen, FalseEdge};
 use super::layers::{Growth, Layer};
 use crate::arm::Ends;
 
@@ -18,6 +18,12 @@ pub(super) struct Way {
 }
 
 impl Way {
+    /// How many targets are missed, and how many branches left: the less the better.
+    pub(super) fn rank(&self) -> (usize, usize) {
+        let count = |flags: &[bool]| flags.iter().filter(|flag| !**flag).count();
+        (count(&self.reached), count(&self.joined))
+    }
+
     pub(super) fn row(&self, knot: usize, n: usize) -> &[f64] {
         &self.q[knot * n..(knot + 1) * n]
     }
@@ -113,6 +119,23 @@ pub(super) fn keep_ends(growth: &Growth<'_>, way: &mut Way) {
         way.q[last * n..].copy_from_slice(end);
         way.reached[last] = true;
     }
+}
+
+/// The steps between stations that were chosen as joined, but between whose knots a branch is left.
+pub(super) fn false_edges(growth: &Growth<'_>, chosen: &Chosen, way: &Way) -> Vec<FalseEdge> {
+    let steps = growth.knots.stations.windows(2).enumerate();
+    let breaks = steps.filter(|(before, knots)| {
+        let joined = way.joined[knots[0] + 1..=knots[1]]
+            .iter()
+            .all(|joined| *joined);
+        chosen.joined[before + 1] && !joined
+    });
+    let edge = |before: usize| FalseEdge {
+        station: before + 1,
+        from: chosen.places[before],
+        to: chosen.places[before + 1],
+    };
+    breaks.map(|(before, _)| edge(before)).collect()
 }
 
 /// Steps at which a branch was left, but which have become as short as any: by the shortening their ends came together.

@@ -24,12 +24,21 @@ pub(super) struct Between {
     pub(super) last: Option<usize>,
 }
 
-/// The way with the fewest reconfigurations. `weights` weigh the joints, `closed` joints each may be gone without.
+/// Two configurations, by place, that are near each other but of two branches: those of a station and of the one before.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct FalseEdge {
+    pub(super) station: usize,
+    pub(super) from: u32,
+    pub(super) to: u32,
+}
+
+/// The way with the fewest reconfigurations. `weights` weigh the joints; `apart` are not joined, however near they are.
 pub(super) fn fewest_reconfigurations(
     growth: &Growth<'_>,
     layers: &[Layer],
     weights: &[f64],
     between: Between,
+    apart: &[FalseEdge],
 ) -> Chosen {
     let n = weights.len();
     let weights: Vec<f32> = weights.iter().map(|weight| *weight as f32).collect();
@@ -55,8 +64,13 @@ pub(super) fn fewest_reconfigurations(
             .iter()
             .map(|limit| *limit as f32 * 1.000_01)
             .collect();
+        let apart: Vec<FalseEdge> = (apart.iter())
+            .filter(|edge| edge.station == to)
+            .copied()
+            .collect();
         let step = Step {
             layer: &layers[to],
+            apart: &apart,
             from: &layers[to - 1].q,
             costs: &costs,
             limits: &limits,
@@ -98,6 +112,7 @@ const JUMPED: u16 = 1 << 15;
 /// One step from station to station.
 struct Step<'a> {
     layer: &'a Layer,
+    apart: &'a [FalseEdge],
     from: &'a [f32],
     costs: &'a [Cost],
     limits: &'a [f32],
@@ -112,7 +127,7 @@ impl Step<'_> {
         for (place, (from, cost)) in self.from.chunks_exact(n).zip(self.costs).enumerate() {
             let mut moves = from.iter().zip(q).zip(self.limits);
             let near = moves.all(|((a, b), most)| (a - b).abs() <= *most);
-            let joined = near || self.layer.is_linked(own, place);
+            let joined = (near || self.layer.is_linked(own, place)) && !self.are_apart(place, own);
             let reconfigurations = match joined {
                 true => cost.0,
                 false => cost.0.saturating_add(1),
@@ -128,6 +143,11 @@ impl Step<'_> {
             }
         }
         best
+    }
+
+    fn are_apart(&self, from: usize, to: usize) -> bool {
+        let same = |edge: &FalseEdge| edge.from as usize == from && edge.to as usize == to;
+        self.apart.iter().any(same)
     }
 
     fn length(&self, a: &[f32], b: &[f32]) -> f32 {

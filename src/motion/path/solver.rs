@@ -19,6 +19,8 @@ const SAMPLES: usize = 256;
 const MEMORY: usize = 200_000_000;
 /// Rounds of shortening.
 const ROUNDS: usize = 12;
+/// How often it is chosen again where steps turn out to be of two branches.
+const CHOICES: usize = 8;
 /// Longer paths are left as they were chosen, points.
 const LONGEST_SHORTENED: usize = 200_000;
 /// Places at which a path that may be entered anywhere is tried.
@@ -97,8 +99,9 @@ impl<'a> PathSolver<'a> {
         growth.end = self.end.as_deref();
         let layers = growth.layers()?;
         let weights = self.weights();
-        let chosen = fewest_reconfigurations(&growth, &layers, &weights, Between::default());
-        let way = self.along(&growth, &layers, &chosen)?;
+        let between = Between::default();
+        let chosen = fewest_reconfigurations(&growth, &layers, &weights, between, &[]);
+        let way = self.along(&growth, &layers, (chosen, between))?;
         self.tell(path, &knots, &way)
     }
 
@@ -117,7 +120,7 @@ impl<'a> PathSolver<'a> {
                 first: Some(first),
                 last: Some(last),
             };
-            let chosen = fewest_reconfigurations(&growth, &layers, &weights, between);
+            let chosen = fewest_reconfigurations(&growth, &layers, &weights, between, &[]);
             let better = best.as_ref().is_none_or(|(known, ..)| {
                 let (a, b) = (chosen.cost, known.cost);
                 a.0 < b.0 || a.0 == b.0 && a.1 < b.1
@@ -132,7 +135,11 @@ impl<'a> PathSolver<'a> {
         let (start, end) = growth.closing_ends(&layers, first, last)?;
         growth.start = Some(&start);
         growth.end = Some(&end);
-        let way = self.along(&growth, &layers, &chosen)?;
+        let between = Between {
+            first: Some(first),
+            last: Some(last),
+        };
+        let way = self.along(&growth, &layers, (chosen, between))?;
         self.tell(path, &knots, &way)
     }
 
@@ -159,10 +166,24 @@ impl<'a> PathSolver<'a> {
         &self,
         growth: &Growth<'_>,
         layers: &[Layer],
-        chosen: &Chosen,
+        (mut chosen, between): (Chosen, Between),
     ) -> Result<Way, PathError> {
-        let mut way = fill(growth, layers, chosen)?;
         let weights = self.weights();
+        let mut way = fill(growth, layers, &chosen)?;
+        // Stations are some way apart, and what is near at both may be of two branches: then it is chosen again without that step.
+        let (mut apart, mut last) = (Vec::new(), fill::false_edges(growth, &chosen, &way));
+        for _ in 0..CHOICES {
+            if last.is_empty() {
+                break;
+            }
+            apart.append(&mut last);
+            chosen = fewest_reconfigurations(growth, layers, &weights, between, &apart);
+            let other = fill(growth, layers, &chosen)?;
+            last = fill::false_edges(growth, &chosen, &other);
+            if other.rank() < way.rank() {
+                way = other;
+            }
+        }
         let shortening = Shortening {
             growth,
             weights: &weights,
