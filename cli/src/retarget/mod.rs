@@ -26,7 +26,7 @@ Examples:
   kinopt retarget walk.bvh g1.urdf --base-joint free --out walk.npz
                                                frame by frame, as a live follower does; the map goes by names
   kinopt retarget climb.npy g1.urdf --map g1.json --base-joint free --fps 120 --whole --out climb.npz
-                                               all frames as one: smooth, and feet stand to a micrometre
+                                               all frames as one: smooth; told is how still feet stand
   kinopt retarget walk.bvh g1.urdf --print-map > map.json
                                                which joint would drive which frame, to be corrected
   kinopt retarget poses.npy g1.urdf --map smpl --base-joint free --out poses.csv

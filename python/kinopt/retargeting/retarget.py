@@ -93,7 +93,7 @@ def retarget(
     robots, by the names of their files.
 
     Limbs are scaled by their lengths, the ground is found, feet are held where they stand. Frame by frame no frame knows
-    what comes; with ``whole`` all are solved as one: smooth, and feet stand to a micrometre. ``contact_speed`` (m/s) and
+    what comes; with ``whole`` all are solved as one: smooth, and feet stand as still as frame by frame (``slip`` tells how still). ``contact_speed`` (m/s) and
     ``contact_height`` (metres over the ground) say when feet stand, ``acceleration`` what 1 rad/s² costs with ``whole``,
     in metres off a place. The GIL is released.
 

@@ -59,7 +59,7 @@ pub struct BodyFollower {
     followed: bool,
 }
 
-/// The tasks of a body's frame: its driven points, and the posture that the rest keeps to.
+/// The posture that what no place tells keeps to.
 pub(super) fn posture(model: &Model) -> Task<Posture> {
     Task::new(Posture::of_joints(hinges(model))).times(POSTURE)
 }
@@ -107,9 +107,6 @@ impl BodyFollower {
         problem.parameters().gather(&q, &mut x);
         let speeds = robot.moves_within(1.0);
         let weights: Vec<f64> = limbs.all.iter().map(|limb| limb.weight).collect();
-        let heaviest = weights
-            .iter()
-            .fold(f64::MIN_POSITIVE, |most, own| most.max(*own));
         let size = weights
             .iter()
             .fold(POSTURE * POSTURE, |sum, own| sum + own * own);
@@ -129,7 +126,7 @@ impl BodyFollower {
             posture,
             stay,
             landing_weight,
-            heaviest,
+            heaviest: limbs.heaviest(),
             points,
             hip_line,
             problem,

@@ -50,6 +50,12 @@ pub(super) struct Limbs {
 }
 
 impl Limbs {
+    /// The most that any place counts.
+    pub(super) fn heaviest(&self) -> f64 {
+        let weights = self.all.iter().map(|limb| limb.weight);
+        weights.fold(f64::MIN_POSITIVE, f64::max)
+    }
+
     pub(super) fn new(
         model: &Model,
         map: &BodyMap,

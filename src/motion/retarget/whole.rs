@@ -62,12 +62,7 @@ impl Retargeting<'_> {
     fn aims(&self, q: &[f64]) -> Result<Vec<(Vector3<f64>, f64)>, RetargetError> {
         let model = self.robot.model();
         let n = self.limbs.all.len();
-        let heaviest = self
-            .limbs
-            .all
-            .iter()
-            .map(|limb| limb.weight)
-            .fold(f64::MIN_POSITIVE, f64::max);
+        let heaviest = self.limbs.heaviest();
         let weights = self.limbs.all.iter().map(|limb| limb.weight);
         let mut aims: Vec<_> = self.targets.iter().copied().zip(weights.cycle()).collect();
         let mut kinematics = ForwardKinematics::of_frames(model, &self.driven()).map_err(told)?;
