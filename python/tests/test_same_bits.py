@@ -3,6 +3,7 @@
 The Rust side is a small program of the repository, so these tests need cargo and a checkout.
 """
 
+import json
 import shutil
 import subprocess
 from pathlib import Path
@@ -32,15 +33,17 @@ pytestmark = pytest.mark.skipif(
 @pytest.fixture(scope="module")
 def rust():
     """Asks the Rust program."""
-    package = ["-p", "kinopt-test-support", "--bin", "answers"]
-    build = ["cargo", "build", "--quiet", *package]
-    subprocess.run(build, cwd=ROOT, check=True)
+    # Beside the packages of `cargo test`, whose library it then shares: alone it would compile its own.
+    packages = ["-p", "kinopt", "-p", "kinopt-cli", "-p", "kinopt-test-support"]
+    build = ["cargo", "build", "--quiet", "--message-format=json", *packages, "--bin", "answers"]
+    built = subprocess.run(build, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
+    said = [json.loads(line) for line in built.splitlines()]
+    (program,) = [one["executable"] for one in said if one.get("executable")]
 
     def ask(*arguments, numbers):
-        run = ["cargo", "run", "--quiet", *package, "--", *arguments]
         asked = np.ascontiguousarray(numbers, "<f8").tobytes()
-        told = subprocess.run(run, cwd=ROOT, check=True, input=asked, capture_output=True)
-        return np.frombuffer(told.stdout, "<f8")
+        run = subprocess.run([program, *arguments], cwd=ROOT, check=True, input=asked, capture_output=True)
+        return np.frombuffer(run.stdout, "<f8")
 
     return ask
 
