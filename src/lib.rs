@@ -143,6 +143,16 @@ struct Clips;
 #[doc = include_str!("../docs/paths.md")]
 struct Paths;
 
+/// The examples of the first steps and of the pages on single tasks, run as tests.
+#[cfg(all(doctest, feature = "urdf", feature = "mjcf"))]
+#[doc = include_str!("../docs/first-steps.md")]
+#[doc = include_str!("../docs/places-and-poses.md")]
+#[doc = include_str!("../docs/looking.md")]
+#[doc = include_str!("../docs/postures.md")]
+#[doc = include_str!("../docs/moves.md")]
+#[doc = include_str!("../docs/closed-loops.md")]
+struct Tasks;
+
 /// The README's examples, run as tests.
 #[cfg(all(doctest, feature = "urdf"))]
 #[doc = include_str!("../README.md")]

@@ -6,14 +6,20 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PAGES = {"python/README.md": 2, "docs/whole-bodies.md": 2, "docs/strict-levels.md": 1, "docs/retargeting.md": 2}
+PAGES = ["python/README.md", *sorted(f"docs/{page.name}" for page in (ROOT / "docs").glob("*.md"))]
 
 
-@pytest.mark.parametrize(("page", "least"), PAGES.items())
-def test_what_a_page_shows_runs(monkeypatch, page, least):
+def blocks_of(page):
+    return re.findall(r"^```python\n(.*?)^```", (ROOT / page).read_text(), re.S | re.M)
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if blocks_of(page)])
+def test_what_a_page_shows_runs(monkeypatch, page):
     monkeypatch.chdir(ROOT)
-    blocks = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(), re.S)
-    assert len(blocks) >= least
     names = {}
-    for block in blocks:
+    for block in blocks_of(page):
         exec(compile(block, page, "exec"), names)  # noqa: S102
+
+
+def test_most_pages_show_something():
+    assert sum(bool(blocks_of(page)) for page in PAGES) >= 12

@@ -1,6 +1,7 @@
 //! Promises of the whole interface: what all public types can do, and one policy for wrong input.
 
 mod joint_kinds;
+mod option_tables;
 mod public_types;
 mod serialised;
 mod wrong_numbers;

@@ -21,6 +21,7 @@ mod loops;
 mod many_targets;
 mod mjcf;
 mod motion_capture;
+mod option_tables;
 mod pages;
 mod path;
 mod posed_mesh;

@@ -1,38 +1,88 @@
-//! Promise: the commands that the page on whole bodies shows do what it says.
+//! Promise: the commands that the pages of docs/ show do what they say, from the project's root.
+
+use std::process::Command;
 
 use crate::forked_rig::*;
 use serde_json::Value;
 
-const PAGE: &str = include_str!("../../../docs/whole-bodies.md");
-
-/// What stands in fences of a language.
-fn blocks(language: &str) -> impl Iterator<Item = &'static str> {
-    let fence = format!("```{language}\n");
-    let parts = PAGE.split("```").collect::<Vec<_>>();
-    let fenced = parts.into_iter().skip(1).step_by(2);
-    fenced.filter_map(move |part| part.strip_prefix(&fence[3..]))
-}
-
-#[test]
-fn its_commands_succeed() {
-    let lines: Vec<&str> = blocks("sh").flat_map(str::lines).collect();
-    assert!(lines.len() >= 3);
-    for line in lines {
-        let words = line.strip_prefix("kinopt ").unwrap();
-        let words = words.replace("models/", "../models/");
-        let answer = answer!("{words}");
-        if words.starts_with("solve") {
-            assert_eq!(answer["reached"], true, "{words}");
+/// The pages with blocks that are run.
+fn pages() -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir("../docs").unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|extension| extension == "md") {
+            let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
+            found.push((name, std::fs::read_to_string(path).unwrap()));
         }
     }
+    found.sort();
+    found
+}
+
+/// What stands in fences of a language, but for those that are said not to be run.
+fn blocks(page: &str, language: &str) -> Vec<String> {
+    let fence = format!("\n```{language}\n");
+    let parts = page.split(&fence).skip(1);
+    let blocks = parts.map(|part| part.split("\n```").next().unwrap_or_default());
+    blocks.map(|block| block.replace("\\\n", " ")).collect()
+}
+
+/// Runs the command in a folder of its own, on the project's files.
+fn run(folder: &Folder, line: &str) -> String {
+    let words = line.split_whitespace().skip(1).map(|word| {
+        let model = std::path::Path::new("..").join(word);
+        match word.starts_with("models/") || word.starts_with("tests/") {
+            true => model.canonicalize().unwrap().into_os_string(),
+            false => word.into(),
+        }
+    });
+    let mut command = Command::new(env!("CARGO_BIN_EXE_kinopt"));
+    let done = command
+        .args(words)
+        .current_dir(folder.file("."))
+        .output()
+        .unwrap();
+    assert!(
+        done.status.success(),
+        "{line}\n{}{}",
+        stdout(&done),
+        stderr(&done)
+    );
+    stdout(&done).to_owned()
 }
 
 #[test]
-fn its_cones_are_of_the_humanoid() {
-    let folder = Folder::new("page-cones");
-    let json: Vec<&str> = blocks("json").collect();
-    let [cones] = json.as_slice() else {
-        panic!("one block: {json:?}")
+fn their_commands_succeed() {
+    let mut lines = 0;
+    for (name, page) in pages() {
+        let folder = Folder::new(&name);
+        for line in blocks(&page, "sh").iter().flat_map(|block| block.lines()) {
+            assert!(line.starts_with("kinopt "), "{name}: {line}");
+            let text = run(&folder, line);
+            assert!(!text.is_empty(), "{name}: {line}");
+            lines += 1;
+        }
+    }
+    assert!(lines >= 20, "{lines}");
+}
+
+#[test]
+fn the_page_on_whole_bodies_reaches() {
+    let folder = Folder::new("whole-bodies");
+    let (_, page) = pages()
+        .into_iter()
+        .find(|(name, _)| name == "whole-bodies")
+        .unwrap();
+    for line in blocks(&page, "sh").iter().flat_map(|block| block.lines()) {
+        if line.starts_with("kinopt solve") {
+            let text = run(&folder, &format!("{line} --json"));
+            let answer: Value = serde_json::from_str(&text).unwrap();
+            assert_eq!(answer["reached"], true, "{line}");
+        }
+    }
+    let cones = blocks(&page, "json");
+    let [cones] = cones.as_slice() else {
+        panic!("one block: {cones:?}")
     };
     let file = folder.text("cones.json", cones);
     let info: Value = answer!("info ../models/humanoid/humanoid.json --cones {file}");

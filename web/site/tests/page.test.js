@@ -1,43 +1,23 @@
 // The page in a real browser, from a plain static server: a hand is dragged along 300 points, an arm goes round boxes, bad
 // files are told, nothing is said on the console. KINOPT_PICTURES=FOLDER has it take the pictures of the README.
 import assert from "node:assert/strict";
-import { createReadStream, existsSync } from "node:fs";
 import { readFile } from "node:fs/promises";
-import { createServer } from "node:http";
-import { extname, join, normalize } from "node:path";
+import { join } from "node:path";
 import test, { after, before } from "node:test";
 import { fileURLToPath } from "node:url";
-import { chromium } from "playwright-core";
+import { skip, started } from "./browser.js";
 
-const dist = fileURLToPath(new URL("../dist/", import.meta.url));
 const models = fileURLToPath(new URL("../../../models/", import.meta.url));
-const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm" };
-const executablePath = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/google-chrome"].find((path) => path && existsSync(path));
-const skip = executablePath ? false : "no Chromium is installed here";
-
-let server;
+let site;
 let browser;
 let address;
 
 before(async () => {
     if (skip) return;
-    server = createServer((request, response) => {
-        const path = join(dist, normalize(new URL(request.url, "http://page").pathname).replace(/\/$/, "/index.html"));
-        if (!path.startsWith(dist) || !existsSync(path)) return response.writeHead(404).end();
-        response.setHeader("content-type", TYPES[extname(path)] ?? "application/octet-stream");
-        return createReadStream(path).pipe(response);
-    });
-    await new Promise((listening) => server.listen(0, "127.0.0.1", listening));
-    address = `http://127.0.0.1:${server.address().port}/`;
-    // Software drawing, so that no graphics card is needed.
-    const args = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
-        "--disable-sync", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
-    browser = await chromium.launch({ executablePath, args });
+    site = await started();
+    ({ browser, address } = site);
 });
-after(async () => {
-    await browser?.close();
-    server?.close();
-});
+after(() => site?.close());
 
 /** A page that opened the humanoid, and all that it said on the console. */
 async function opened(options) {

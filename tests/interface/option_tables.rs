@@ -1,0 +1,71 @@
+//! Promise: the tables of docs/options.md name every option that a builder or a setter takes, and no others.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::collections::BTreeSet;
+
+/// What a section's table has in its column of Rust, between the signs for code.
+fn named(section: &str) -> BTreeSet<String> {
+    let page = std::fs::read_to_string("docs/options.md").unwrap();
+    let (_, part) = page.split_once(&format!("\n## {section}\n")).unwrap();
+    let part = part.split("\n## ").next().unwrap();
+    let rows = part.lines().filter(|line| line.starts_with('|'));
+    let rows: Vec<Vec<&str>> = rows.map(|line| line.split('|').collect()).collect();
+    let column = rows[0].iter().position(|cell| cell.trim() == "Rust");
+    let cells = rows[2..].iter().map(|row| row[column.unwrap()]);
+    let names = cells.flat_map(|cell| cell.split('`').skip(1).step_by(2));
+    names.map(str::to_owned).collect()
+}
+
+/// The public functions of a source, by how they begin, with what stands before them in the table.
+fn public(source: &str, begin: &str, before: &str) -> BTreeSet<String> {
+    let text = std::fs::read_to_string(source).unwrap();
+    let after = text.split("pub fn ").skip(1);
+    let names = after.map(|rest| rest.split(['(', '<']).next().unwrap());
+    let names = names.filter(|name| name.starts_with(begin));
+    names.map(|name| format!("{before}{name}")).collect()
+}
+
+/// The two are the same but for what is named otherwise.
+fn assert_same(section: &str, sources: &[(&str, &str)], besides: &[&str]) {
+    let setters = sources
+        .iter()
+        .flat_map(|(source, before)| public(source, "with_", before));
+    let mut there: BTreeSet<String> = setters.collect();
+    assert!(!there.is_empty(), "{section}");
+    there.extend(besides.iter().map(|name| (*name).to_owned()));
+    assert_eq!(named(section), there, "{section}");
+}
+
+#[test]
+fn the_tables_are_the_code() {
+    assert_same(
+        "Arms",
+        &[("src/arm/builder.rs", "")],
+        &["Arm::with_checker"],
+    );
+    assert_same("Followers and servos", &[("src/arm/servo.rs", "")], &[]);
+    let solvers = [
+        ("src/ik/solver.rs", "Solver::"),
+        ("src/solver/stopping.rs", "Stopping::"),
+        ("src/search/restarts.rs", "Restarts::"),
+        ("src/solver/levenberg_marquardt.rs", "LevenbergMarquardt::"),
+        ("src/solver/gauss_newton.rs", "GaussNewton::"),
+        ("src/solver/projected_gradient.rs", "ProjectedGradient::"),
+    ];
+    assert_same("Solvers", &solvers, &["Solver::new"]);
+    assert_same("Drags", &[("src/ik/drag.rs", "")], &[]);
+    let paths = [("src/motion/path/solver.rs", "")];
+    let of_paths = ["CartesianPath::with_course", "CartesianPath::read"];
+    assert_same("Paths", &paths, &of_paths);
+}
+
+#[test]
+fn problems_and_tasks_too() {
+    let mut there = public("src/problem/builder.rs", "", "");
+    there.remove("build");
+    there.insert("keep_clear".to_owned());
+    assert_eq!(named("Problems"), there);
+    let mut there = public("src/task/weighted.rs", "", "");
+    there.remove("new");
+    assert_eq!(named("Tasks"), there);
+}

@@ -1,0 +1,32 @@
+// Writes the documentation into dist/, beside the page to drag on: `node docs/build.js`.
+import { copyFileSync, mkdirSync, writeFileSync } from "node:fs";
+import { REFERENCES, contents, pages, root, source } from "./contents.js";
+import { javascriptReference } from "./javascript_reference.js";
+import { laidOut } from "./layout.js";
+import { Links } from "./links.js";
+import { rendered } from "./markdown.js";
+import { pythonReference } from "./python_reference.js";
+
+const dist = new URL("../dist/", import.meta.url);
+const within = (path) => {
+    const file = new URL(path, dist);
+    mkdirSync(new URL(".", file), { recursive: true });
+    return file;
+};
+const WRITTEN = { "python/reference.html": pythonReference, "web/reference.html": javascriptReference };
+
+const groups = contents();
+const all = pages(groups);
+const pictures = new Set();
+const links = new Links(all, pictures);
+const found = [];
+for (const page of all.values()) {
+    const text = REFERENCES[page.path] ? WRITTEN[page.address]() : source(page.path);
+    const { html, headings, sections } = rendered(text, page, links);
+    for (const { heading, anchor, text: words } of sections) found.push([page.title, heading, `${page.address}#${anchor}`, words]);
+    writeFileSync(within(page.address), laidOut({ page, html, headings, groups }));
+}
+for (const path of pictures) copyFileSync(new URL(path, root), within(path));
+for (const own of ["page.css", "page.js"]) copyFileSync(new URL(own, import.meta.url), within(`docs/${own}`));
+writeFileSync(within("docs/search.json"), JSON.stringify(found));
+console.log(`web/site/dist: ${all.size} pages of documentation, ${pictures.size} pictures`);

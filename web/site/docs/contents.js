@@ -1,0 +1,44 @@
+// What the site shows: the pages that docs/README.md lists, in its groups and order.
+import { readFileSync } from "node:fs";
+import { posix } from "node:path";
+
+export const root = new URL("../../../", import.meta.url);
+export const source = (path) => readFileSync(new URL(path, root), "utf8");
+export const repository = source("Cargo.toml").match(/^repository = "(.*)"/m)[1];
+
+const LIST = "docs/README.md";
+
+/** What is written from the sources of an interface, by what docs/README.md links to. */
+export const REFERENCES = { "python/kinopt/_kinopt/__init__.pyi": "python/reference.html", "web/src": "web/reference.html" };
+
+/** Where a page of the repository stands on the site: READMEs are their folders' own pages, but for that beside the page to drag on. */
+export function addressOf(path) {
+    if (path === "README.md") return "readme.html";
+    return path.replace(/(^|\/)README\.md$/, "$1index.html").replace(/[^/]*\.md$/, (name) => `${name.slice(0, -3).toLowerCase()}.html`);
+}
+
+/** Groups of entries: a title with an address on the site, an anchor there and the path of its source, or an address elsewhere. */
+export function contents() {
+    const groups = [];
+    for (const line of source(LIST).split("\n")) {
+        const heading = line.match(/^## (.*)/);
+        if (heading) groups.push({ title: heading[1], entries: [] });
+        const entry = line.match(/^- \[([^\]]+)\]\(([^)#\s]+)(#[^)\s]+)?\)/);
+        if (entry) groups.at(-1).entries.push({ title: entry[1], anchor: entry[3] ?? "", ...place(entry[2]) });
+    }
+    return groups;
+}
+
+function place(link) {
+    if (/^https?:/.test(link)) return { external: link };
+    const path = posix.join(posix.dirname(LIST), link).replace(/\/$/, "");
+    return { path, address: REFERENCES[path] ?? addressOf(path) };
+}
+
+/** Every page by the path of its source: the list itself, what it has in its groups, and what it names beside those. */
+export function pages(groups) {
+    const own = groups.flatMap(({ entries }) => entries).filter(({ path, anchor }) => path && !anchor);
+    const named = [...source(LIST).matchAll(/\[([^\]]+)\]\(([^)#\s]+\.md)\)/g)].map(([, title, link]) => ({ title, ...place(link) }));
+    const all = [{ title: "Documentation", path: LIST, address: addressOf(LIST) }, ...own, ...named];
+    return new Map(all.reverse().map((page) => [page.path, page]));
+}

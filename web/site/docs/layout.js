@@ -1,0 +1,69 @@
+// The frame around every page: header, contents, the page's own headings, its neighbours.
+import { repository } from "./contents.js";
+import { between } from "./links.js";
+
+const escape = (text) => text.replace(/[&<>"]/g, (c) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" })[c]);
+
+function entry(page, { title, address, anchor = "", external }) {
+    if (external) return `<li><a href="${external}">${escape(title)}</a></li>`;
+    const here = address === page.address && !anchor ? ' aria-current="page"' : "";
+    return `<li><a href="${between(page.address, address)}${anchor}"${here}>${escape(title)}</a></li>`;
+}
+
+const group = (page) => ({ title, entries }) => `<h2>${escape(title)}</h2>\n<ul>\n${entries.map((own) => entry(page, own)).join("\n")}\n</ul>`;
+
+function onThisPage(headings) {
+    const parts = headings.filter(({ level }) => level === 2);
+    if (parts.length < 2) return "";
+    const list = parts.map(({ text, anchor }) => `<li><a href="#${anchor}">${escape(text)}</a></li>`).join("\n");
+    return `<aside aria-label="On this page">\n<h2>On this page</h2>\n<ul>\n${list}\n</ul>\n</aside>`;
+}
+
+function neighbours(page, groups) {
+    const order = groups.flatMap(({ entries }) => entries).filter(({ address, anchor }) => address && !anchor);
+    const at = order.findIndex(({ address }) => address === page.address);
+    const to = (own, rel, says) => own ? `<a rel="${rel}" href="${between(page.address, own.address)}"><small>${says}</small>${escape(own.title)}</a>` : "<span></span>";
+    return `<nav class="neighbours" aria-label="Next pages">${to(at > 0 && order[at - 1], "prev", "Before")}${to(order[at + 1], "next", "Next")}</nav>`;
+}
+
+/** Whether some table has more columns than a measure of text has room for. */
+const hasWideTable = (html) => html.split("<thead>").slice(1).some((part) => part.split("</thead>")[0].split("<th").length > 6);
+
+export function laidOut({ page, html, headings, groups }) {
+    const at = (address) => between(page.address, address);
+    const title = headings[0]?.text ?? page.title;
+    const whole = title === "kinopt" ? "kinopt" : `${title} · kinopt`;
+    return `<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>${escape(whole)}</title>
+<link rel="icon" href="data:,">
+<link rel="stylesheet" href="${at("palette.css")}">
+<link rel="stylesheet" href="${at("docs/page.css")}">
+<script type="module" src="${at("docs/page.js")}"></script>
+</head>
+<body>
+<a class="skip" href="#text">To the text</a>
+<header>
+<a class="name" href="${at("index.html")}">kinopt</a>
+<nav aria-label="Site"><a href="${at("index.html")}">Drag a body</a> <a href="${at("docs/index.html")}">Documentation</a> <a href="${repository}">Source</a></nav>
+<a class="button" id="menu" href="#contents">Contents</a>
+</header>
+<div id="page"${hasWideTable(html) ? ' class="wide"' : ""}>
+<nav id="contents" aria-label="Contents">
+<ul>${entry(page, { title: "Overview", address: "docs/index.html" })}</ul>
+${groups.map(group(page)).join("\n")}
+</nav>
+<main id="text">
+${html}
+${neighbours(page, groups)}
+<footer><a href="${repository}/blob/main/${page.path}">The source of this page</a></footer>
+</main>
+${onThisPage(headings)}
+</div>
+</body>
+</html>
+`;
+}

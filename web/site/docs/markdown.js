@@ -1,0 +1,127 @@
+// Markdown to HTML: anchors as GitHub names them, code in colours, the same thing in several languages beside each other.
+import { readFileSync } from "node:fs";
+import highlighter from "highlight.js/lib/core";
+import bash from "highlight.js/lib/languages/bash";
+import ini from "highlight.js/lib/languages/ini";
+import javascript from "highlight.js/lib/languages/javascript";
+import json from "highlight.js/lib/languages/json";
+import python from "highlight.js/lib/languages/python";
+import rust from "highlight.js/lib/languages/rust";
+import typescript from "highlight.js/lib/languages/typescript";
+import xml from "highlight.js/lib/languages/xml";
+import MarkdownIt from "markdown-it";
+import { root } from "./contents.js";
+
+const LANGUAGES = { rust: "Rust", python: "Python", js: "JavaScript", sh: "Command", json: "JSON", yaml: "YAML", xml: "XML", text: "Text" };
+for (const [name, grammar] of Object.entries({ bash, ini, javascript, json, python, rust, typescript, xml })) highlighter.registerLanguage(name, grammar);
+const GRAMMARS = { sh: "bash", js: "javascript", ts: "typescript", yaml: "ini", toml: "ini" };
+
+const markdown = new MarkdownIt({ html: false, linkify: false, typographer: false });
+const escape = markdown.utils.escapeHtml;
+
+/** The anchor of a heading, of which there are `seen` on the page. */
+export function anchorOf(text, seen) {
+    const plain = text.trim().toLowerCase().replace(/[^\p{L}\p{N}\s_-]/gu, "").replace(/\s/g, "-");
+    const before = seen.get(plain) ?? 0;
+    seen.set(plain, before + 1);
+    return before ? `${plain}-${before}` : plain;
+}
+
+/** What rustdoc hides. */
+const withoutHidden = (code) => code.split("\n").filter((line) => !/^\s*#( |$)/.test(line)).join("\n");
+
+export function coloured(code, language) {
+    const grammar = GRAMMARS[language] ?? language;
+    return highlighter.getLanguage(grammar) ? highlighter.highlight(code, { language: grammar }).value : escape(code);
+}
+
+function block(token) {
+    const [language = "text"] = token.info.trim().split(/[\s,]+/);
+    const code = language === "rust" ? withoutHidden(token.content) : token.content;
+    const note = token.info.match(/\bnot run\b:?\s*(.*)/);
+    const told = note ? `<figcaption>not run by the tests${note[1] ? `: ${escape(note[1])}` : ""}</figcaption>` : "";
+    return `<figure class="code">${told}<pre tabindex="0"><code class="language-${escape(language)}">${coloured(code.trimEnd(), language)}\n</code></pre></figure>\n`;
+}
+
+const named = (token) => LANGUAGES[token.info.trim().split(/[\s,]+/)[0]];
+
+// Blocks that follow each other in different languages say the same thing: one is looked at.
+markdown.core.ruler.push("languages", ({ tokens, Token }) => {
+    for (let begin = 0; begin < tokens.length; begin += 1) {
+        let end = begin;
+        const told = new Set();
+        while (tokens[end]?.type === "fence" && tokens[end].level === 0 && named(tokens[end]) && !told.has(named(tokens[end]))) told.add(named(tokens[end++]));
+        if (told.size < 2) continue;
+        const group = new Token("languages", "div", 0);
+        group.children = tokens.splice(begin, end - begin);
+        tokens.splice(begin, 0, group);
+    }
+});
+markdown.renderer.rules.languages = (tokens, index) => {
+    const parts = tokens[index].children.map((token) => `<section data-language="${named(token)}" aria-label="${named(token)}">${block(token)}</section>`);
+    return `<div class="languages">${parts.join("")}</div>\n`;
+};
+markdown.renderer.rules.fence = (tokens, index) => block(tokens[index]);
+markdown.renderer.rules.code_block = (tokens, index) => block({ info: "text", content: tokens[index].content });
+markdown.renderer.rules.table_open = () => '<div class="table" tabindex="0" role="region" aria-label="Table"><table>\n';
+markdown.renderer.rules.table_close = () => "</table></div>\n";
+
+// Links and pictures mean something else on the site; headings can be linked to.
+markdown.core.ruler.push("site", ({ tokens, env }) => {
+    env.headings = [];
+    const seen = new Map();
+    for (const [index, token] of tokens.entries()) {
+        for (const child of token.children ?? []) {
+            if (child.type === "link_open") child.attrSet("href", env.links.link(env.page, child.attrGet("href")));
+            if (child.type === "image") picture(child, env);
+        }
+        if (token.type !== "heading_open") continue;
+        const inline = tokens[index + 1];
+        const text = inline.children.filter(({ type }) => /text|code_inline/.test(type)).map(({ content }) => content).join("");
+        const anchor = anchorOf(text, seen);
+        token.attrSet("id", anchor);
+        env.headings.push({ level: Number(token.tag[1]), text, anchor });
+    }
+});
+markdown.renderer.rules.heading_close = (tokens, index) => {
+    const anchor = tokens[index - 2].attrGet("id");
+    return ` <a class="anchor" href="#${anchor}" aria-label="Link to this section">#</a></${tokens[index].tag}>\n`;
+};
+
+function picture(image, env) {
+    const source = image.attrGet("src");
+    image.attrSet("src", env.links.picture(env.page, source));
+    image.attrSet("loading", "lazy");
+    image.attrSet("decoding", "async");
+    const size = sizeOf(env.links.pathOf(env.page, source));
+    if (size) for (const [name, value] of Object.entries(size)) image.attrSet(name, String(value));
+}
+
+/** How large a picture is, so that the page does not move when it comes. */
+function sizeOf(path) {
+    if (!path) return undefined;
+    const bytes = readFileSync(new URL(path, root));
+    if (path.endsWith(".png")) return { width: bytes.readUInt32BE(16), height: bytes.readUInt32BE(20) };
+    const [, width, height] = bytes.toString("utf8", 0, 400).match(/<svg[^>]* width="(\d+)" height="(\d+)"/) ?? [];
+    return width ? { width, height } : undefined;
+}
+
+/** What stands below each heading, for the search. */
+function sectionsOf(tokens, headings) {
+    const sections = [];
+    let next = 0;
+    for (const token of tokens) {
+        if (token.type === "heading_open") sections.push({ heading: headings[next].text, anchor: headings[next++].anchor, text: "" });
+        const content = token.type === "languages" ? token.children.map((one) => one.content).join("\n") : token.content;
+        if (content && sections.length) sections.at(-1).text += `${content}\n`;
+    }
+    return sections;
+}
+
+/** A page's text as HTML, its headings, and what stands below each. */
+export function rendered(text, page, links) {
+    const env = { page, links };
+    const tokens = markdown.parse(text, env);
+    const sections = sectionsOf(tokens, env.headings);
+    return { html: markdown.renderer.render(tokens, markdown.options, env), headings: env.headings, sections };
+}

@@ -1,0 +1,149 @@
+// What the pages of the documentation do: one language at a time, code that is copied, contents that open on small screens.
+const KEPT = "kinopt language";
+const remembered = () => {
+    try {
+        return localStorage.getItem(KEPT);
+    } catch {
+        return null; // pages that are opened as files have no memory
+    }
+};
+const remember = (language) => {
+    try {
+        localStorage.setItem(KEPT, language);
+    } catch {
+        // as above
+    }
+};
+
+/** Shows a language in every group that has it. */
+function choose(language) {
+    for (const group of document.querySelectorAll(".languages")) {
+        const parts = [...group.querySelectorAll(":scope > section")];
+        const shown = parts.find((part) => part.dataset.language === language);
+        if (!shown) continue;
+        for (const part of parts) part.hidden = part !== shown;
+        for (const tab of group.querySelectorAll('[role="tab"]')) {
+            const own = tab.textContent === language;
+            tab.setAttribute("aria-selected", String(own));
+            tab.tabIndex = own ? 0 : -1;
+        }
+    }
+}
+
+for (const [number, group] of document.querySelectorAll(".languages").entries()) {
+    const tabs = document.createElement("div");
+    tabs.setAttribute("role", "tablist");
+    tabs.setAttribute("aria-label", "Language");
+    for (const part of group.querySelectorAll(":scope > section")) {
+        const { language } = part.dataset;
+        const tab = document.createElement("button");
+        tab.textContent = language;
+        tab.setAttribute("role", "tab");
+        tab.id = `tab-${number}-${language}`;
+        part.id = `part-${number}-${language}`;
+        tab.setAttribute("aria-controls", part.id);
+        part.setAttribute("role", "tabpanel");
+        part.setAttribute("aria-labelledby", tab.id);
+        tab.addEventListener("click", () => {
+            // Groups above may change their height: what was pressed stays under the pointer.
+            const before = tab.getBoundingClientRect().top;
+            choose(language);
+            remember(language);
+            scrollBy({ top: tab.getBoundingClientRect().top - before, behavior: "instant" });
+        });
+        tabs.append(tab);
+    }
+    tabs.addEventListener("keydown", (event) => {
+        const way = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+        if (!way) return;
+        const all = [...tabs.children];
+        const next = all[(all.indexOf(document.activeElement) + way + all.length) % all.length];
+        next.click();
+        next.focus();
+    });
+    group.prepend(tabs);
+    group.classList.add("one");
+    choose(group.querySelector("section").dataset.language);
+}
+const language = remembered();
+if (language) choose(language);
+
+for (const code of document.querySelectorAll("figure.code")) {
+    const copy = document.createElement("button");
+    copy.className = "copy";
+    copy.textContent = "Copy";
+    copy.addEventListener("click", async () => {
+        await navigator.clipboard.writeText(code.querySelector("code").textContent);
+        copy.textContent = "Copied";
+        setTimeout(() => (copy.textContent = "Copy"), 1500);
+    });
+    code.append(copy);
+}
+
+const menu = document.querySelector("#menu");
+const contents = document.querySelector("#contents");
+menu.setAttribute("role", "button");
+menu.setAttribute("aria-expanded", "false");
+const open = (whether) => {
+    contents.classList.toggle("open", whether);
+    menu.setAttribute("aria-expanded", String(whether));
+};
+document.body.classList.add("scripted");
+menu.addEventListener("click", (event) => {
+    event.preventDefault();
+    open(!contents.classList.contains("open"));
+    if (contents.classList.contains("open")) contents.querySelector("input, a").focus({ preventScroll: true });
+});
+contents.addEventListener("keydown", (event) => {
+    if (event.key !== "Escape") return;
+    open(false);
+    menu.focus();
+});
+// The search: sections that have all the words, those first that have them in their headings.
+const search = document.createElement("input");
+search.type = "search";
+search.placeholder = "Search";
+search.setAttribute("aria-label", "Search the documentation");
+const results = document.createElement("ul");
+results.id = "results";
+results.setAttribute("aria-live", "polite");
+contents.prepend(search, results);
+const root = new URL("../", import.meta.url);
+let sections;
+search.addEventListener("focus", async () => {
+    sections ??= fetch(new URL("docs/search.json", root)).then((answer) => answer.json());
+});
+search.addEventListener("input", async () => {
+    const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
+    const all = words.length ? await sections : [];
+    const scored = [];
+    for (const [page, heading, address, text] of all) {
+        const [above, below] = [`${heading} ${page}`.toLowerCase(), text.toLowerCase()];
+        if (!words.every((word) => above.includes(word) || below.includes(word))) continue;
+        const own = words.filter((word) => above.includes(word)).length;
+        scored.push({ page, heading, address, score: 10 * own + (heading.toLowerCase() === words.join(" ") ? 5 : 0) });
+    }
+    scored.sort((a, b) => b.score - a.score);
+    results.replaceChildren(...scored.slice(0, 12).map(({ page, heading, address }) => {
+        const [item, link, where] = ["li", "a", "small"].map((kind) => document.createElement(kind));
+        link.href = new URL(address, root);
+        link.textContent = heading;
+        where.textContent = page === heading ? "" : page;
+        link.append(where);
+        item.append(link);
+        return item;
+    }));
+    if (words.length && !scored.length) results.textContent = "Nothing has these words.";
+    contents.classList.toggle("searching", words.length > 0);
+});
+search.addEventListener("keydown", (event) => {
+    if (event.key === "Enter") results.querySelector("a")?.click();
+});
+addEventListener("keydown", (event) => {
+    if (event.key !== "/" || /^(INPUT|TEXTAREA)$/.test(document.activeElement.tagName)) return;
+    event.preventDefault();
+    open(true);
+    search.focus();
+});
+
+contents.querySelector('[aria-current="page"]')?.scrollIntoView({ block: "nearest" });

@@ -1,0 +1,150 @@
+// The classes and functions of the Python package, signatures from its stubs and words from where they are written, as a
+// page of Markdown.
+import { readdirSync } from "node:fs";
+import { root, source } from "./contents.js";
+
+/** Each module with the stub of what is compiled, and the folder or file of what is written in Python. */
+const MODULES = [
+    ["kinopt", "__init__.py", "__init__", ["motion.py", "placements.py", "errors.py"]],
+    ["kinopt.tasks", "tasks.py", "tasks", ["tasks.py"]],
+    ["kinopt.methods", "methods.py", undefined, ["methods.py"]],
+    ["kinopt.animation", "animation.py", "animation", ["animation.py"]],
+    ["kinopt.skinning", "skinning.py", "skinning", ["skinning.py"]],
+    ["kinopt.io", "io.py", "io", ["io.py"]],
+    ["kinopt.retargeting", "retargeting/__init__.py", "retargeting", filesIn("retargeting")],
+    ["kinopt.view", "view/__init__.py", undefined, filesIn("view")],
+    ["kinopt.ray", "ray/__init__.py", undefined, filesIn("ray")],
+    ["kinopt.torch", "torch.py", undefined, ["torch.py"]],
+    ["kinopt.jax", "jax.py", undefined, ["jax.py"]],
+];
+
+function filesIn(folder) {
+    const files = readdirSync(new URL(`python/kinopt/${folder}/`, root));
+    return files.filter((file) => file.endsWith(".py")).sort().map((file) => `${folder}/${file}`);
+}
+
+/** The words above what Rust defines for Python: by class, and by class and member. */
+function wordsOfRust() {
+    const words = new Map();
+    const files = readdirSync(new URL("python/src/", root), { recursive: true }).filter((file) => file.endsWith(".rs")).sort();
+    for (const file of files) {
+        let said = [];
+        let scope = "";
+        let named;
+        for (const line of source(`python/src/${file}`).split("\n")) {
+            const text = line.trim();
+            const own = text.match(/^\/\/\/ ?(.*)/);
+            const keep = (name) => {
+                if (said.length && !words.has(name)) words.set(name, said.join("\n"));
+                [said, named] = [[], undefined];
+            };
+            if (own) said.push(own[1]);
+            else if (text.startsWith("#[")) named = text.match(/name = "(\w+)"|#\[getter\((\w+)\)\]/)?.slice(1).find(Boolean) ?? named;
+            else if (/^impl\b/.test(line)) [scope, said] = [line.match(/^impl(?:<[^>]*>)? (?:\w+ for )?(\w+)/)?.[1] ?? "", []];
+            else if (/^(pub(\(\w+\))? )?struct /.test(line)) {
+                scope = line.match(/struct (\w+)/)[1];
+                keep(scope);
+            } else if (/\bfn (r#)?\w+/.test(text) && said.length) keep(`${/^\s/.test(line) ? `${scope}.` : ""}${named ?? text.match(/fn (?:r#)?(\w+)/)[1]}`);
+            else if (/^(pub(\(\w+\))? )?\w+: /.test(text)) keep(`${scope}.${text.match(/(\w+):/)[1]}`);
+            else if (text === "" || text === "}") [said, named] = [[], undefined];
+        }
+    }
+    return words;
+}
+
+/** Statements of a stub or a module, those over several lines in one. */
+function statements(text) {
+    const whole = [];
+    let depth = 0;
+    for (const line of text.split("\n")) {
+        if (depth > 0) whole[whole.length - 1] += ` ${line.trim()}`;
+        else whole.push(line);
+        depth += (line.match(/[([{]/g) ?? []).length - (line.match(/[)\]}]/g) ?? []).length;
+    }
+    return whole.map((line) => line.replace(/\( /g, "(").replace(/,? \)/g, ")"));
+}
+
+/** Words as Markdown: names in code; lines that say what keywords are become a list. */
+function plain(words = "") {
+    const lines = [];
+    let listed = false;
+    for (const text of words.replace(/(?<!`)``(?!`)/g, "`").split("\n")) {
+        const keyword = text.match(/^([a-z_]+(?:, [a-z_]+)*): (\S.*)/);
+        const begins = keyword && (listed || (lines.at(-1) ?? "") === "");
+        lines.push(begins ? `- \`${keyword[1]}\`: ${keyword[2]}` : text);
+        listed = Boolean(begins) || (listed && text.startsWith("    "));
+    }
+    return lines.join("\n").trim();
+}
+
+const line = (signature, told) => `- \`${signature}\`${told ? `  \n  ${plain(told).replace(/\s*\n\s*/g, " ")}` : ""}`;
+const signature = (definition) => definition.trim().replace(/^def /, "").replace(/\((cls|self)(, )?/, "(").replace(/:\s*\.\.\.$/, "");
+
+/** A definition as a block of code, a parameter a line where it is long. */
+function block(text) {
+    const [, name, inside, rest] = text.match(/^(\w+)\(([\s\S]*)\)((?: -> .*)?)$/) ?? [];
+    if (text.length < 90 || !inside) return ["```python", text, "```", ""];
+    const parameters = inside.split(/, (?![^[(]*[\])])/).map((one) => `    ${one},`);
+    return ["```python", `${name}(`, ...parameters, `)${rest}`, "```", ""];
+}
+
+function ofStub(file, words) {
+    const found = [];
+    let at;
+    let property = false;
+    for (const statement of file ? statements(source(`python/kinopt/_kinopt/${file}.pyi`)) : []) {
+        const kind = statement.match(/^class (\w+)/);
+        if (kind) found.push((at = { name: kind[1], told: words.get(kind[1]), members: [] }));
+        else if (/^def /.test(statement)) {
+            const name = statement.match(/^def (\w+)/)[1];
+            found.push({ name, told: words.get(name), signature: signature(statement), members: [] });
+            at = undefined;
+        } else if (/^\s+@property/.test(statement)) property = true;
+        else if (/^\s+def /.test(statement) && at) {
+            const name = statement.match(/def (\w+)/)[1];
+            const own = signature(statement);
+            if (name === "__new__") at.signature = own.replace("__new__", at.name).replace(/ -> \w+$/, "");
+            else if (!name.startsWith("_")) at.members.push(line(property ? own.replace("()", "").replace(" -> ", ": ") : own, words.get(`${at.name}.${name}`)));
+            property = false;
+        }
+    }
+    return found;
+}
+
+/** Classes and functions that are written in Python, by their own words. */
+function ofFile(file) {
+    const text = source(`python/kinopt/${file}`);
+    const found = [];
+    for (const [whole, kind, name, given, told] of text.matchAll(/^(class|def) ([A-Za-z]\w*)(?:\(([\s\S]*?)\))?(?: -> [^\n]*)?:\n    """([\s\S]*?)"""/gm)) {
+        const own = { name, told: told.replace(/^ {4}/gm, ""), members: [] };
+        if (kind === "def") own.signature = `${name}(${given.replace(/\s+/g, " ").replace(/,? *$/, "").trim()})`;
+        else {
+            const body = text.slice(text.indexOf(whole) + whole.length).split(/\n(?=[^\s#)])/)[0];
+            for (const [, property, member, arguments_, result, said] of body.matchAll(/^    (@property\n    )?def ([a-z]\w*)\(([\s\S]*?)\)(?: -> ([^\n]*))?:\n        """([\s\S]*?)"""/gm)) {
+                const taken = arguments_.replace(/\s+/g, " ").replace(/^ ?(self|cls)(, )?/, "").replace(/,? *$/, "");
+                own.members.push(line(property ? `${member}: ${result}` : `${member}(${taken})${result ? ` -> ${result}` : ""}`, said));
+            }
+        }
+        found.push(own);
+    }
+    return found;
+}
+
+/** What a module says it has. */
+const exported = (file) => new Set([...source(`python/kinopt/${file}`).split("__all__ = [")[1].split("]")[0].matchAll(/"(\w+)"/g)].map(([, name]) => name));
+
+export function pythonReference() {
+    const words = wordsOfRust();
+    const text = ["# Python reference", "", "The classes and functions of the package `kinopt`, in the words of their `help`. How they are used together: [the package's page](https://github.com/kinopt/kinopt/blob/main/python/README.md).", ""];
+    for (const [module, exports, stub, files] of MODULES) {
+        const names = exported(exports);
+        const all = [...ofStub(stub, words), ...files.flatMap(ofFile)].filter(({ name }) => names.has(name));
+        text.push(`## ${module}`, "");
+        for (const own of all.sort((a, b) => (a.name < b.name ? -1 : 1))) {
+            text.push(`### ${module}.${own.name}`, "");
+            if (own.signature) text.push(...block(own.signature));
+            text.push(plain(own.told), "", ...own.members, "");
+        }
+    }
+    return text.join("\n");
+}

@@ -1,0 +1,33 @@
+// The built site behind a plain static server, and a browser to look at it.
+import { createReadStream, existsSync } from "node:fs";
+import { createServer } from "node:http";
+import { extname, join, normalize } from "node:path";
+import { fileURLToPath } from "node:url";
+import { chromium } from "playwright-core";
+
+const dist = fileURLToPath(new URL("../dist/", import.meta.url));
+const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml", ".wasm": "application/wasm" };
+const executablePath = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/google-chrome"].find((path) => path && existsSync(path));
+
+/** Why tests in a browser are skipped, or false. */
+export const skip = executablePath ? false : "no Chromium is installed here";
+
+/** Serves the site and starts a browser; `close` ends both. */
+export async function started() {
+    const server = createServer((request, response) => {
+        const path = join(dist, normalize(new URL(request.url, "http://page").pathname).replace(/\/$/, "/index.html"));
+        if (!path.startsWith(dist) || !existsSync(path)) return response.writeHead(404).end();
+        response.setHeader("content-type", TYPES[extname(path)] ?? "application/octet-stream");
+        return createReadStream(path).pipe(response);
+    });
+    await new Promise((listening) => server.listen(0, "127.0.0.1", listening));
+    // Software drawing, so that no graphics card is needed.
+    const args = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
+        "--disable-sync", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+    const browser = await chromium.launch({ executablePath, args });
+    const close = async () => {
+        await browser.close();
+        server.close();
+    };
+    return { browser, address: `http://127.0.0.1:${server.address().port}/`, close };
+}

@@ -1,0 +1,74 @@
+// The documentation in a browser: nothing is wider than a small screen, languages are chosen once for all pages, the search finds,
+// nothing is said on the console, and all of it is readable without scripts.
+import assert from "node:assert/strict";
+import test, { after, before } from "node:test";
+import { contents, pages } from "../docs/contents.js";
+import { skip, started } from "./browser.js";
+
+const PHONE = { viewport: { width: 360, height: 640 }, hasTouch: true, isMobile: true };
+let site;
+
+before(async () => {
+    if (!skip) site = await started();
+});
+after(() => site?.close());
+
+async function opened(address, options = {}) {
+    const context = await site.browser.newContext({ viewport: { width: 1300, height: 800 }, ...options });
+    const page = await context.newPage();
+    const said = [];
+    page.on("console", (message) => said.push(message.text()));
+    page.on("pageerror", (error) => said.push(String(error)));
+    await page.goto(site.address + address);
+    return { page, said, context };
+}
+
+test("no page is wider than a small screen, and none says anything", { skip }, async () => {
+    const { page, said, context } = await opened("docs/index.html", PHONE);
+    for (const { address } of pages(contents()).values()) {
+        await page.goto(site.address + address, { waitUntil: "domcontentloaded" });
+        const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+        assert.ok(wide <= 360, `${address} is ${wide} wide`);
+    }
+    assert.deepEqual(said, []);
+    await context.close();
+});
+
+test("a language is chosen once, by mouse or by keys", { skip }, async () => {
+    const { page, said, context } = await opened("docs/first-steps.html");
+    const shown = () => page.locator(".languages section:visible").evaluateAll((parts) => parts.map((part) => part.dataset.language));
+    assert.deepEqual(new Set(await shown()), new Set(["Rust"]));
+    await page.locator('[role="tab"]', { hasText: "Python" }).first().click();
+    assert.deepEqual(new Set(await shown()), new Set(["Python"]));
+    await page.keyboard.press("ArrowRight");
+    assert.deepEqual(new Set(await shown()), new Set(["JavaScript"]));
+    await page.goto(`${site.address}docs/moves.html`);
+    assert.ok((await shown()).includes("JavaScript"));
+    assert.deepEqual(said, []);
+    await context.close();
+});
+
+test("the search leads to a section", { skip }, async () => {
+    const { page, said, context } = await opened("docs/index.html");
+    await page.keyboard.press("/");
+    await page.keyboard.type("strict levels");
+    await page.locator("#results a").first().waitFor();
+    await page.keyboard.press("Enter");
+    await page.waitForURL(/strict-levels\.html/);
+    assert.deepEqual(said, []);
+    await context.close();
+});
+
+test("contents open on a small screen, and without scripts all is there", { skip }, async () => {
+    const phone = await opened("docs/first-steps.html", PHONE);
+    const entry = phone.page.locator("#contents a", { hasText: "Options" });
+    assert.equal(await entry.isVisible(), false);
+    await phone.page.locator("#menu").click();
+    await entry.click();
+    await phone.page.waitForURL(/options\.html/);
+    await phone.context.close();
+    const plain = await opened("docs/first-steps.html", { ...PHONE, javaScriptEnabled: false });
+    assert.equal(await plain.page.locator(".languages section:visible").count(), await plain.page.locator(".languages section").count());
+    assert.ok(await plain.page.locator("#contents a", { hasText: "Options" }).isVisible());
+    await plain.context.close();
+});

@@ -1,0 +1,50 @@
+// Every link of the built site leads somewhere: pages, anchors, pictures. Addresses elsewhere are listed, not asked, as the gate may be
+// offline.
+import assert from "node:assert/strict";
+import { mkdirSync, mkdtempSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import test from "node:test";
+import { fileURLToPath } from "node:url";
+import { checked } from "../docs/check_links.js";
+import { contents, pages, root } from "../docs/contents.js";
+
+const dist = fileURLToPath(new URL("../dist/", import.meta.url));
+
+test("every link of the site leads somewhere", () => {
+    const { broken, elsewhere, links } = checked(dist);
+    assert.deepEqual(broken, []);
+    assert.ok(links > 1000, `${links} links`);
+    console.log(`${links} links; ${elsewhere.size} addresses elsewhere, not asked:\n${[...elsewhere].sort().join("\n")}`);
+});
+
+test("the contents have every page of docs/, and the page to drag on leads there", () => {
+    const all = pages(contents());
+    const own = readdirSync(new URL("docs/", root)).filter((name) => name.endsWith(".md"));
+    assert.deepEqual(own.filter((name) => !all.has(`docs/${name}`)), []);
+    assert.ok(checked(dist).from.get("index.html").has("docs/index.html"));
+    assert.ok(checked(dist).from.get("docs/index.html").has("index.html"));
+});
+
+test("what leads nowhere is told", () => {
+    const site = mkdtempSync(join(tmpdir(), "site-"));
+    try {
+        mkdirSync(join(site, "docs"));
+        writeFileSync(join(site, "index.html"), '<h1 id="here">1</h1><a href="docs/a.html#there">a</a><a href="#here">b</a><a href="https://example.org/">c</a>');
+        const wrong = ["b.html", "../index.html#gone", "#gone", "../../outside.html", "."].map((link) => `<a href="${link}">a</a>`);
+        writeFileSync(join(site, "docs/a.html"), `<h2 id="there">2</h2><a href="../index.html#here">c</a>${wrong.join("")}<img src="none.png"><h2 id="there">2</h2>`);
+        const { broken, elsewhere } = checked(site);
+        assert.deepEqual(broken.sort(), [
+            "docs/a.html: #gone",
+            "docs/a.html: .",
+            "docs/a.html: ../../outside.html",
+            "docs/a.html: ../index.html#gone",
+            "docs/a.html: b.html",
+            "docs/a.html: id there is there twice",
+            "docs/a.html: none.png",
+        ]);
+        assert.deepEqual([...elsewhere], ["https://example.org/"]);
+    } finally {
+        rmSync(site, { recursive: true });
+    }
+});
