@@ -1,6 +1,7 @@
 // Writes the documentation into dist/, beside the page to drag on: `node docs/build.js`.
-import { copyFileSync, mkdirSync, writeFileSync } from "node:fs";
-import { REFERENCES, contents, pages, root, source } from "./contents.js";
+import { copyFileSync, cpSync, mkdirSync, writeFileSync } from "node:fs";
+import { resolve } from "node:path";
+import { REFERENCES, contents, pages, root, rustdoc, source } from "./contents.js";
 import { javascriptReference } from "./javascript_reference.js";
 import { laidOut } from "./layout.js";
 import { Links } from "./links.js";
@@ -28,5 +29,6 @@ for (const page of all.values()) {
 }
 for (const path of pictures) copyFileSync(new URL(path, root), within(path));
 for (const own of ["page.css", "page.js"]) copyFileSync(new URL(own, import.meta.url), within(`docs/${own}`));
+if (rustdoc) cpSync(resolve(rustdoc), new URL("rust/", dist), { recursive: true });
 writeFileSync(within("docs/search.json"), JSON.stringify(found));
 console.log(`web/site/dist: ${all.size} pages of documentation, ${pictures.size} pictures`);

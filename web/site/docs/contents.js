@@ -29,7 +29,11 @@ export function contents() {
     return groups;
 }
 
+/** What rustdoc wrote, where that is said: its pages then stand on the site. */
+export const rustdoc = process.env.KINOPT_RUSTDOC;
+
 function place(link) {
+    if (rustdoc && link === "https://docs.rs/kinopt") return { address: "rust/kinopt/index.html" };
     if (/^https?:/.test(link)) return { external: link };
     const path = posix.join(posix.dirname(LIST), link).replace(/\/$/, "");
     return { path, address: REFERENCES[path] ?? addressOf(path) };

@@ -20,14 +20,24 @@ function onThisPage(headings) {
 }
 
 function neighbours(page, groups) {
-    const order = groups.flatMap(({ entries }) => entries).filter(({ address, anchor }) => address && !anchor);
+    const order = groups.flatMap(({ entries }) => entries).filter(({ path, anchor }) => path && !anchor);
     const at = order.findIndex(({ address }) => address === page.address);
     const to = (own, rel, says) => own ? `<a rel="${rel}" href="${between(page.address, own.address)}"><small>${says}</small>${escape(own.title)}</a>` : "<span></span>";
     return `<nav class="neighbours" aria-label="Next pages">${to(at > 0 && order[at - 1], "prev", "Before")}${to(order[at + 1], "next", "Next")}</nav>`;
 }
 
-/** Whether some table has more columns than a measure of text has room for. */
-const hasWideTable = (html) => html.split("<thead>").slice(1).some((part) => part.split("</thead>")[0].split("<th").length > 6);
+/** Whether some table has more than a measure of text has room for: many columns of many letters. */
+const hasWideTable = (html) => html.split("<table>").slice(1).some((part) => {
+    const rows = part.split("</table>")[0].split("</tr>").map((row) => row.replace(/<[^>]*>|&[a-z]+;/g, ""));
+    return part.split("</thead>")[0].split("<th").length > 6 && rows.some((row) => row.length > 150);
+});
+
+/** How a page begins, without its markup. */
+function firstWords(html) {
+    const [, first = ""] = html.match(/<p>([\s\S]*?)<\/p>/) ?? [];
+    const text = first.replace(/<[^>]*>/g, "").replace(/\s+/g, " ").replace(/&quot;/g, '"').replace(/&lt;/g, "<").replace(/&gt;/g, ">").replace(/&amp;/g, "&");
+    return text.length > 160 ? `${text.slice(0, 157).replace(/ \S*$/, "")} …` : text;
+}
 
 export function laidOut({ page, html, headings, groups }) {
     const at = (address) => between(page.address, address);
@@ -39,6 +49,7 @@ export function laidOut({ page, html, headings, groups }) {
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>${escape(whole)}</title>
+<meta name="description" content="${escape(firstWords(html))}">
 <link rel="icon" href="data:,">
 <link rel="stylesheet" href="${at("palette.css")}">
 <link rel="stylesheet" href="${at("docs/page.css")}">

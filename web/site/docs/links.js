@@ -28,6 +28,11 @@ export class Links {
         return this.#path(page, link)?.path;
     }
 
+    /** The title of the page that a link leads to, if it leads to one. */
+    titleOf(page, link) {
+        return this.pages.get(this.#path(page, link)?.path)?.title;
+    }
+
     #there(page, path) {
         const file = new URL(path, root);
         if (!existsSync(file)) throw new Error(`${page.path} links to ${path}, which is not there`);

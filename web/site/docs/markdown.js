@@ -71,8 +71,8 @@ markdown.core.ruler.push("site", ({ tokens, env }) => {
     env.headings = [];
     const seen = new Map();
     for (const [index, token] of tokens.entries()) {
-        for (const child of token.children ?? []) {
-            if (child.type === "link_open") child.attrSet("href", env.links.link(env.page, child.attrGet("href")));
+        for (const [at, child] of (token.children ?? []).entries()) {
+            if (child.type === "link_open") linked(child, token.children[at + 1], env);
             if (child.type === "image") picture(child, env);
         }
         if (token.type !== "heading_open") continue;
@@ -87,6 +87,13 @@ markdown.renderer.rules.heading_close = (tokens, index) => {
     const anchor = tokens[index - 2].attrGet("id");
     return ` <a class="anchor" href="#${anchor}" aria-label="Link to this section">#</a></${tokens[index].tag}>\n`;
 };
+
+/** Rewrites a link; one that shows the name of a page's file shows the page's title. */
+function linked(link, shown, env) {
+    const to = link.attrGet("href");
+    if (/^[\w./-]+\.md$/.test(shown.content)) shown.content = env.links.titleOf(env.page, to) ?? shown.content;
+    link.attrSet("href", env.links.link(env.page, to));
+}
 
 function picture(image, env) {
     const source = image.attrGet("src");
