@@ -379,13 +379,14 @@ fn a_cubic_of_rotations_leaves_and_arrives_by_its_own_tangents() {
     }
 }
 
-/// A steady turn has its own rate at every key, at whatever times.
+/// A steady turn has its own rate at every key, at whatever times, and whichever of q and −q a key is.
 #[test]
 fn the_mean_rates_of_a_steady_turn_are_its_rate() {
     let rate = Vec3::new(0.3, -0.5, 0.4);
     let times = [0.0, 0.2, 1.7, 1.9, 4.0];
-    let at = |time: &f32| Quat::from_scaled_axis(rate * *time);
-    let rotations: Vec<Quat> = times.iter().map(at).collect();
+    let sides = [1.0, -1.0, -1.0, 1.0, -1.0];
+    let at = |(time, side): (&f32, f32)| Quat::from_scaled_axis(rate * *time) * side;
+    let rotations: Vec<Quat> = times.iter().zip(sides).map(at).collect();
     for (key, got) in mean_rates(&times, &rotations).iter().enumerate() {
         assert!((*got - rate).length() < 1e-5, "key {key}: {got}");
     }

@@ -9,6 +9,7 @@ mod jacobian;
 
 mod lines_out_of_reach;
 mod misses;
+mod near_misses;
 mod options;
 mod peer_defects;
 mod retarget;

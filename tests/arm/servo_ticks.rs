@@ -304,3 +304,27 @@ fn after_a_rest_it_is_as_calm_as_before() {
     let apart = wanted.iter().zip(step.q).map(|(a, b)| (a - b).abs());
     assert!(apart.fold(0.0, f64::max) < 1e-9, "{:?} {wanted:?}", step.q);
 }
+
+/// A joint that may not move at all does not keep the others from the posture that they began in.
+#[test]
+fn freedom_is_spent_beside_a_joint_without_speed() {
+    let arm = planar(&[0.6, 0.4, 0.3], 2.5, 1.0);
+    let start = [0.1, 0.3, 0.9, -0.7];
+    let mut servo = arm.servo(&start, TICK).unwrap();
+    servo = servo.with_velocity_limits(&[0.0, 3.0, 3.0, 3.0]).unwrap();
+    let from = arm.base_from_tool(&start).unwrap();
+    let mut farthest = 0.0_f64;
+    for tick in 0..4000 {
+        // Once round a circle, and rest where it began.
+        let angle = std::f64::consts::TAU * (f64::from(tick) / 2000.0).min(1.0);
+        let mut target = from;
+        target.translation.x -= 0.15 * (1.0 - angle.cos());
+        target.translation.y += 0.15 * angle.sin();
+        let q = servo.step(target).unwrap().q;
+        assert_eq!(q[0], start[0]);
+        farthest = farthest.max((q[1] - start[1]).abs());
+    }
+    let off = servo.q().iter().zip(&start).map(|(a, b)| (a - b).abs());
+    let off = off.fold(0.0, f64::max);
+    assert!(farthest > 0.1 && off < 1e-4, "{farthest} {off}");
+}

@@ -161,3 +161,36 @@ fn a_way_is_free_up_to_where_it_touches_and_never_beyond() {
         "{way:?}"
     );
 }
+
+/// A slide that comes in while a hinge turns: what is far out at the begin of the way moves far at first.
+#[test]
+fn what_reaches_far_at_either_end_of_a_way_is_stopped() {
+    let mut builder = Model::builder("telescope");
+    let (x, z) = (Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.0, 1.0));
+    let here = Placement::identity();
+    let turn = builder.revolute("turn", None, here, z, Limits::new(-3.1, 3.1));
+    let slide = builder.prismatic("slide", Some(turn), here, x, Limits::new(0.0, 2.0));
+    let hand = builder.frame("hand", Some(slide), here);
+    let model = builder.build().unwrap();
+    let ball = |radius: f64| Shape::sphere(radius).unwrap();
+    let own = CollisionObject::new("ball", hand, here, ball(0.01));
+    let own = CollisionModel::new(&model, vec![own]).unwrap();
+    let (out, back) = ([0.0, 2.0], [3.0, 0.1]);
+    for (from, to) in [(out, back), (back, out)] {
+        for step in 1..40 {
+            let share = f64::from(step) / 40.0;
+            let q = [0, 1].map(|k| from[k] + share * (to[k] - from[k]));
+            let (sin, cos) = q[0].sin_cos();
+            let mut world = World::new();
+            let at = Vector3::new(q[1] * cos, q[1] * sin, 0.0);
+            world.add_sphere("pea", 0.01, at).unwrap();
+            let checker = Checker::new(own.clone()).with_world(&world).unwrap();
+            let mut workspace = checker.workspace();
+            let way = checker.way(&mut workspace, &from, &to).unwrap();
+            assert!(
+                way.free <= share && way.blocked_by.is_some(),
+                "{share}: {way:?}"
+            );
+        }
+    }
+}

@@ -71,3 +71,27 @@ fn ellipsoids_of_mjcf_keep_clear() {
     let touching = checker.collisions(&[0.32]).unwrap();
     assert_eq!(touching[0].second, "ball");
 }
+
+/// Below its lowest place a height field is solid as far down as its longer side is, whichever that is.
+#[test]
+fn a_height_field_is_as_deep_as_its_longer_side() {
+    for (columns, rows, spacing) in [
+        (2, 9, [1.0, 0.5]),
+        (9, 2, [0.5, 1.0]),
+        (3, 3, [0.25, 2.0]),
+        (3, 3, [2.0, 0.25]),
+    ] {
+        let heights: Vec<f64> = (0..columns * rows)
+            .map(|k| 1.0 + f64::from(k % 2))
+            .collect();
+        let deep = (spacing[0] * f64::from(columns - 1)).max(spacing[1] * f64::from(rows - 1));
+        let field = Shape::height_field(heights, columns as usize, spacing).unwrap();
+        let at = |share: f64| field.signed_distance(Vector3::new(0.0, 0.0, 1.0 - share * deep));
+        assert!(at(0.9) < 0.0, "{columns} × {rows}: {}", at(0.9));
+        assert!(
+            (at(1.1) - 0.1 * deep).abs() < 1e-12,
+            "{columns} × {rows}: {}",
+            at(1.1)
+        );
+    }
+}

@@ -6,5 +6,6 @@ mod determinism;
 mod errors;
 mod misses;
 mod success;
+mod turned_zeros;
 mod unit_of_length;
 mod unreachable;

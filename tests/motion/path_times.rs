@@ -1,7 +1,7 @@
 //! Promise: a path's times keep every joint within its limits of speed and acceleration, from rest to rest.
 
 use kinopt::Arm;
-use kinopt::motion::path::{CartesianPath, PathError, PathSolution, PathSolver};
+use kinopt::motion::path::{CartesianPath, PathError, PathSolution, PathSolver, trapezoid_times};
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
 
@@ -64,4 +64,38 @@ fn limits_that_cannot_be_are_named() {
         .unwrap_err()
         .to_string();
     assert!(zero.contains("acceleration_limits"), "{zero}");
+}
+
+/// At an even speed a bend takes half of the acceleration that a joint may have, the other half being for the speed
+/// itself; also where long steps follow short ones.
+#[test]
+fn the_sharpest_bend_takes_half_of_an_acceleration() {
+    for (short, long) in [(0.01, 0.01), (0.002, 0.02), (0.02, 0.002)] {
+        let mut rows = vec![[0.0, 0.0]];
+        for step in 0..600 {
+            let [x, y] = rows[step];
+            let next = match step % 2 {
+                0 => [x + short, y],
+                _ => [x + 0.8 * long, y + 0.6 * long],
+            };
+            rows.push(next);
+        }
+        let rows: Vec<&[f64]> = rows.iter().map(|row| &row[..]).collect();
+        let times = trapezoid_times(&rows, &[], &[100.0; 2], &[2.0; 2]).unwrap();
+        let mut most = 0.0_f64;
+        // Rest is far behind and far ahead there.
+        for row in 250..350 {
+            let [before, after] = [row - 1, row].map(|k| {
+                let time = times[k + 1] - times[k];
+                (
+                    [0, 1].map(|joint| (rows[k + 1][joint] - rows[k][joint]) / time),
+                    time,
+                )
+            });
+            for (from, to) in before.0.iter().zip(after.0) {
+                most = most.max((to - from).abs() / (0.5 * (before.1 + after.1)));
+            }
+        }
+        assert!((most - 1.0).abs() < 1e-6, "{short} {long}: {most}");
+    }
 }

@@ -5,7 +5,7 @@ use kinopt::ik::{
     DerivativeError, DerivativeWorkspace, Existence, NoDerivative, SolutionDerivative, SolveError,
 };
 use kinopt::kinematics::frame_jacobian;
-use kinopt::model::{FrameId, Limits, Model};
+use kinopt::model::{BallLimits, FrameId, Limits, Model};
 use kinopt::problem::ParameterVector;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Gaze, Plane, Point, Posture, Within};
@@ -178,24 +178,29 @@ fn the_edge_of_a_room_has_none_unless_it_is_pushed_against() {
     let _ = model;
 }
 
+/// A direction twice as long turns half as far.
 #[test]
 fn a_gaze_that_is_held_at_the_edge_of_its_cone_turns_with_the_cone() {
     let (model, tip) = chain(1, Limits::new(-2.0, 2.0));
-    let (x, axis) = ([1.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
-    let mut tasks = Problem::builder(&model);
-    tasks.add(Gaze::along(tip, axis, x, 0.3));
-    tasks.add(Posture::new(&model, &[1.0]));
-    let problem = tasks.build().unwrap();
-    let solution = Solver::default().solve_once(&problem, &[1.0]).unwrap();
-    let mut workspace = DerivativeWorkspace::default();
-    let mut derivative = SolutionDerivative::new(&problem, &solution.q, &mut workspace).unwrap();
-    assert!(
-        derivative.existence().is_unique(),
-        "{}",
-        derivative.existence()
-    );
-    let by_target = derivative.by_target(0).unwrap();
-    assert!((by_target[(0, 1)] - 1.0).abs() < 1e-9, "{by_target}");
+    for length in [1.0, 2.0, 0.2] {
+        let (along, axis) = ([length, 0.0, 0.0], [1.0, 0.0, 0.0]);
+        let mut tasks = Problem::builder(&model);
+        tasks.add(Gaze::along(tip, axis, along, 0.3));
+        tasks.add(Posture::new(&model, &[1.0]));
+        let problem = tasks.build().unwrap();
+        let solution = Solver::default().solve_once(&problem, &[1.0]).unwrap();
+        let mut workspace = DerivativeWorkspace::default();
+        let mut derivative =
+            SolutionDerivative::new(&problem, &solution.q, &mut workspace).unwrap();
+        assert!(
+            derivative.existence().is_unique(),
+            "{}",
+            derivative.existence()
+        );
+        let by_target = derivative.by_target(0).unwrap();
+        let turned = by_target[(0, 1)] * length;
+        assert!((turned - 1.0).abs() < 1e-9, "{by_target}");
+    }
 }
 
 #[test]
@@ -226,4 +231,25 @@ fn what_is_not_of_the_problem_is_refused() {
     assert_eq!(refused, DerivativeError::ForeignParameters);
     assert!(derivative.by_target(1).is_err());
     assert!(derivative.with_joint_origins(&other).is_err());
+}
+
+/// One way such a ball would leave, the other way it would stay.
+#[test]
+fn a_ball_on_the_edge_of_its_whole_angle_is_named() {
+    let mut builder = Model::builder("shoulder");
+    let x = Vector3::new(1.0, 0.0, 0.0);
+    let limits = BallLimits::within_angle(0.5);
+    let shoulder = builder.ball("shoulder", None, Placement::identity(), x, Some(limits));
+    let hand = builder.frame("hand", Some(shoulder), Placement::translation(x));
+    let model = builder.build().unwrap();
+    for (turned, expected) in [(0.3_f64, "shortest_of_many"), (0.5, "on_limit")] {
+        let mut tasks = Problem::builder(&model);
+        tasks.add(Point::new(hand, [turned.cos(), turned.sin(), 0.0]));
+        let half = 0.5 * turned;
+        let told = existence(&tasks.build().unwrap(), &[half.cos(), 0.0, 0.0, half.sin()]);
+        assert_eq!(told.name(), expected, "{told}");
+        if let Existence::DoesNotExist(NoDerivative::OnLimit { joint }) = told {
+            assert_eq!(joint, "shoulder");
+        }
+    }
 }

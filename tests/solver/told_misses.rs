@@ -1,9 +1,10 @@
 //! Promise: an error that nobody weighs is told all the same, and a miss says how many attempts agree.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use kinopt::ik::{Drag, Restarts};
 use kinopt::model::{FrameId, JointId, Limits, Model};
 use kinopt::problem::Problem;
-use kinopt::solver::Termination;
+use kinopt::solver::{Stopping, Termination};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Point, Pose, Quantity, Residual, Rows, Task};
 use kinopt::{Scalar, Solver};
@@ -275,5 +276,59 @@ fn no_slope_is_told_of_a_cost_that_no_number_holds() {
             "{far:e}: {slope:?}"
         );
         assert!(finite || slope.is_none(), "{slope:?}");
+    }
+}
+
+/// A settling counts as one attempt, whatever its frames searched for: no more agree than were made.
+#[test]
+fn no_more_attempts_agree_than_were_made() {
+    let model = planar_arm(&[1.0, 0.4], Some((-2.0, 2.5)));
+    let tip = model.frame("tip").unwrap();
+    let mut random = Random::new(9);
+    let mut missed = 0;
+    for case in 0..60 {
+        let [x, y] = [(); 2].map(|()| random.within(-0.4, 0.4));
+        let start = [(); 2].map(|()| random.within(-2.0, 2.5));
+        let mut builder = Problem::builder(&model);
+        builder.add(Point::new(tip, [x, y, 0.0]));
+        let drag = Drag::new(builder.build().unwrap(), &start).unwrap();
+        let mut drag = drag.with_search(Restarts::default()).unwrap();
+        for frames in [1, 2, 40] {
+            let solution = drag.settle(frames).clone();
+            missed += usize::from(!solution.reached);
+            assert!(
+                solution.agreeing <= solution.attempts,
+                "{case}: {} of {}",
+                solution.agreeing,
+                solution.attempts
+            );
+        }
+    }
+    assert!(missed > 40, "only {missed}");
+}
+
+/// A slide reaches as far backwards as forwards: what is cut short there is not out of reach.
+#[test]
+fn a_slide_reaches_both_ways() {
+    let (x, z) = (Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.0, 1.0));
+    let here = Placement::identity();
+    for ends in [[-2.0, 0.5], [-0.5, 2.0]] {
+        let mut builder = Model::builder("sledge");
+        let slide = builder.prismatic("slide", None, here, x, Limits::new(ends[0], ends[1]));
+        let arm = builder.revolute("arm", Some(slide), here, z, Limits::new(-3.0, 3.0));
+        let tip = builder.frame("tip", Some(arm), Placement::translation(x));
+        let model = builder.build().unwrap();
+        for (place, out) in [(2.5, false), (2.99, false), (3.01, true)] {
+            let place = if ends[0] < -1.0 { -place } else { place };
+            let mut tasks = Problem::builder(&model);
+            tasks.add(Point::new(tip, [place, 0.0, 0.0]));
+            let look = Stopping::default().with_max_iterations(0);
+            let solver = Solver::default().with_stopping(look);
+            let solver = solver.with_restarts(Restarts::none());
+            let problem = tasks.build().unwrap();
+            let solution = solver.solve_once(&problem, &[0.0, 0.3]).unwrap();
+            assert!(!solution.reached);
+            assert_eq!(solution.is_out_of_reach(), out, "{}", solution.explain());
+        }
     }
 }

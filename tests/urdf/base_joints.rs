@@ -210,3 +210,20 @@ fn floating_planar_and_spherical_joints_are_read_as_such() {
         ("shoulder/rotation", JointKind::Ball)
     );
 }
+
+/// What nothing drives is the same joint, by name, whatever is put under the robot.
+#[test]
+fn passive_joints_stay_the_same_ones() {
+    let rail = BaseJoint::Sliding {
+        axis: Vector3::new(0.0, 1.0, 0.0),
+        limits: Limits::new(-1.0, 1.0),
+    };
+    for base in [BaseJoint::Fixed, BaseJoint::FREE, BaseJoint::PLANAR, rail] {
+        let robot = Robot::parse(TWO, "two.urdf").unwrap();
+        let robot = robot.with_passive_joints(["grip"]).unwrap();
+        let robot = robot.with_base_joint(base).unwrap();
+        let name = |id: &kinopt::model::JointId| robot.model().joints()[id.index()].name.as_str();
+        let passive: Vec<&str> = robot.passive_joints().iter().map(name).collect();
+        assert_eq!(passive, ["grip"], "{base:?}");
+    }
+}

@@ -107,3 +107,26 @@ impl Measures {
         self.sum / self.count.max(1) as f64
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Measures;
+    use crate::spatial::Vector3;
+
+    #[test]
+    fn what_has_slipped_stands_again_only_after_it_was_let_go() {
+        let mut measures = Measures::new(1);
+        let mut take = |frame: usize, x: f64, stands: bool| {
+            let at = Vector3::new(x, 0.0, 0.0);
+            measures.take(frame, 0, at, at, stands)
+        };
+        assert!(take(0, 0.0, true) && take(1, 0.9e-3, true));
+        // A slide is told once, however long it is.
+        for frame in 2..9 {
+            assert!(!take(frame, 2e-3 * frame as f64, true), "{frame}");
+        }
+        assert!(!take(9, 0.1, false) && take(10, 0.1, true));
+        assert_eq!(measures.given_up, [(2, 0)]);
+        assert_eq!(measures.slip, 0.9e-3);
+    }
+}

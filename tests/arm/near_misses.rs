@@ -1,0 +1,107 @@
+//! Promise: a miss is answered near its start wherever the way straight downhill from there ends near it, however
+//! far the long steps of an attempt lead past, and as low as that way ends.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::arm::Arm;
+use kinopt::spatial::{Placement, Vector3, rotation_exp, rotation_log};
+use nalgebra::{Matrix6, Vector6};
+use support::arms::{Random, robot, within_limits};
+use support::sample::cases;
+
+/// What an arm takes for a long move, radians or metres, and what is surely none.
+const LONG: f64 = 0.2;
+const NEAR: f64 = 0.19;
+/// The cost of an answer beside that of the place downhill, at most: of one in a long valley 1.021, with a third of
+/// its short steps 1.030.
+const MOST_ABOVE: f64 = 1.025;
+/// What a radian counts, metres.
+const RADIAN: f64 = 0.25;
+/// The longest move of a joint in a step downhill, and steps at most.
+const STEP: f64 = 2e-3;
+const STEPS: usize = 400;
+
+fn longest(a: &[f64], b: &[f64]) -> f64 {
+    let moves = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+    moves.fold(0.0, f64::max)
+}
+
+/// Where small damped steps lead that lower the error, and what is left of it.
+fn downhill(arm: &Arm, target: &Placement<f64>, start: &[f64]) -> (Vec<f64>, f64) {
+    let mut jacobian = arm.jacobian().unwrap();
+    let limits: Vec<_> = arm.limits().collect();
+    let mut q = start.to_vec();
+    let error = |q: &[f64]| {
+        let tool = arm.base_from_tool(q).unwrap();
+        let off = tool.translation - target.translation;
+        let turn = rotation_log(&(tool.rotation * target.rotation.transpose()));
+        let ([a, b, c], [d, e, f]) = (off.to_array(), (turn * RADIAN).to_array());
+        Vector6::from([a, b, c, d, e, f])
+    };
+    for _ in 0..STEPS {
+        let r = error(&q);
+        let mut matrix = jacobian.at(&q).unwrap().clone_owned();
+        for row in 3..6 {
+            matrix.row_mut(row).scale_mut(RADIAN);
+        }
+        // What a limit holds back takes no part.
+        let slope = matrix.transpose() * r;
+        for (k, limit) in limits.iter().enumerate() {
+            let held =
+                q[k] <= limit.lower && slope[k] > 0.0 || q[k] >= limit.upper && slope[k] < 0.0;
+            if held {
+                matrix.column_mut(k).fill(0.0);
+            }
+        }
+        let normal: Matrix6<f64> = &matrix * matrix.transpose() + Matrix6::identity() * r.norm();
+        let step = -(matrix.transpose() * normal.try_inverse().unwrap() * r);
+        let share = (STEP / step.amax().max(1e-300)).min(1.0);
+        for ((q, by), limit) in q.iter_mut().zip(step.iter()).zip(&limits) {
+            *q = limit.clamp(*q + share * by);
+        }
+    }
+    let left = error(&q).norm();
+    (q, left)
+}
+
+#[test]
+fn long_steps_do_not_lead_past_the_place_that_is_near() {
+    let mut near = 0;
+    // Baxter's arm and the Panda, whose elbows have a way round.
+    for (name, base, tip, seed) in [
+        ("franka_panda", "base", "flange", 5),
+        ("rethink_baxter", "torso", "left_tool", 5),
+    ] {
+        let robot = robot(name);
+        let arm = Arm::builder(&robot, base, tip)
+            .with_atlas(false)
+            .with_metres_per_radian(RADIAN)
+            .build()
+            .unwrap();
+        let mut random = Random(seed);
+        for case in 0..cases(400, 140) {
+            let start = random.configuration(&arm);
+            let mut unit = || 2.0 * random.unit() - 1.0;
+            let (by, turn) = (
+                [(); 3].map(|()| 0.04 * unit()),
+                [(); 3].map(|()| 0.1 * unit()),
+            );
+            let tool = arm.base_from_tool(&start).unwrap();
+            let turned = rotation_exp(Vector3::from(turn)) * tool.rotation;
+            let target = Placement::new(turned, tool.translation + Vector3::from(by));
+            let solution = arm.solve(target, &start).unwrap();
+            assert!(within_limits(&arm, &solution.q));
+            if solution.reached {
+                continue;
+            }
+            let (end, left) = downhill(&arm, &target, &start);
+            let moved = longest(&solution.q, &start);
+            if longest(&end, &start) < NEAR {
+                near += 1;
+                assert!(moved <= LONG, "{name} {case}: {moved}");
+                let above = solution.cost / (0.5 * left * left);
+                assert!(above < MOST_ABOVE, "{name} {case}: {above} times the cost");
+            }
+        }
+    }
+    assert!(near > 5, "only {near}");
+}

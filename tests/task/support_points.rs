@@ -1,0 +1,46 @@
+//! Promise: what a centre of mass may be over does not depend on the order in which points of support are given, also
+//! where many stand on one line.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::Problem;
+use kinopt::model::{Limits, Masses, Model, PointMass};
+use kinopt::problem::Evaluation;
+use kinopt::solver::LeastSquares;
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::SupportPolygon;
+use support::random::Random;
+
+#[test]
+fn the_points_of_a_square_hold_it_in_any_order() {
+    let mut builder = Model::builder("sledge");
+    let [x, y, _] = Vector3::UNITS;
+    let (still, wide) = (Placement::identity(), Limits::new(-5.0, 5.0));
+    let along = builder.prismatic("along", None, still, x, wide);
+    let aside = builder.prismatic("aside", Some(along), still, y, wide);
+    let frame = builder.frame("mass", Some(aside), still);
+    let model = builder.build().unwrap();
+    let (at, mass) = (Vector3::zero(), 2.0);
+    let masses = Masses::new(&model, [PointMass { frame, at, mass }]).unwrap();
+    // Corners, the middles of the sides and the middle of all.
+    let mut points: Vec<[f64; 3]> = (0..9)
+        .map(|k| [f64::from(k % 3) - 1.0, f64::from(k / 3) - 1.0, 0.0])
+        .collect();
+    let mut random = Random::new(31);
+    for _ in 0..40 {
+        for k in (1..points.len()).rev() {
+            points.swap(k, random.below(k + 1));
+        }
+        let mut tasks = Problem::builder(&model);
+        tasks.add(SupportPolygon::new(&masses).with_points(points.clone()));
+        let problem = tasks.build().unwrap();
+        let mut scratch = problem.scratch();
+        for _ in 0..20 {
+            let q = [(); 2].map(|()| random.within(-2.0, 2.0));
+            let mut residual = [f64::NAN; 2];
+            Evaluation::new(&problem, &mut scratch).residual(&q, &mut residual);
+            let [beyond_x, beyond_y] = q.map(|q| q - q.clamp(-1.0, 1.0));
+            let off = residual[0].hypot(residual[1]) - beyond_x.hypot(beyond_y);
+            assert!(off.abs() < 1e-12, "{q:?}: {residual:?} by {points:?}");
+        }
+    }
+}
