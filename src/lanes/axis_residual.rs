@@ -3,7 +3,8 @@
 //! Orientation is the vector part of the relative quaternion, 2 sin(θ/2) n, whose components are
 //! zero together only where the rotation is about the free axes; the sine of the whole angle, which
 //! the full pose uses, would also vanish half a turn away. Derivatives are exact: with the tip's
-//! position p and the quaternion (w, v), a twist (u, ω) moves p by u + ω × p and 2v by w ω + ω × v.
+//! position p and the quaternion (w, v), a twist (u, ω) moves p by u + ω × p and 2v by w ω + ω × v. Which of q and −q
+//! it is does not matter: the residual and its derivative change their signs together, and bands lie about zero.
 
 use super::evaluation::{Errors, Evaluation, Weighed};
 use super::lane::LaneScalar;
@@ -22,7 +23,7 @@ pub(crate) fn weigh<V: LaneScalar>(
 ) -> Weighed<V> {
     let axes = &settings.axes;
     let p = at.position;
-    let quaternion = upright(Quaternion::from_matrix(&at.rotation));
+    let quaternion = Quaternion::from_matrix(&at.rotation);
     let (w, v) = (quaternion.w, quaternion.v);
     let turn = v * V::constant(2.0);
     let (p_out, p_gate) = band(p, axes.position_half_widths);
@@ -56,23 +57,13 @@ pub(crate) fn errors<S: LaneScalar>(
     settings: &Settings,
 ) -> Errors {
     let axes = &settings.axes;
-    let turn = upright(Quaternion::from_matrix(rotation)).v * S::constant(2.0);
+    let turn = Quaternion::from_matrix(rotation).v * S::constant(2.0);
     let (p, _) = band(position, axes.position_half_widths);
     let (r, _) = band(turn, axes.orientation_half_widths);
     let chord = counted(r, axes.orientation_weights).norm().lane(0);
     Errors {
         position: counted(p, axes.position_weights).norm().lane(0),
         orientation: angle_of(chord),
-    }
-}
-
-/// The one of q and −q with w ≥ 0.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn upright<S: Scalar>(q: Quaternion<S>) -> Quaternion<S> {
-    let flip = q.w.less_than(S::zero());
-    Quaternion {
-        w: S::select(flip, -q.w, q.w),
-        v: Vector3::select(flip, -q.v, q.v),
     }
 }
 
