@@ -55,7 +55,11 @@ fn the_tables_are_the_code() {
     assert_same("Solvers", &solvers, &["Solver::new"]);
     assert_same("Drags", &[("src/ik/drag.rs", "")], &[]);
     let paths = [("src/motion/path/solver.rs", "")];
-    let of_paths = ["CartesianPath::with_course", "CartesianPath::read"];
+    let of_paths = [
+        "CartesianPath::with_course",
+        "CartesianPath::read",
+        "PathSolution::times",
+    ];
     assert_same("Paths", &paths, &of_paths);
 }
 

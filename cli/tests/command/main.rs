@@ -11,6 +11,7 @@ mod ball_figures;
 mod base_joints;
 mod check;
 mod clip_ik;
+mod command_page;
 mod derivatives;
 mod exit_codes_and_errors;
 mod figures_settle;

@@ -1,0 +1,121 @@
+//! Promise: docs/command.md is what `--help` says of each subcommand. `KINOPT_BLESS=1 cargo test -p kinopt-cli --test command
+//! command_page` writes it anew.
+#![cfg(not(any(feature = "bench", feature = "charts")))]
+
+use std::fmt::Write;
+use std::process::Command;
+
+const PAGE: &str = "../docs/command.md";
+const OPENING: &str = "# The command
+
+`cargo install --path cli` installs it; what it says here is what `kinopt SUBCOMMAND --help` says, of which a test makes this page.
+`--json` goes with all of them; `kinopt bench` is in a build with `--features bench`, and says its own.
+";
+const SUBCOMMANDS: [&str; 9] = [
+    "solve",
+    "path",
+    "retarget",
+    "animate",
+    "fk",
+    "info",
+    "check",
+    "spheres",
+    "skin-report",
+];
+
+/// Words as Markdown: what stands in angles is no element.
+fn words(text: &str) -> String {
+    let parts = text.split('`').enumerate();
+    let parts = parts.map(|(k, part)| match k % 2 {
+        0 => part.replace('<', "\\<"),
+        _ => part.to_owned(),
+    });
+    parts.collect::<Vec<_>>().join("`")
+}
+
+/// Lines as sentences, those of a list between semicolons.
+fn joined(lines: &[&str]) -> String {
+    let mut told = String::new();
+    for line in lines.iter().map(|line| line.trim()) {
+        if line.is_empty() {
+            let ended = told.is_empty() || told.ends_with(['.', ':', ']']);
+            told += if ended { "" } else { "." };
+            continue;
+        }
+        let (between, line) = match line.strip_prefix("- ") {
+            Some(item) if told.ends_with(':') => (" ", item),
+            Some(item) => ("; ", item),
+            None => (" ", line),
+        };
+        told += if told.is_empty() { "" } else { between };
+        told += &line.split_whitespace().collect::<Vec<_>>().join(" ");
+    }
+    words(&told)
+}
+
+fn paragraphs(text: &str) -> String {
+    let parts = text
+        .split("\n\n")
+        .map(|part| joined(&part.lines().collect::<Vec<_>>()));
+    parts.collect::<Vec<_>>().join("\n\n")
+}
+
+/// Whether a line begins what is said of a flag or an argument.
+fn begins(line: &str) -> bool {
+    let shift = line.len() - line.trim_start().len();
+    (2..=6).contains(&shift) && line.trim_start().starts_with(['-', '<', '['])
+}
+
+/// A subcommand's part of the page.
+fn section(name: &str) -> String {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_kinopt"));
+    // As wide as where there is no terminal.
+    let done = command
+        .args([name, "--help"])
+        .env_remove("COLUMNS")
+        .output();
+    let help = String::from_utf8(done.unwrap().stdout).unwrap();
+    let (about, rest) = help.split_once("\nUsage: ").unwrap();
+    let (usage, rest) = rest.split_once("\n\n").unwrap();
+    let about = paragraphs(about.trim());
+    let mut page = format!("\n## kinopt {name}\n\n{about}\n\n```text\n{usage}\n```\n");
+    let mut lines = rest.lines().peekable();
+    let mut heading = String::new();
+    while let Some(line) = lines.next() {
+        if line.is_empty() {
+            continue;
+        }
+        if begins(line) {
+            let mut said = Vec::new();
+            while lines
+                .peek()
+                .is_some_and(|next| next.is_empty() || next.starts_with("       "))
+            {
+                said.extend(lines.next());
+            }
+            let term = line.trim();
+            if term != "-h, --help" {
+                let heading = std::mem::take(&mut heading);
+                writeln!(page, "{heading}- `{term}`: {}", joined(&said)).unwrap();
+            }
+        } else if lines.peek().is_some_and(|next| begins(next)) {
+            let of = line.trim_end_matches(':').to_lowercase();
+            heading = format!("\n### {name}: {of}\n\n");
+        } else {
+            let rest: Vec<&str> = std::iter::once(line).chain(lines.by_ref()).collect();
+            write!(page, "\n```text\n{}\n```\n", rest.join("\n").trim_end()).unwrap();
+        }
+    }
+    page
+}
+
+#[test]
+fn the_page_is_the_help() {
+    let sections = SUBCOMMANDS.map(section);
+    let page = OPENING.to_owned() + &sections.concat();
+    if std::env::var_os("KINOPT_BLESS").is_some() {
+        std::fs::write(PAGE, &page).unwrap();
+    }
+    let there = std::fs::read_to_string(PAGE).unwrap();
+    assert!(there == page, "KINOPT_BLESS=1 writes docs/command.md anew");
+}
