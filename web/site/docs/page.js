@@ -109,13 +109,12 @@ results.id = "results";
 results.setAttribute("aria-live", "polite");
 contents.prepend(search, results);
 const root = new URL("../", import.meta.url);
-let sections;
-search.addEventListener("focus", async () => {
-    sections ??= fetch(new URL("docs/search.json", root)).then((answer) => answer.json());
-});
+let loading;
+const sections = () => (loading ??= fetch(new URL("docs/search.json", root)).then((answer) => answer.json()));
+search.addEventListener("focus", sections);
 search.addEventListener("input", async () => {
     const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
-    const all = words.length ? await sections : [];
+    const all = words.length ? await sections() : [];
     const scored = [];
     for (const [page, heading, address, text] of all) {
         const [above, below] = [`${heading} ${page}`.toLowerCase(), text.toLowerCase()];
