@@ -425,3 +425,43 @@ fn joints_that_the_arm_locks_stand_where_it_locks_them() {
     }
     assert!(reached > 5, "{reached}");
 }
+
+/// Links are kept apart by the whole margin, whichever of two is looked at first.
+#[test]
+fn what_is_clear_by_its_spheres_is_clear_by_a_wide_margin() {
+    let mut random = Random::new(10);
+    for margin in [0.05, 0.1, 0.15] {
+        let mut panda = panda(Search::Start);
+        // Pairs are left out until some configuration has all others farther apart.
+        loop {
+            let checker = panda.checker.clone().with_margin(margin).unwrap();
+            let mut q = panda.q_model.clone();
+            let drawn = panda.drawn(&mut random);
+            panda.arm.configuration(&drawn, &mut q).unwrap();
+            let touched = checker.collisions(&q).unwrap();
+            let Some(pair) = touched.first() else {
+                break;
+            };
+            let bodies = checker.model().clone();
+            let ends = (pair.first.as_str(), pair.second.as_str());
+            let bodies = bodies.with_ignored(ends.0, ends.1).unwrap();
+            let spheres = checker.spheres().unwrap().clone();
+            panda.checker = Checker::new(bodies).with_spheres(spheres);
+        }
+        let panda = panda.among(&World::new(), margin);
+        let count = cases(1000, 200);
+        let q: Vec<f64> = (0..count).flat_map(|_| panda.drawn(&mut random)).collect();
+        let mut clear = vec![false; count];
+        panda.arm.clear_by_spheres(&q, &mut clear).unwrap();
+        let mut near = 0;
+        for (q, clear) in q.chunks(7).zip(&clear) {
+            let touched = panda.arm.collisions(q).unwrap();
+            near += usize::from(!touched.is_empty());
+            assert!(!clear || touched.is_empty(), "{margin}: {touched:?}");
+        }
+        assert!(
+            near > 0 && clear.iter().any(|clear| *clear),
+            "{margin}: {near}"
+        );
+    }
+}

@@ -305,3 +305,36 @@ fn what_is_wrong_is_named() {
     let other = Armature::new(Vec::new(), Vec::new()).unwrap();
     assert!(ClipIk::new(&other).plant(id("hand")).solve(&walk).is_err());
 }
+
+/// A foot that swings high over a low step is up early and comes down late.
+#[test]
+fn a_foot_rises_early_and_falls_late() {
+    let armature = figure();
+    let walk = walk(&armature, true);
+    let level = planted(&armature).solve(&walk).unwrap();
+    for rise in [0.01, -0.01] {
+        let stairs = move |at: DVec3| rise * ((at.z + 0.2) / 0.4).floor();
+        let edited = planted(&armature).ground(stairs).solve(&walk).unwrap();
+        let mut swings = 0;
+        for pair in edited.stances.windows(2).zip(level.stances.windows(2)) {
+            let ([from, to], [under_from, under_to]) = pair else {
+                continue;
+            };
+            let [first, last] = [under_from, under_to].map(|stance| stairs(stance.place));
+            if from.bone != to.bone || first == last {
+                continue;
+            }
+            let name = &armature.names()[from.bone.index()];
+            let middle = 0.5 * (from.span[1] + to.span[0]);
+            let [own, before] = [&edited.clip, &level.clip]
+                .map(|clip| f64::from(at(&armature, clip, name, middle).y));
+            let gone = (own - before - first) / (last - first);
+            match rise > 0.0 {
+                true => assert!((0.7..1.1).contains(&gone), "{gone} of the way up"),
+                false => assert!((-0.1..0.3).contains(&gone), "{gone} of the way down"),
+            }
+            swings += 1;
+        }
+        assert!(swings > 0);
+    }
+}

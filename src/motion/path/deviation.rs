@@ -221,3 +221,52 @@ fn beyond(vector: Vector3<f64>, bands: &[f64]) -> f64 {
     });
     squares.sum::<f64>().sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Curve, LedStep};
+    use crate::arm::Arm;
+    use crate::model::{Limits, Model};
+    use crate::motion::path::CartesianPath;
+    use crate::robot::Robot;
+    use crate::spatial::{Placement, Vector3};
+
+    /// Two links that are stretched in the middle of their way: nothing there is farther off than the bound of the first
+    /// look, by which steps are told that need no closer one, and that is hardly above what they are off.
+    #[test]
+    #[allow(clippy::unwrap_used)]
+    fn the_first_bound_holds_and_is_close_where_a_chain_is_stretched() {
+        let mut builder = Model::builder("two links");
+        let z = Vector3::UNITS[2];
+        let link = Placement::translation(Vector3::UNITS[0]);
+        let turns = Limits::new(-3.0, 3.0);
+        let base = builder.frame("base", None, Placement::identity());
+        let upper = builder.revolute("upper", None, Placement::identity(), z, turns);
+        let lower = builder.revolute("lower", Some(upper), link, z, turns);
+        let tip = builder.frame("tip", Some(lower), link);
+        let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
+        let arm = Arm::builder(&robot, base, tip).with_atlas(false);
+        let arm = arm.build().unwrap();
+        for turn in [[0.05, 0.05], [0.1, 0.02], [0.02, 0.1]] {
+            let at = |share: f64| turn.map(|by| by * (share - 0.5));
+            let tool = |share: f64| arm.base_from_tool(&at(share)).unwrap();
+            let path = CartesianPath::new(vec![tool(0.0), tool(1.0)]).unwrap();
+            let step = LedStep {
+                row: 1,
+                points: [0, 1],
+                q: [&at(0.0), &at(1.0)],
+            };
+            let motions = arm.chain_motions();
+            let curve = Curve::new(&arm, &path, &step, &motions).unwrap();
+            let (_, [bound, _]) = curve.measure(1).unwrap();
+            let way = tool(1.0).translation - tool(0.0).translation;
+            let off = |share: f64| {
+                let even = tool(0.0).translation + way * share;
+                (tool(share).translation - even).norm()
+            };
+            let most = (0..=100).map(|k| off(f64::from(k) / 100.0));
+            let most = most.fold(0.0, f64::max);
+            assert!(most <= bound && bound < 1.01 * most, "{most} {bound}");
+        }
+    }
+}
