@@ -355,6 +355,8 @@ impl Drag {
             &mut self.trial,
         );
         if !self.take_trial() {
+            // It began where the frame settled, so what ended as near did so there.
+            self.workspace.solution.agreeing = self.trial.solution.agreeing;
             return;
         }
         let [from, _] = &mut self.before;
