@@ -20,6 +20,7 @@ mod path_world;
 mod paths_of_joints;
 mod retargeted_feet;
 mod retargeting;
+mod shipped_capture;
 mod turning_bodies;
 mod walker;
 mod windows;

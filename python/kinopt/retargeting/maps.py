@@ -27,7 +27,7 @@ class MapGuess:
     skeleton: str | None
     """The known skeleton whose names the capture has: "cmu", "lafan1", "mixamo" or "smpl"."""
     body: str | None
-    """The known body whose frames the target has: "g1", "h1" or "humanoid"."""
+    """The known body whose frames the target has: "g1", "h1", "humanoid" or "nao"."""
     notes: list[str]
     """What is to be looked at: parts that one of both has not, and proportions that are no body's."""
 

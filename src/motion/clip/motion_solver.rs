@@ -84,7 +84,7 @@ impl MotionSolver {
         let first = variables(motion, start)?;
         let mut x = vec![0.0; motion.frames * n];
         per_frame(motion, &mut FrameResiduals::new(motion), &first, &mut x)?;
-        self.minimise(motion, x)
+        self.minimise(motion, x, &mut |_| ())
     }
 
     /// Solves a motion from one near it: a configuration a frame, one after the other. It need not keep any limit.
@@ -95,6 +95,19 @@ impl MotionSolver {
         &self,
         motion: &MotionProblem,
         start: &[f64],
+    ) -> Result<MotionSolution, MotionError> {
+        self.solve_near_with_progress(motion, start, &mut |_| ())
+    }
+
+    /// The same; `progress` hears after each window how many frames are done.
+    ///
+    /// # Errors
+    /// As [`solve`](Self::solve).
+    pub fn solve_near_with_progress(
+        &self,
+        motion: &MotionProblem,
+        start: &[f64],
+        progress: &mut dyn FnMut(usize),
     ) -> Result<MotionSolution, MotionError> {
         let n = motion.configuration_len();
         if start.len() != motion.frames * n {
@@ -108,13 +121,14 @@ impl MotionSolver {
         for q in start.chunks_exact(n.max(1)) {
             x.extend(variables(motion, q)?);
         }
-        self.minimise(motion, x)
+        self.minimise(motion, x, progress)
     }
 
     fn minimise(
         &self,
         motion: &MotionProblem,
         mut x: Vec<f64>,
+        progress: &mut dyn FnMut(usize),
     ) -> Result<MotionSolution, MotionError> {
         BadOption::check("tolerance", self.tolerance, AT_LEAST_0)?;
         BadOption::check("slip", self.slip_m, AT_LEAST_0)?;
@@ -163,6 +177,7 @@ impl MotionSolver {
             let outcome = window.minimise(own, limits)?;
             report.take(&outcome, stretch.start, begin..keep);
             begin = if end == motion.frames { end } else { keep };
+            progress(begin);
         }
         Ok(report.finish(&mut evaluator, &x))
     }

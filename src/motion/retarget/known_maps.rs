@@ -22,13 +22,14 @@ const SKELETONS: [(&str, &str); 4] = [
     ("smpl", include_str!("../../../maps/skeletons/smpl.json")),
 ];
 
-const BODIES: [(&str, &str); 3] = [
+const BODIES: [(&str, &str); 4] = [
     ("g1", include_str!("../../../maps/bodies/g1.json")),
     ("h1", include_str!("../../../maps/bodies/h1.json")),
     (
         "humanoid",
         include_str!("../../../maps/bodies/humanoid.json"),
     ),
+    ("nao", include_str!("../../../maps/bodies/nao.json")),
 ];
 
 /// A skeleton whose joints' names are known: `cmu`, `lafan1`, `mixamo` or `smpl`.

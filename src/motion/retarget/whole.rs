@@ -23,6 +23,17 @@ impl Retargeting<'_> {
     /// # Errors
     /// As [`follower`](Self::follower), and what [`MotionSolver`] refuses.
     pub fn whole(&self) -> Result<Retargeted, RetargetError> {
+        self.whole_with_progress(&mut |_| ())
+    }
+
+    /// The same; `progress` hears again and again how many frames are done.
+    ///
+    /// # Errors
+    /// As [`whole`](Self::whole).
+    pub fn whole_with_progress(
+        &self,
+        progress: &mut dyn FnMut(usize),
+    ) -> Result<Retargeted, RetargetError> {
         let start = self.per_frame()?;
         let model = self.robot.model();
         let aims: Arc<[_]> = self.aims(&start.q)?.into();
@@ -53,7 +64,7 @@ impl Retargeting<'_> {
             .with_good_start()
             .with_max_iterations(MOST_ITERATIONS)
             .with_windows(Some(self.options.windows));
-        let solved = solver.solve_near(&motion, &start.q)?;
+        let solved = solver.solve_near_with_progress(&motion, &start.q, progress)?;
         self.measure(solved.q().to_vec())
     }
 

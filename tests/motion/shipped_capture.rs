@@ -1,0 +1,52 @@
+//! Promise: the capture of `models/` comes onto the NAO of `models/` by the known map, its feet flat where they stand, frame by
+//! frame and as a whole; a whole movement tells how far it is, window by window.
+
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::motion::ContactDetection;
+use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting, UpAxis};
+use kinopt::robot::{BaseJoint, Robot};
+
+/// A NAO is a third as tall as a person, and as fast where it stands.
+const STANDS: f64 = 0.06;
+
+#[test]
+fn steps_come_onto_the_nao() {
+    let robot = Robot::read("models/aldebaran_nao.urdf").unwrap();
+    let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
+    let read = kinopt::io::bvh::read("models/captures/steps.bvh").unwrap();
+    assert_eq!(read.frames, 181);
+    let capture = Capture::of_clip(&read.armature, &read.clip, 30.0).unwrap();
+    let guess = BodyMap::guess(&capture, robot.model()).unwrap();
+    assert_eq!(guess.body, Some("nao"));
+    assert_eq!((guess.up, guess.notes.len()), (Some(UpAxis::Y), 0));
+    let options = RetargetOptions {
+        up: UpAxis::Y,
+        contacts: ContactDetection {
+            speed: STANDS,
+            ..ContactDetection::default()
+        },
+        ..RetargetOptions::default()
+    };
+    let retargeting = Retargeting::new(&robot, &guess.map, &capture, options).unwrap();
+    let mut told = Vec::new();
+    let whole = retargeting
+        .whole_with_progress(&mut |done| told.push(done))
+        .unwrap();
+    assert!(told.len() > 1 && told.is_sorted() && told.last() == Some(&181));
+    let model = robot.model();
+    let feet = ["left_foot", "right_foot"].map(|foot| model.frame(foot).unwrap());
+    let mut kinematics = ForwardKinematics::of_frames(model, &feet).unwrap();
+    for found in [retargeting.per_frame().unwrap(), whole] {
+        assert!(found.mean_error < 0.02, "{} m", found.mean_error);
+        assert!(found.slip < 1e-3, "{} m", found.slip);
+        // A crouch with both feet on the ground, and the person at rest at the end: no toe points up or down.
+        for frame in [110, 180] {
+            let width = found.configuration_len;
+            let q = &found.q[frame * width..(frame + 1) * width];
+            for placed in kinematics.place(q).unwrap() {
+                let slope = placed.rotation.x.z;
+                assert!(slope.abs() < 0.1, "frame {frame}: {slope}");
+            }
+        }
+    }
+}
