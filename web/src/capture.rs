@@ -6,7 +6,8 @@ use std::rc::Rc;
 use kinopt::skeleton::BoneId;
 use wasm_bindgen::prelude::*;
 
-use crate::clip::{Armature, Clip, Pose};
+use crate::armature::{Armature, Pose};
+use crate::clip::Clip;
 use crate::figure::Figure;
 use crate::raise;
 

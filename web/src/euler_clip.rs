@@ -4,7 +4,6 @@ use std::rc::Rc;
 
 use wasm_bindgen::prelude::*;
 
-use crate::clip::playback;
 use crate::raise;
 
 /// Keyframes of the angles of a rig's bones.
@@ -37,7 +36,7 @@ impl EulerClip {
     /// The stacked angles at a time, radians; `playback` is "hold", "loop" or "ping-pong".
     pub fn sample(&self, seconds: f64, playback: Option<String>) -> Result<Vec<f64>, JsError> {
         let mut q = vec![0.0; self.rig.skeleton.angles()];
-        let playback = self::playback(playback.as_deref())?;
+        let playback = crate::playback::playback(playback.as_deref())?;
         self.rig
             .clip
             .sample(seconds, playback, &mut q)

@@ -8,7 +8,7 @@ use kinopt::model::Limits;
 use kinopt::skeleton::BoneId;
 use wasm_bindgen::prelude::*;
 
-use crate::clip::Pose;
+use crate::armature::Pose;
 use crate::raise;
 use crate::skeleton::Skeleton;
 

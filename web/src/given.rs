@@ -48,7 +48,8 @@ impl Given {
         (!value.is_undefined() && !value.is_null()).then_some(value)
     }
 
-    fn asked(&self, name: &str) -> Result<JsValue, JsError> {
+    /// What must be given under a name.
+    pub(crate) fn asked(&self, name: &str) -> Result<JsValue, JsError> {
         let missing = || JsError::new(&format!("{} `{name}` is missing", self.what));
         self.get(name).ok_or_else(missing)
     }
@@ -56,6 +57,11 @@ impl Given {
     /// A number.
     pub(crate) fn number(&self, name: &str) -> Result<Option<f64>, JsError> {
         self.get(name).map(|value| number(&value, name)).transpose()
+    }
+
+    /// A number that must be there.
+    pub(crate) fn needed(&self, name: &str) -> Result<f64, JsError> {
+        number(&self.asked(name)?, name)
     }
 
     /// A whole number of at least 0.
@@ -148,6 +154,12 @@ pub(crate) fn entries(
         (pair.get(0).as_string().unwrap_or_default(), pair.get(1))
     });
     Ok(pairs.collect())
+}
+
+/// Whether a value is a typed array or a list, not an object by names.
+pub(crate) fn is_list(value: &JsValue) -> bool {
+    let length = Reflect::get(value, &"length".into());
+    length.is_ok_and(|length| length.as_f64().is_some())
 }
 
 /// A number; `what` names it in messages.

@@ -8,28 +8,42 @@
 #![allow(unreachable_pub)]
 
 mod arm;
+mod armature;
+#[cfg(feature = "bvh")]
 mod capture;
+#[cfg(any(feature = "bvh", feature = "gltf"))]
 mod clip;
 mod contents;
 mod drag;
 mod euler_clip;
+#[cfg(any(feature = "bvh", feature = "gltf"))]
 mod figure;
 mod given;
 mod kinematics;
+#[cfg(feature = "bodies")]
+mod masses;
 mod model;
 mod names;
 mod object;
+#[cfg(feature = "paths")]
+mod path;
 mod placement;
+mod playback;
 mod problem;
+#[cfg(feature = "recording")]
+mod recording;
 #[cfg(feature = "retargeting")]
 mod retargeting;
 mod rig;
 mod robot;
 #[cfg(feature = "gltf")]
 mod scene;
+#[cfg(feature = "gltf")]
+mod scene_file;
 mod skeleton;
 mod solution;
 mod solver;
+mod srdf;
 mod task;
 mod view;
 #[cfg(feature = "collision")]

@@ -10,11 +10,18 @@ pub struct Model {
     pub(crate) inner: kinopt::Model,
     /// A robot's followers follow.
     pub(crate) map: Option<ParameterMap>,
+    #[cfg(feature = "bodies")]
+    pub(crate) body: Option<crate::masses::Body>,
 }
 
 impl From<kinopt::Model> for Model {
     fn from(inner: kinopt::Model) -> Self {
-        Self { inner, map: None }
+        Self {
+            inner,
+            map: None,
+            #[cfg(feature = "bodies")]
+            body: None,
+        }
     }
 }
 

@@ -27,6 +27,11 @@ pub(crate) fn read(numbers: &[f64], what: &str) -> Result<Placement<f64>, JsErro
     Ok(Placement::new(rotation, column(3)))
 }
 
+/// Reads one from a typed array or any list.
+pub(crate) fn of(value: &JsValue, what: &str) -> Result<Placement<f64>, JsError> {
+    read(&crate::given::numbers(value, what)?, what)
+}
+
 /// Reads many, sixteen numbers each.
 pub(crate) fn read_all(numbers: &[f64], what: &str) -> Result<Vec<Placement<f64>>, JsError> {
     if !numbers.len().is_multiple_of(16) {

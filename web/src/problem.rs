@@ -11,7 +11,7 @@ use crate::given::{self, Given};
 use crate::model::Model;
 use crate::raise;
 use crate::skeleton::Skeleton;
-use crate::task::{self, Aimed, Stated};
+use crate::task::{self, Aimed, BoxedTask};
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
@@ -34,15 +34,35 @@ export type Task = TaskOptions & (
     | { kind: "pose"; frame: string; target: Placement; tool?: Placement; goal?: "pose" | "position" | Numbers; base?: string }
     | { kind: "orientation"; frame: string; target: Placement; base?: string }
     | { kind: "lookAt"; frame: string; axis: Numbers; target: Numbers }
+    | { kind: "gaze"; frame: string; axis: Numbers; halfAngle: number; target?: Numbers; direction?: Numbers }
+    | { kind: "distance"; a: string; b: string; distance: number }
     | { kind: "plane"; frame: string; point: Numbers; normal: Numbers }
     | { kind: "ray"; frame: string; eye: Numbers; through: Numbers }
-    | { kind: "posture"; reference: Numbers }
+    | { kind: "pixel"; frame: string; camera: Numbers; target: Numbers }
+    | { kind: "posture"; reference: Numbers | Readonly<Record<string, number>>; jointWeights?: JointWeights | "upright" }
+    | { kind: "smoothness"; previous: Numbers; timeStep: number; jointWeights?: JointWeights }
     | { kind: "limitCentring" }
+    | { kind: "centerOfMass"; target: Numbers; free?: string; base?: string; masses?: MassesByFrame }
+    | {
+          kind: "supportPolygon"; points?: readonly Numbers[]; on?: Readonly<Record<string, readonly Numbers[]>>;
+          margin?: number; up?: Numbers; masses?: MassesByFrame;
+      }
+    | { kind: "frameVelocity"; frame: string; previous: Placement; timeStep: number; linear?: Numbers; angular?: Numbers }
+    | { kind: "jointCoupling"; coefficients: Readonly<Record<string, number>>; offset?: number }
+    | { kind: "manipulability"; frame: string; least: number; base?: string; of?: "pose" | "position" | "orientation" }
+    | { kind: "within"; task: Task; lower?: number; upper?: number }
 );
 
-/** Targets by the tasks' names: of a point or a look-at three numbers, of a pose or an orientation a placement, of a
- * plane or a ray two points in one list, of a posture a configuration. */
-export type Targets = Readonly<Record<string, Numbers>>;
+/** What each joint counts in a task: one number for each that it reads, some by their names, or half its range. */
+export type JointWeights = Numbers | Readonly<Record<string, number>> | "by range";
+
+/** Kilograms by frame, at its origin, or four numbers: kilograms and a place in the frame's coordinates. */
+export type MassesByFrame = Readonly<Record<string, number | Numbers>>;
+
+/** Targets by the tasks' names: of a point, a look-at, a gaze at a place or a centre of mass three numbers, of a pose, an
+ * orientation or where a frame stood before a placement, of a plane or a ray two points in one list, of a pixel two
+ * numbers, of a posture or a smoothness the values of its joints, of a distance, a coupling or a manipulability a number. */
+export type Targets = Readonly<Record<string, Numbers | number>>;
 
 export interface ProblemOptions {
     /** The tolerance of tasks that set none, metres and radians. */
@@ -69,7 +89,7 @@ extern "C" {
 #[derive(Clone)]
 pub struct Problem {
     pub(crate) inner: kinopt::Problem,
-    tasks: Rc<[Stated]>,
+    tasks: Rc<[BoxedTask]>,
 }
 
 /// What goes into a problem.

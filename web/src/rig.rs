@@ -7,7 +7,7 @@ use kinopt::glam;
 use kinopt::skinning::{PosedVertices, SkinningMethod};
 use wasm_bindgen::prelude::*;
 
-use crate::clip::Pose;
+use crate::armature::Pose;
 use crate::contents::{self, Open};
 use crate::euler_clip::EulerClip;
 use crate::model::Model;
@@ -49,7 +49,11 @@ impl Rig {
     /// What problems are stated on.
     #[wasm_bindgen(getter)]
     pub fn model(&self) -> Model {
-        self.skeleton.model()
+        Model {
+            #[cfg(feature = "bodies")]
+            body: Some(crate::masses::Body::Rig(Rc::clone(&self.inner))),
+            ..self.skeleton.model()
+        }
     }
 
     /// The bones whose tips are pinned.

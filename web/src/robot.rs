@@ -1,4 +1,6 @@
-//! Robots, from URDF.
+//! Robots, from URDF and MJCF.
+
+use std::rc::Rc;
 
 use kinopt::model::Limits;
 use kinopt::robot::{BaseJoint, Geometry};
@@ -10,11 +12,14 @@ use crate::{object, placement, raise};
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-export interface RobotOptions {
+export interface BaseOptions {
     /** How the robot may move as a whole: "fixed" (the default), "free", "planar", "slide-x", ... */
     baseJoint?: string;
     /** The room of that joint, metres: `{ z: [0, 1] }`. */
     baseRoom?: Record<string, readonly [number, number]>;
+}
+
+export interface RobotOptions extends BaseOptions {
     /** Mend what can be, and tell it in `repairs`. */
     lenient?: boolean;
     /** Hold to the file's soft limits. */
@@ -42,6 +47,9 @@ extern "C" {
     /// A shape as an object.
     #[wasm_bindgen(typescript_type = "Shape[]")]
     pub type Shapes;
+    /// How a robot stands.
+    #[wasm_bindgen(typescript_type = "BaseOptions")]
+    pub type BaseOptions;
     /// Options of a robot.
     #[wasm_bindgen(typescript_type = "RobotOptions")]
     pub type RobotOptions;
@@ -50,7 +58,7 @@ extern "C" {
 /// A robot: joints, links, limits.
 #[wasm_bindgen]
 pub struct Robot {
-    pub(crate) inner: kinopt::robot::Robot,
+    pub(crate) inner: Rc<kinopt::robot::Robot>,
 }
 
 #[wasm_bindgen]
@@ -74,17 +82,16 @@ impl Robot {
         if options.switch("softLimits")?.unwrap_or(false) {
             inner = inner.with_soft_limits().map_err(raise)?;
         }
-        if let Some(kind) = options.text("baseJoint")? {
-            let room = given::entries(options.get("baseRoom").as_ref(), "baseRoom")?;
-            let room = room.into_iter().map(|(axis, value)| {
-                let [lower, upper] = given::vector(&value, &format!("baseRoom.{axis}"))?;
-                Ok((axis, Limits::new(lower, upper)))
-            });
-            let room = room.collect::<Result<Vec<_>, JsError>>()?;
-            let base = BaseJoint::named(&kind, room).map_err(raise)?;
-            inner = inner.with_base_joint(base).map_err(raise)?;
-        }
-        Ok(Self { inner })
+        on_base(inner, &options)
+    }
+
+    /// A robot of a rig's or a skeleton's bones, or of any other model, on a base that may move.
+    #[wasm_bindgen(js_name = ofModel)]
+    pub fn of_model(model: &Model, options: Option<BaseOptions>) -> Result<Self, JsError> {
+        let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
+        let options = Given::new(options, "option of a robot", &["baseJoint", "baseRoom"])?;
+        let inner = kinopt::robot::Robot::new(model.inner.clone(), Vec::new());
+        on_base(inner.map_err(raise)?, &options)
     }
 
     /// The joints and frames.
@@ -93,6 +100,8 @@ impl Robot {
         Model {
             inner: self.inner.model().clone(),
             map: Some(self.inner.map().clone()),
+            #[cfg(feature = "bodies")]
+            body: Some(crate::masses::Body::Robot(Rc::clone(&self.inner))),
         }
     }
 
@@ -135,10 +144,9 @@ impl Robot {
         link_from_tool: &[f64],
     ) -> Result<Self, JsError> {
         let place = placement::read(link_from_tool, "linkFromTool")?;
-        let inner = self.inner.clone().with_tool(name, link, place);
-        Ok(Self {
-            inner: inner.map_err(raise)?,
-        })
+        let own = kinopt::robot::Robot::clone(&self.inner);
+        let inner = own.with_tool(name, link, place).map_err(raise)?;
+        Ok(inner.into())
     }
 
     /// What a link looks like, or what it bumps into things with; none for frames without a body.
@@ -151,6 +159,47 @@ impl Robot {
         };
         let list: js_sys::Array = shapes.iter().map(told).collect();
         Ok(list.unchecked_into())
+    }
+}
+
+impl From<kinopt::robot::Robot> for Robot {
+    fn from(inner: kinopt::robot::Robot) -> Self {
+        let inner = Rc::new(inner);
+        Self { inner }
+    }
+}
+
+/// A robot on the base that is asked for.
+fn on_base(robot: kinopt::robot::Robot, options: &Given) -> Result<Robot, JsError> {
+    let Some(kind) = options.text("baseJoint")? else {
+        return Ok(robot.into());
+    };
+    let room = given::entries(options.get("baseRoom").as_ref(), "baseRoom")?;
+    let room = room.into_iter().map(|(axis, value)| {
+        let [lower, upper] = given::vector(&value, &format!("baseRoom.{axis}"))?;
+        Ok((axis, Limits::new(lower, upper)))
+    });
+    let room = room.collect::<Result<Vec<_>, JsError>>()?;
+    let base = BaseJoint::named(&kind, room).map_err(raise)?;
+    Ok(robot.with_base_joint(base).map_err(raise)?.into())
+}
+
+#[cfg(feature = "mjcf")]
+#[wasm_bindgen]
+impl Robot {
+    /// Reads an MJCF, as MuJoCo's models are written in; `name` is for messages. A configuration is MuJoCo's `qpos`. A file
+    /// that includes others is to be given whole, with their contents in it.
+    #[wasm_bindgen(js_name = fromMjcf)]
+    pub fn from_mjcf(
+        text: &str,
+        name: Option<String>,
+        options: Option<BaseOptions>,
+    ) -> Result<Self, JsError> {
+        let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
+        let options = Given::new(options, "option of a robot", &["baseJoint", "baseRoom"])?;
+        let name = name.as_deref().unwrap_or("robot.xml");
+        let inner = kinopt::robot::Robot::parse_mjcf(text, name);
+        on_base(inner.map_err(raise)?, &options)
     }
 }
 

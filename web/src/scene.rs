@@ -9,7 +9,8 @@ use kinopt::mesh::TriangleMesh;
 use kinopt::skinning::{PosedVertices, SkinningMethod};
 use wasm_bindgen::prelude::*;
 
-use crate::clip::{Armature, Clip, Pose};
+use crate::armature::{Armature, Pose};
+use crate::clip::Clip;
 use crate::contents::{self, Open};
 use crate::figure::Figure;
 use crate::raise;

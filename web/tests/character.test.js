@@ -1,7 +1,7 @@
 // A character is dragged, posed and played.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { Drag, MotionCapture, Problem, Scene, Solver, tasks } from "kinopt";
+import { Drag, MotionCapture, Problem, Recording, Scene, SceneFile, Solver, tasks } from "kinopt";
 import { humanoid, pinned } from "./humanoid.js";
 
 test("a hand is dragged along 300 points, the pins hold, no joint leaps", () => {
@@ -149,4 +149,31 @@ test("a scene is played with its skin, and dragged from where its clip has it", 
     const at = scene.armature.names.indexOf("end");
     [0, 2, 0].forEach((value, k) => assert.ok(Math.abs(placed[16 * at + 12 + k] - value) < 1e-3, `${placed.slice(16 * at + 12, 16 * at + 15)}`));
     assert.throws(() => Scene.fromBytes(file, "strip.gltf"), /strip\.gltf.*strip\.bin/s);
+});
+
+test("what was solved is a clip, in the scene's own file and as a capture", () => {
+    const [gltf, buffer] = strip();
+    const open = () => buffer;
+    const file = SceneFile.fromBytes(gltf, "strip.gltf", open);
+    const scene = Scene.fromBytes(gltf, "strip.gltf", open);
+    const [own] = scene.clips;
+    const recording = new Recording(file.armature, 10);
+    for (let k = 0; k <= 5; k += 1) recording.add(own.sample(0.2 * k));
+    const clip = recording.clip("again");
+    assert.equal(recording.frames, 6);
+    assert.ok(Math.abs(clip.duration - 0.5) < 1e-6);
+    file.addClip(clip);
+    assert.throws(() => file.addClip(clip), /again/);
+    const read = Scene.fromBytes(file.toBytes(), "more.gltf", open);
+    assert.deepEqual(read.clips.map(({ name }) => name), file.clipNames);
+    const placed = (of, name, seconds) => of.armature.localToModel(of.clips.find((one) => one.name === name).sample(seconds));
+    // Twice as fast as it was.
+    const before = placed(scene, own.name, 0.6);
+    placed(read, "again", 0.3).forEach((value, k) => assert.ok(Math.abs(value - before[k]) < 1e-5));
+    const capture = MotionCapture.fromBytes(new TextEncoder().encode(recording.toBvh()), "again.bvh");
+    assert.equal(capture.frames, 6);
+    assert.throws(() => new Recording(file.armature, 0), /fps/);
+    const figure = MotionCapture.fromBytes(new TextEncoder().encode(
+        "HIERARCHY\nROOT a {\nOFFSET 0 0 0\nCHANNELS 0\nEnd Site {\nOFFSET 0 1 0\n}\n}\nMOTION\nFrames: 1\nFrame Time: 0.1\n\n"));
+    assert.throws(() => recording.add(figure.armature.rest), /the pose has 2 bones, expected 4/);
 });

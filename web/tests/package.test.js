@@ -38,6 +38,18 @@ test("the README's drag runs", () => {
     assert.equal(run("node", "drag.js"), "60\n");
 });
 
+test("the README's person is followed", () => {
+    const readers = `
+        import { readFileSync } from "node:fs";
+        const [captures, robots] = ${JSON.stringify([model("captures/").href, model("").href])};
+        const bytes = async (file) => readFileSync(new URL(file, captures));
+        const text = async (file) => readFileSync(new URL(file, robots), "utf8");
+        let moved = 0;
+        const move = (robot, q) => { moved += q.length === robot.model.configurationLen ? 1 : 0; };`;
+    writeFileSync(join(project, "follow.js"), `${readers}\n${blocks[2]}\nconsole.log(moved);`);
+    assert.equal(run("node", "follow.js"), "180\n");
+});
+
 test("it works in a worker, which has a module of its own", () => {
     writeFileSync(join(project, "worker.js"), `import { parentPort } from "node:worker_threads";\n${blocks[0]}\nparentPort.postMessage(solution.reached);`);
     writeFileSync(join(project, "main.js"), `import { Worker } from "node:worker_threads";
@@ -56,11 +68,14 @@ test("a module that others compiled is taken", () => {
 });
 
 test("the types of its README check, and wrong ones do not", () => {
+    const reads = "import type { Robot as Shown } from \"kinopt\"; declare function bytes(file: string): Promise<Uint8Array>;\n" +
+        "declare function text(file: string): Promise<string>; declare function move(robot: Shown, q: Float64Array): void;\n";
     const reader = "declare const parts: Record<string, Uint8Array>; declare function bytes(file: string): Promise<Uint8Array>;\n" +
         "declare function upload(positions: Float32Array, normals: Float32Array): void;\n";
     writeFileSync(join(project, "ten.ts"), blocks[0]);
     writeFileSync(join(project, "drag.ts"), reader + blocks[1]);
-    writeFileSync(join(project, "wrong.ts"), `import { Arm, Robot, tasks } from "kinopt";
+    writeFileSync(join(project, "follow.ts"), reads + blocks[2]);
+    writeFileSync(join(project, "wrong.ts"), `import { Arm, RetargetFollower, Robot, solvePath, tasks } from "kinopt";
         // @ts-expect-error
         new Arm(Robot.fromUrdf(""), "base", "tip", { search: "best" });
         // @ts-expect-error
@@ -68,11 +83,19 @@ test("the types of its README check, and wrong ones do not", () => {
         // @ts-expect-error
         tasks.point("tip", [0, 0, 0], { wieght: 1 });
         // @ts-expect-error
+        tasks.within({ kind: "hover" }, { lower: 0 });
+        // @ts-expect-error
+        tasks.posture([0, 1], { jointWeights: "by weight" });
+        // @ts-expect-error
+        new RetargetFollower(Robot.fromUrdf(""), "clip");
+        // @ts-expect-error
+        solvePath(new Arm(Robot.fromUrdf(""), "base", "tip"), [0], { course: "back" });
+        // @ts-expect-error
         new Arm(Robot.fromUrdf(""), "base", "tip").solve(3);`);
     const tsc = join(own, "node_modules/.bin/tsc");
     const options = ["--noEmit", "--strict", "--target", "es2022", "--module", "nodenext", "--lib", "es2022,dom"];
     try {
-        run(tsc, ...options, "ten.ts", "drag.ts", "wrong.ts");
+        run(tsc, ...options, "ten.ts", "drag.ts", "follow.ts", "wrong.ts");
     } catch ({ stdout }) {
         assert.fail(stdout);
     }

@@ -1,8 +1,9 @@
 // A captured movement comes onto a robot, within its limits, by a map that is guessed or given.
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import test from "node:test";
-import { MotionCapture, retarget, Robot } from "kinopt";
-import { text } from "./panda.js";
+import { framePlacement, MotionCapture, retarget, RetargetFollower, Robot } from "kinopt";
+import { model, text } from "./panda.js";
 
 const turns = "CHANNELS 3 Zrotation Xrotation Yrotation";
 /** A limb of joints one after another: names and offsets, centimetres. */
@@ -37,4 +38,39 @@ test("a person's movement on a NAO", () => {
     assert.ok(found.meanError < 0.1, `${found.meanError} m`);
     assert.throws(() => retarget(robot, capture.clip, "{}"), Error);
     assert.throws(() => retarget(robot, capture.clip, undefined, { speed: 2 }), /speed.*fps/s);
+});
+
+test("a follower has the movement frame by frame, feet that stand stay, and a whole one tells how far it is", () => {
+    const capture = MotionCapture.fromBytes(readFileSync(model("captures/steps.bvh")), "steps.bvh");
+    const robot = Robot.fromUrdf(text("aldebaran_nao.urdf"), "nao.urdf", { baseJoint: "free" });
+    const { armature, clip } = capture;
+    const follower = new RetargetFollower(robot, clip, undefined, { fps: 30, contactSpeed: 0.06 });
+    assert.deepEqual(follower.joints, armature.names);
+    assert.equal(follower.up, "y");
+    assert.equal(JSON.parse(follower.map).drives.LeftFoot.frame ?? JSON.parse(follower.map).drives.LeftFoot, "left_ankle");
+    const { lower, upper } = robot.model;
+    const ankles = [];
+    const heights = [];
+    for (let frame = 0; frame <= 180; frame += 1) {
+        const q = follower.step(armature.places(clip.sample(frame / 30)));
+        assert.ok(q.every((value, k) => lower[k] <= value && value <= upper[k]));
+        ankles.push(framePlacement(robot.model, "left_ankle", q).slice(12, 15));
+        heights.push(framePlacement(robot.model, "torso", q)[14]);
+    }
+    // The left foot stands from 2.1 s on, after its steps to the side and back.
+    const slip = Math.max(...ankles.slice(70).map((at) => Math.hypot(at[0] - ankles[70][0], at[1] - ankles[70][1])));
+    assert.ok(slip < 0.003, `${slip} m`);
+    const aside = Math.max(...ankles.map((at) => Math.abs(at[0] - ankles[0][0])));
+    assert.ok(aside > 0.04, `${aside} m`);
+    assert.ok(Math.min(...heights) < heights[0] - 0.04, "it crouches");
+    const told = [];
+    const whole = retarget(robot, clip, undefined, { whole: true, contactSpeed: 0.06, progress: (done, total) => told.push([done, total]) });
+    assert.equal(whole.frames, 181);
+    assert.ok(told.length > 1 && told.every(([done, total], k) => total === 181 && done > (told[k - 1]?.[0] ?? 0)));
+    assert.equal(told.at(-1)[0], 181);
+    assert.ok(whole.slip < 0.005 && whole.meanError < 0.1);
+    const stops = { whole: true, progress: () => { throw new RangeError("enough"); } };
+    assert.throws(() => retarget(robot, clip, undefined, stops), (error) => error instanceof RangeError);
+    assert.throws(() => follower.step([0, 1, 2]), /places has 3 numbers/);
+    assert.throws(() => new RetargetFollower(robot, clip, undefined, { whole: true }), /whole.*fps/s);
 });

@@ -21,7 +21,7 @@ use track::{Batch, Track};
 /// An arm of a robot, from a base to a tip, made ready to be asked.
 #[wasm_bindgen]
 pub struct Arm {
-    inner: Rc<kinopt::Arm>,
+    pub(crate) inner: Rc<kinopt::Arm>,
 }
 
 impl From<kinopt::Arm> for Arm {

@@ -74,7 +74,7 @@ pub(super) fn build(
         Some(base) => Base::from(base),
         None => Base::World,
     };
-    let builder = apply(kinopt::Arm::builder(&robot.inner, from, tip), options)?;
+    let builder = apply(kinopt::Arm::builder(&*robot.inner, from, tip), options)?;
     builder.build().map_err(raise)
 }
 

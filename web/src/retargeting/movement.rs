@@ -1,37 +1,21 @@
-//! Captured movements on robots.
+//! A whole movement on a robot.
 
-use kinopt::motion::retarget::{self, BodyMap, Capture, RetargetOptions, UpAxis};
+use js_sys::Function;
+use kinopt::motion::retarget;
 use wasm_bindgen::prelude::*;
 
+use super::{Mapped, OF_BOTH, RetargetingOptions};
 use crate::clip::Clip;
 use crate::given::Given;
 use crate::raise;
 use crate::robot::Robot;
 use crate::view;
 
-#[wasm_bindgen(typescript_custom_section)]
-const TYPES: &str = r#"
-export interface RetargetingOptions {
-    /** Frames a second; 30 unless told. */
-    fps?: number;
-    /** Which way is up in the capture, unless the map says it: "y" (the default) or "z". */
-    up?: "y" | "z";
-    /** All frames as one problem, smooth and with feet that stand; frame after frame otherwise. */
-    whole?: boolean;
-}
-"#;
-
-#[wasm_bindgen]
-extern "C" {
-    /// Options of a retargeting.
-    #[wasm_bindgen(typescript_type = "RetargetingOptions")]
-    pub type RetargetingOptions;
-}
-
 /// A movement on a robot.
 #[wasm_bindgen]
 pub struct Retargeted {
     inner: retarget::Retargeted,
+    map: String,
     notes: Vec<String>,
 }
 
@@ -43,41 +27,43 @@ pub fn retarget(
     clip: &Clip,
     map: Option<String>,
     options: Option<RetargetingOptions>,
-) -> Result<Retargeted, JsError> {
+) -> Result<Retargeted, JsValue> {
     let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
-    let options = Given::new(options, "option of a retargeting", &["fps", "up", "whole"])?;
-    let up = match options.text("up")?.as_deref() {
-        None | Some("y") => UpAxis::Y,
-        Some("z") => UpAxis::Z,
-        Some(other) => {
-            let unknown = kinopt::model::UnknownName::new("up axis", other, ["y", "z"]);
-            return Err(raise(unknown));
+    let own = ["whole", "acceleration", "progress"];
+    let known: Vec<&str> = OF_BOTH.into_iter().chain(own).collect();
+    let options = Given::new(options, "option of a retargeting", &known)?;
+    let mut mapped = Mapped::new(robot, clip, map, &options)?;
+    if let Some(acceleration) = options.number("acceleration")? {
+        mapped.options.acceleration = acceleration;
+    }
+    let progress = match options.get("progress") {
+        None => None,
+        Some(progress) => {
+            let no = |_| JsError::new("progress must be a function of (done, total)");
+            Some(progress.dyn_into::<Function>().map_err(no)?)
         }
     };
-    let fps = options.number("fps")?.unwrap_or(30.0);
-    let capture = Capture::of_clip(clip.armature(), clip.inner(), fps).map_err(raise)?;
-    let (map, notes) = match map {
-        Some(map) => {
-            let map = BodyMap::from_json(&map, robot.inner.name());
-            (map.map_err(raise)?, Vec::new())
-        }
-        None => {
-            let guess = BodyMap::guess(&capture, robot.inner.model()).map_err(raise)?;
-            (guess.map, guess.notes)
-        }
-    };
-    let how = RetargetOptions {
-        up,
-        ..RetargetOptions::default()
-    };
-    let retargeting = retarget::Retargeting::new(&robot.inner, &map, &capture, how);
-    let retargeting = retargeting.map_err(raise)?;
+    let retargeting = mapped.fitted(robot)?;
+    let total = retargeting.frames();
+    let mut raised = None;
     let found = match options.switch("whole")?.unwrap_or(false) {
-        true => retargeting.whole(),
         false => retargeting.per_frame(),
+        true => retargeting.whole_with_progress(&mut |done| {
+            let Some(progress) = &progress else { return };
+            let heard = progress.call2(&JsValue::UNDEFINED, &done.into(), &total.into());
+            if let Err(error) = heard {
+                raised.get_or_insert(error);
+            }
+        }),
     };
-    let inner = found.map_err(raise)?;
-    Ok(Retargeted { inner, notes })
+    match raised {
+        Some(error) => Err(error),
+        None => Ok(Retargeted {
+            inner: found.map_err(raise)?,
+            map: mapped.map.to_json(),
+            notes: mapped.notes,
+        }),
+    }
 }
 
 #[wasm_bindgen]
@@ -98,6 +84,12 @@ impl Retargeted {
     #[wasm_bindgen(getter)]
     pub fn fps(&self) -> f64 {
         self.inner.frame_rate
+    }
+
+    /// The map that it went by, as JSON.
+    #[wasm_bindgen(getter)]
+    pub fn map(&self) -> String {
+        self.map.clone()
     }
 
     /// What of a guessed map is to be looked at.

@@ -1,0 +1,75 @@
+//! The bones of a file of animation, and their poses.
+
+use std::rc::Rc;
+
+use kinopt::animation::Armature as Bones;
+use kinopt::glam::{Affine3A, Mat4};
+use wasm_bindgen::prelude::*;
+
+use crate::raise;
+
+/// The bones of a file of animation, at rest as the file has them.
+#[wasm_bindgen]
+#[derive(Clone)]
+pub struct Armature {
+    pub(crate) inner: Rc<Bones>,
+}
+
+#[wasm_bindgen]
+impl Armature {
+    /// The bones, parents before children.
+    #[wasm_bindgen(getter)]
+    pub fn names(&self) -> Vec<String> {
+        self.inner.names().to_vec()
+    }
+
+    /// The number of each bone's parent; -1 for roots.
+    #[wasm_bindgen(getter)]
+    pub fn parents(&self) -> Vec<i32> {
+        let bones = self.inner.bone_ids();
+        bones
+            .map(|bone| (self.inner.parent(bone)).map_or(-1, |parent| parent.index() as i32))
+            .collect()
+    }
+
+    /// The pose at rest.
+    #[wasm_bindgen(getter)]
+    pub fn rest(&self) -> Pose {
+        let inner = self.inner.rest().clone();
+        Pose { inner }
+    }
+
+    /// Where the bones of a pose stand: sixteen numbers a bone, a matrix by columns.
+    #[wasm_bindgen(js_name = localToModel)]
+    pub fn local_to_model(&self, pose: &Pose) -> Result<Vec<f32>, JsError> {
+        let placed = self.placed(pose)?;
+        let columns = placed.iter().map(|bone| Mat4::from(*bone).to_cols_array());
+        Ok(columns.flatten().collect())
+    }
+}
+
+#[cfg(feature = "retargeting")]
+#[wasm_bindgen]
+impl Armature {
+    /// Where the bones of a pose begin, three numbers each: what a `RetargetFollower` follows.
+    pub fn places(&self, pose: &Pose) -> Result<Vec<f64>, JsError> {
+        let placed = self.placed(pose)?;
+        let places = placed.iter().map(|bone| bone.translation.as_dvec3());
+        Ok(places.flat_map(|at| at.to_array()).collect())
+    }
+}
+
+impl Armature {
+    fn placed(&self, pose: &Pose) -> Result<Vec<Affine3A>, JsError> {
+        let mut placed = vec![Affine3A::IDENTITY; self.inner.bones()];
+        let located = self.inner.local_to_model(&pose.inner, &mut placed);
+        located.map_err(raise)?;
+        Ok(placed)
+    }
+}
+
+/// Where each bone stands in its parent, and how strong each morph target is.
+#[wasm_bindgen]
+pub struct Pose {
+    pub(crate) inner: kinopt::animation::Pose,
+}

@@ -1,0 +1,245 @@
+//! Cartesian paths of arms, with the fewest reconfigurations.
+
+use js_sys::Array;
+use kinopt::model::UnknownName;
+use kinopt::motion::path::{self, CartesianPath, Course, MissReason, PathSolver, trapezoid_times};
+use wasm_bindgen::prelude::*;
+
+use crate::arm::Arm;
+use crate::given::Given;
+use crate::placement::read_all;
+use crate::{object, raise, view};
+
+#[wasm_bindgen(typescript_custom_section)]
+const TYPES: &str = r#"
+export interface PathOptions {
+    /** From first to last (the default), round and round, or round once from wherever that is best. */
+    course?: "open" | "cyclic" | "any-start";
+    /** The configuration of the first point, or of the last; any unless told. */
+    start?: Numbers;
+    end?: Numbers;
+    /** What a radian or metre of each joint weighs in lengths. */
+    jointWeights?: Numbers;
+    /** The furthest that a joint moves between two points on the same branch, radians; 0.2 unless told. */
+    maxStep?: number;
+    /** Configurations that are known of a place at most; 256 unless told. */
+    samples?: number;
+}
+
+/** A step in which an arm leaves its branch. */
+export interface Reconfiguration {
+    /** The row of `q` that it leads to; 0 for the step that closes a cyclic path. */
+    index: number;
+    joint: string;
+    /** Radians; of a slide the metres that weigh as much. */
+    distance: number;
+}
+
+/** A point of a path that the tool does not reach. */
+export interface MissedPoint {
+    index: number;
+    /** Metres, and radians, beyond what the goal leaves free. */
+    positionError: number;
+    orientationError: number;
+    reason: string;
+}
+
+/** A step of a path that is not surely free. */
+export interface BlockedStep extends Collision {
+    index: number;
+}
+"#;
+
+#[wasm_bindgen]
+extern "C" {
+    /// Options of a path.
+    #[wasm_bindgen(typescript_type = "PathOptions")]
+    pub type PathOptions;
+    /// Reconfigurations as objects.
+    #[wasm_bindgen(typescript_type = "Reconfiguration[]")]
+    pub type Reconfigurations;
+    /// Missed points as objects.
+    #[wasm_bindgen(typescript_type = "MissedPoint[]")]
+    pub type MissedPoints;
+    /// Blocked steps as objects.
+    #[wasm_bindgen(typescript_type = "BlockedStep[]")]
+    pub type BlockedSteps;
+}
+
+/// Joints for a whole path of the tool, sixteen numbers a point in the arm's base: those that leave their branch least often,
+/// and of these the shortest. A point out of reach is no exception: see `missed`.
+#[wasm_bindgen(js_name = solvePath)]
+pub fn solve_path(
+    arm: &Arm,
+    #[wasm_bindgen(unchecked_param_type = "Numbers")] points: &[f64],
+    options: Option<PathOptions>,
+) -> Result<PathSolution, JsError> {
+    const KNOWN: [&str; 6] = [
+        "course",
+        "start",
+        "end",
+        "jointWeights",
+        "maxStep",
+        "samples",
+    ];
+    let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
+    let options = Given::new(options, "option of a path", &KNOWN)?;
+    let path = CartesianPath::new(read_all(points, "point")?).map_err(raise)?;
+    let course = match options.text("course")?.as_deref() {
+        None | Some("open") => Course::Open,
+        Some("cyclic") => Course::Cyclic,
+        Some("any-start") => Course::AnyStart,
+        Some(other) => {
+            let names = ["open", "cyclic", "any-start"];
+            return Err(raise(UnknownName::new("course", other, names)));
+        }
+    };
+    let mut solver = PathSolver::new(&arm.inner);
+    if let Some(q) = options.numbers("start")? {
+        solver = solver.with_start(&q);
+    }
+    if let Some(q) = options.numbers("end")? {
+        solver = solver.with_end(&q);
+    }
+    if let Some(weights) = options.numbers("jointWeights")? {
+        solver = solver.with_joint_weights(&weights);
+    }
+    if let Some(radians) = options.number("maxStep")? {
+        solver = solver.with_max_step(radians);
+    }
+    if let Some(samples) = options.whole("samples")? {
+        solver = solver.with_samples(samples as usize);
+    }
+    let inner = solver.solve(&path.with_course(course)).map_err(raise)?;
+    let rates = [arm.inner.velocity_limits(), arm.inner.acceleration_limits()];
+    Ok(PathSolution {
+        inner,
+        joints: arm.inner.joints().map(str::to_owned).collect(),
+        rates: rates.map(<[f64]>::to_vec),
+    })
+}
+
+/// Joints for a whole path.
+#[wasm_bindgen]
+pub struct PathSolution {
+    inner: path::PathSolution,
+    joints: Vec<String>,
+    rates: [Vec<f64>; 2],
+}
+
+#[wasm_bindgen]
+impl PathSolution {
+    /// One configuration a point, one after another, where they lie: valid until the next call into the module.
+    #[wasm_bindgen(getter, unchecked_return_type = "Float64Array")]
+    pub fn q(&self) -> js_sys::Float64Array {
+        view::doubles(&self.inner.q)
+    }
+
+    /// The joints, the columns of `q`.
+    #[wasm_bindgen(getter, js_name = jointNames)]
+    pub fn joint_names(&self) -> Vec<String> {
+        self.joints.clone()
+    }
+
+    /// Which point of the path the first row is for: 0 unless it may be entered anywhere.
+    #[wasm_bindgen(getter)]
+    pub fn entry(&self) -> usize {
+        self.inner.entry
+    }
+
+    /// The steps in which the arm leaves its branch.
+    #[wasm_bindgen(getter)]
+    pub fn reconfigurations(&self) -> Reconfigurations {
+        let steps = self.inner.reconfigurations.iter().map(|step| {
+            let joint = self.joints.get(step.joint).map_or("", String::as_str);
+            object::of([
+                ("index", step.index.into()),
+                ("joint", joint.into()),
+                ("distance", step.distance.into()),
+            ])
+        });
+        steps.collect::<Array>().unchecked_into()
+    }
+
+    /// The points that are not reached, in order.
+    #[wasm_bindgen(getter)]
+    pub fn missed(&self) -> MissedPoints {
+        let missed = self.inner.missed.iter().map(|missed| {
+            let reason = match &missed.reason {
+                MissReason::BeyondReach { distance, reach } => format!(
+                    "beyond reach: {distance:.4} m away, and the chain is {reach:.4} m long"
+                ),
+                MissReason::Touches(pair) => {
+                    format!("{} and {} touch there", pair.first, pair.second)
+                }
+                _ => "no configuration within the limits was found".to_owned(),
+            };
+            object::of([
+                ("index", missed.index.into()),
+                ("positionError", missed.position_error.into()),
+                ("orientationError", missed.orientation_error.into()),
+                ("reason", reason.into()),
+            ])
+        });
+        missed.collect::<Array>().unchecked_into()
+    }
+
+    /// The steps that are not surely free, of an arm that keeps clear of something.
+    #[wasm_bindgen(getter)]
+    pub fn blocked(&self) -> BlockedSteps {
+        let blocked = self.inner.blocked.iter().map(|step| {
+            object::of([
+                ("index", step.index.into()),
+                ("first", step.by.first.as_str().into()),
+                ("second", step.by.second.as_str().into()),
+                ("distance", step.by.distance.into()),
+            ])
+        });
+        blocked.collect::<Array>().unchecked_into()
+    }
+
+    /// Whether all points are reached on one branch, and all steps are free.
+    #[wasm_bindgen(getter, js_name = isWhole)]
+    pub fn is_whole(&self) -> bool {
+        self.inner.is_whole()
+    }
+
+    /// Weighted joint length of all steps.
+    #[wasm_bindgen(getter)]
+    pub fn length(&self) -> f64 {
+        self.inner.length
+    }
+
+    /// How far the tool is from the path at most between two rows, metres: a bound, not a sample.
+    #[wasm_bindgen(getter, js_name = largestDeviation)]
+    pub fn largest_deviation(&self) -> f64 {
+        self.inner.largest_deviation.metres
+    }
+
+    /// How far it is turned from the path at most, radians.
+    #[wasm_bindgen(getter, js_name = largestTurn)]
+    pub fn largest_turn(&self) -> f64 {
+        self.inner.largest_deviation.radians
+    }
+
+    /// When each row is, seconds, the first at 0: a trapezoid of speed from rest to rest within limits of acceleration and
+    /// velocity, one number a joint, or one for all; the robot's own velocity limits unless told.
+    pub fn times(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "Numbers | number")] accelerations: JsValue,
+        #[wasm_bindgen(unchecked_optional_param_type = "Numbers | number")] velocities: JsValue,
+    ) -> Result<Vec<f64>, JsError> {
+        let limits = |given: &JsValue, what: &str, own: &[f64]| match given.as_f64() {
+            Some(one) => Ok(vec![one; self.joints.len()]),
+            None if given.is_undefined() => Ok(own.to_vec()),
+            None => crate::given::numbers(given, what),
+        };
+        let [own_velocities, own_accelerations] = &self.rates;
+        let velocities = limits(&velocities, "velocities", own_velocities)?;
+        let accelerations = limits(&accelerations, "accelerations", own_accelerations)?;
+        let rows: Vec<&[f64]> = self.inner.rows().collect();
+        let rests = self.inner.reconfigurations.iter().map(|step| step.index);
+        let rests: Vec<usize> = rests.collect();
+        trapezoid_times(&rows, &rests, &velocities, &accelerations).map_err(raise)
+    }
+}

@@ -1,0 +1,20 @@
+//! How a clip goes on beyond its ends.
+
+use kinopt::animation::Playback;
+use kinopt::model::UnknownName;
+use wasm_bindgen::prelude::*;
+
+use crate::raise;
+
+/// How a clip goes on beyond its ends.
+pub(crate) fn playback(name: Option<&str>) -> Result<Playback, JsError> {
+    match name {
+        None | Some("hold") => Ok(Playback::Hold),
+        Some("loop") => Ok(Playback::Loop),
+        Some("ping-pong") => Ok(Playback::PingPong),
+        Some(other) => {
+            let names = ["hold", "loop", "ping-pong"];
+            Err(raise(UnknownName::new("playback", other, names)))
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! Poses as they come, which become a clip.
+
+use std::rc::Rc;
+
+use kinopt::animation::Armature as Bones;
+use wasm_bindgen::prelude::*;
+
+use crate::armature::{Armature, Pose};
+use crate::clip::Clip;
+use crate::raise;
+
+/// Poses of an armature, one after another at a fixed rate: what was dragged or solved becomes a clip.
+#[wasm_bindgen]
+pub struct Recording {
+    armature: Rc<Bones>,
+    fps: f64,
+    poses: Vec<kinopt::animation::Pose>,
+}
+
+#[wasm_bindgen]
+impl Recording {
+    /// Of an armature's poses, so many a second.
+    #[wasm_bindgen(constructor)]
+    pub fn new(armature: &Armature, fps: f64) -> Result<Self, JsError> {
+        if !(fps > 0.0 && fps.is_finite()) {
+            return Err(JsError::new(&format!("fps must be above 0, not {fps}")));
+        }
+        Ok(Self {
+            armature: Rc::clone(&armature.inner),
+            fps,
+            poses: Vec::new(),
+        })
+    }
+
+    /// Takes the next pose.
+    pub fn add(&mut self, pose: &Pose) -> Result<(), JsError> {
+        let (given, asked) = (pose.inner.bones(), self.armature.bones());
+        if given != asked {
+            let message = format!("the pose has {given} bones, expected {asked}");
+            return Err(JsError::new(&message));
+        }
+        self.poses.push(pose.inner.clone());
+        Ok(())
+    }
+
+    /// How many there are.
+    #[wasm_bindgen(getter)]
+    pub fn frames(&self) -> usize {
+        self.poses.len()
+    }
+
+    /// A clip through them, straight from pose to pose.
+    pub fn clip(&self, name: &str) -> Result<Clip, JsError> {
+        let frames = 0..self.poses.len();
+        let times: Vec<f32> = frames.map(|k| (k as f64 / self.fps) as f32).collect();
+        let clip =
+            kinopt::animation::Clip::through_poses(name, &self.armature, &times, &self.poses);
+        Ok(Clip::new(clip.map_err(raise)?, &self.armature))
+    }
+
+    /// The text of a BVH file of them.
+    #[wasm_bindgen(js_name = toBvh)]
+    pub fn to_bvh(&self) -> Result<String, JsError> {
+        kinopt::io::bvh::poses_to_text(&self.armature, &self.poses, self.fps).map_err(raise)
+    }
+}

@@ -1,0 +1,105 @@
+//! Captured movements on robots: whole ones, and frame by frame as they come.
+
+mod follower;
+mod movement;
+
+use kinopt::model::UnknownName;
+use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting, UpAxis};
+use wasm_bindgen::prelude::*;
+
+use crate::clip::Clip;
+use crate::given::Given;
+use crate::raise;
+use crate::robot::Robot;
+
+#[wasm_bindgen(typescript_custom_section)]
+const TYPES: &str = r#"
+export interface FollowerOptions {
+    /** Frames a second; 30 unless told. */
+    fps?: number;
+    /** Which way is up in the capture, unless the map says it: "y" or "z". Without it that along which the body stands. */
+    up?: "y" | "z";
+    /** What stands moves slower than this, m/s … */
+    contactSpeed?: number;
+    /** … and is no higher than this over the ground, metres. */
+    contactHeight?: number;
+}
+
+export interface RetargetingOptions extends FollowerOptions {
+    /** All frames as one problem, smooth and with feet that stand; frame after frame otherwise. */
+    whole?: boolean;
+    /** Of whole movements: what an acceleration of 1 rad/s² costs, in metres off a place. */
+    acceleration?: number;
+    /** Of whole movements: hears how many frames are done, of how many. */
+    progress?: (done: number, total: number) => void;
+}
+"#;
+
+#[wasm_bindgen]
+extern "C" {
+    /// Options of a retargeting.
+    #[wasm_bindgen(typescript_type = "RetargetingOptions")]
+    pub type RetargetingOptions;
+    /// Options of a follower.
+    #[wasm_bindgen(typescript_type = "FollowerOptions")]
+    pub type FollowerOptions;
+}
+
+/// What both take.
+const OF_BOTH: [&str; 4] = ["fps", "up", "contactSpeed", "contactHeight"];
+
+/// A clip's capture and the map that brings it onto a robot.
+struct Mapped {
+    capture: Capture,
+    map: BodyMap,
+    options: RetargetOptions,
+    notes: Vec<String>,
+}
+
+impl Mapped {
+    /// By a map in JSON, or by one that is guessed from names.
+    fn new(
+        robot: &Robot,
+        clip: &Clip,
+        map: Option<String>,
+        options: &Given,
+    ) -> Result<Self, JsError> {
+        let told = match options.text("up")?.as_deref() {
+            None => None,
+            Some("y") => Some(UpAxis::Y),
+            Some("z") => Some(UpAxis::Z),
+            Some(other) => return Err(raise(UnknownName::new("up axis", other, ["y", "z"]))),
+        };
+        let fps = options.number("fps")?.unwrap_or(30.0);
+        let capture = Capture::of_clip(clip.armature(), clip.inner(), fps).map_err(raise)?;
+        let (map, guessed, notes) = match map {
+            Some(map) => {
+                let map = BodyMap::from_json(&map, robot.inner.name());
+                (map.map_err(raise)?, None, Vec::new())
+            }
+            None => {
+                let guess = BodyMap::guess(&capture, robot.inner.model()).map_err(raise)?;
+                (guess.map, guess.up, guess.notes)
+            }
+        };
+        let mut how = RetargetOptions {
+            up: told.or(guessed).unwrap_or(UpAxis::Y),
+            ..RetargetOptions::default()
+        };
+        let contacts = &mut how.contacts;
+        contacts.speed = options.number("contactSpeed")?.unwrap_or(contacts.speed);
+        contacts.height = options.number("contactHeight")?.unwrap_or(contacts.height);
+        Ok(Self {
+            capture,
+            map,
+            options: how,
+            notes,
+        })
+    }
+
+    /// It fitted to the robot: limbs by their lengths, the ground, and what stands.
+    fn fitted<'r>(&self, robot: &'r Robot) -> Result<Retargeting<'r>, JsError> {
+        let options = self.options.clone();
+        Retargeting::new(&robot.inner, &self.map, &self.capture, options).map_err(raise)
+    }
+}

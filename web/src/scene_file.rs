@@ -1,0 +1,62 @@
+//! glTF files that get clips.
+
+use std::rc::Rc;
+
+use kinopt::io::gltf::{self, WriteOptions};
+use wasm_bindgen::prelude::*;
+
+use crate::armature::Armature;
+use crate::clip::Clip;
+use crate::contents::{self, Open};
+use crate::raise;
+
+/// A glTF file to which clips are added: all else in it stays as it is, materials and what this library does not know too.
+#[wasm_bindgen]
+pub struct SceneFile {
+    inner: gltf::SceneFile,
+    armature: Armature,
+}
+
+#[wasm_bindgen]
+impl SceneFile {
+    /// Reads the bytes of a `.glb` or `.gltf` file; `name` is for messages. `open` gives the files that it names.
+    #[wasm_bindgen(js_name = fromBytes)]
+    pub fn from_bytes(
+        data: &[u8],
+        name: Option<String>,
+        open: Option<Open>,
+    ) -> Result<Self, JsValue> {
+        let name = name.as_deref().unwrap_or("scene.gltf");
+        let inner = contents::parsed(open, |open| gltf::SceneFile::from_bytes(data, name, open))?;
+        let armature = Armature {
+            inner: Rc::new(inner.scene().armature.clone()),
+        };
+        Ok(Self { inner, armature })
+    }
+
+    /// Every node of the file as a bone: whose clips it takes.
+    #[wasm_bindgen(getter)]
+    pub fn armature(&self) -> Armature {
+        self.armature.clone()
+    }
+
+    /// The names of its clips.
+    #[wasm_bindgen(getter, js_name = clipNames)]
+    pub fn clip_names(&self) -> Vec<String> {
+        let clips = self.inner.scene().clips.iter();
+        clips.map(|clip| clip.name().to_owned()).collect()
+    }
+
+    /// Adds a clip behind those that are there.
+    #[wasm_bindgen(js_name = addClip)]
+    pub fn add_clip(&mut self, clip: &Clip) -> Result<(), JsError> {
+        let added = self.inner.add_clip(clip.inner(), &WriteOptions::default());
+        added.map_err(raise)
+    }
+
+    /// The file's bytes: of a `.glb` where one was read, else the text of a `.gltf`.
+    #[wasm_bindgen(js_name = toBytes)]
+    pub fn to_bytes(&self) -> Result<Vec<u8>, JsError> {
+        self.inner.to_bytes().map_err(raise)
+    }
+}

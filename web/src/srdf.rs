@@ -1,0 +1,131 @@
+//! SRDF: what a robot's description does not say.
+
+use std::rc::Rc;
+
+use kinopt::model::{FrameId, JointId};
+use wasm_bindgen::prelude::*;
+
+use crate::object;
+use crate::raise;
+use crate::robot::Robot;
+
+#[wasm_bindgen(typescript_custom_section)]
+const TYPES: &str = r#"
+/** A gripper, a tool or a foot. */
+export interface EndEffector {
+    name: string;
+    group: string;
+    /** The link that it is fixed to. */
+    parentLink: string;
+}
+"#;
+
+#[wasm_bindgen]
+extern "C" {
+    /// Joints by group.
+    #[wasm_bindgen(typescript_type = "Record<string, string[]>")]
+    pub type Groups;
+    /// End effectors as objects.
+    #[wasm_bindgen(typescript_type = "EndEffector[]")]
+    pub type EndEffectors;
+    /// Pairs of links.
+    #[wasm_bindgen(typescript_type = "[string, string][]")]
+    pub type Pairs;
+}
+
+/// What an SRDF file says of a robot: groups of joints, states, joints that nothing drives, links that need not be kept apart.
+#[wasm_bindgen]
+pub struct Srdf {
+    inner: kinopt::robot::Srdf,
+    robot: Rc<kinopt::robot::Robot>,
+}
+
+#[wasm_bindgen]
+impl Srdf {
+    /// Reads a document that speaks of a robot; `name` is for messages.
+    pub fn parse(text: &str, robot: &Robot, name: Option<String>) -> Result<Self, JsError> {
+        let name = name.as_deref().unwrap_or("robot.srdf");
+        let robot = Rc::clone(&robot.inner);
+        let inner = kinopt::robot::Srdf::parse(text, name, &robot).map_err(raise)?;
+        Ok(Self { inner, robot })
+    }
+
+    /// The joints that move of each group, parents before children, by the group's name: what an arm's `only` takes.
+    #[wasm_bindgen(getter)]
+    pub fn groups(&self) -> Groups {
+        let groups = object::of([]);
+        for group in &self.inner.groups {
+            let joints: js_sys::Array = self.joints(&group.joints).collect();
+            // Fails for frozen objects alone.
+            let _ = js_sys::Reflect::set(&groups, &group.name.as_str().into(), &joints);
+        }
+        JsValue::from(groups).unchecked_into()
+    }
+
+    /// The names of the states.
+    #[wasm_bindgen(getter)]
+    pub fn states(&self) -> Vec<String> {
+        let states = self.inner.states.iter();
+        states.map(|state| state.name.clone()).collect()
+    }
+
+    /// A state as a whole configuration: its values, and those of `at` (the neutral ones without it) for all other joints.
+    pub fn state(
+        &self,
+        name: &str,
+        #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] at: Option<Vec<f64>>,
+    ) -> Result<Vec<f64>, JsError> {
+        let model = self.robot.model();
+        let at = at.unwrap_or_else(|| model.neutral());
+        let (count, asked) = (at.len(), model.configuration_len());
+        if count != asked {
+            let message = format!("at has {count} numbers, expected {asked}");
+            return Err(JsError::new(&message));
+        }
+        self.inner.state(name, &at).map_err(raise)
+    }
+
+    /// Joints that nothing drives, which move.
+    #[wasm_bindgen(getter, js_name = passiveJoints)]
+    pub fn passive_joints(&self) -> Vec<String> {
+        let joints = self.joints(&self.inner.passive_joints);
+        joints.filter_map(|name| name.as_string()).collect()
+    }
+
+    /// Grippers, tools and feet.
+    #[wasm_bindgen(getter, js_name = endEffectors)]
+    pub fn end_effectors(&self) -> EndEffectors {
+        let ends = self.inner.end_effectors.iter().map(|end| {
+            object::of([
+                ("name", end.name.as_str().into()),
+                ("group", end.group.as_str().into()),
+                ("parentLink", self.frame(end.parent_link).into()),
+            ])
+        });
+        ends.collect::<js_sys::Array>().unchecked_into()
+    }
+
+    /// Links that collision checks may leave out.
+    #[wasm_bindgen(getter, js_name = disabledPairs)]
+    pub fn disabled_pairs(&self) -> Pairs {
+        let pairs = self.inner.disabled_pairs.iter().map(|pair| {
+            let links = pair
+                .links
+                .iter()
+                .map(|link| JsValue::from(self.frame(*link)));
+            links.collect::<js_sys::Array>()
+        });
+        pairs.collect::<js_sys::Array>().unchecked_into()
+    }
+}
+
+impl Srdf {
+    fn joints<'a>(&'a self, joints: &'a [JointId]) -> impl Iterator<Item = JsValue> + 'a {
+        let all = self.robot.model().joints();
+        joints.iter().map(|id| all[id.index()].name.as_str().into())
+    }
+
+    fn frame(&self, frame: FrameId) -> &str {
+        &self.robot.model().frames()[frame.index()].name
+    }
+}

@@ -1,0 +1,145 @@
+//! The targets of tasks: what each kind takes for one, and how it is moved there.
+
+use kinopt::ik::Drag;
+use kinopt::problem::{ProblemError, Targets, TaskId};
+#[cfg(feature = "bodies")]
+use kinopt::task::{
+    CentreOfMass, FrameVelocity, JointCoupling, Manipulability, SupportPolygon, Within,
+};
+use kinopt::task::{
+    Distance, Gaze, LimitCentring, LookAt, Orientation, Pixel, Plane, Point, Pose, Posture, Ray,
+    Residual, Smoothness,
+};
+use wasm_bindgen::prelude::*;
+
+use crate::{given, placement, raise};
+
+/// What has targets to move.
+pub(crate) enum Aimed<'a> {
+    Targets(&'a mut Targets),
+    Drag(&'a mut Drag),
+}
+
+impl Aimed<'_> {
+    fn residual<R: Residual>(&mut self, task: TaskId<R>) -> Result<&mut R, ProblemError> {
+        match self {
+            Self::Targets(targets) => targets.get_mut(task),
+            Self::Drag(drag) => drag.target_mut(task),
+        }
+    }
+}
+
+/// A task of a problem.
+pub(crate) trait Stated {
+    /// Moves its target, of which messages speak as `what`. Numbers that are not finite and matrices that are no rotation
+    /// leave it where it is.
+    fn aim(&self, aimed: &mut Aimed<'_>, value: &JsValue, what: &str) -> Result<(), JsError>;
+}
+
+impl<R: Target> Stated for TaskId<R> {
+    fn aim(&self, aimed: &mut Aimed<'_>, value: &JsValue, what: &str) -> Result<(), JsError> {
+        let own = aimed.residual(*self).map_err(raise)?;
+        let mut moved = own.clone();
+        moved.aim(value, what)?;
+        let checked = moved.validate();
+        checked.map_err(|error| JsError::new(&format!("{what}: {error}")))?;
+        *own = moved;
+        Ok(())
+    }
+}
+
+/// A residual whose target JavaScript can move.
+pub(crate) trait Target: Residual {
+    /// Moves the target.
+    fn aim(&mut self, value: &JsValue, what: &str) -> Result<(), JsError>;
+}
+
+/// Targets that are read by one function and set by one method.
+macro_rules! targets {
+    ($($residual:ty, $read:path, |$own:ident, $target:pat_param| $set:expr;)*) => {$(
+        impl Target for $residual {
+            fn aim(&mut self, value: &JsValue, what: &str) -> Result<(), JsError> {
+                let $own = self;
+                let $target = $read(value, what)?;
+                $set;
+                Ok(())
+            }
+        }
+    )*};
+}
+
+targets! {
+    Point, given::vector::<3>, |own, target| own.set_target(target);
+    Pose, placement::of, |own, target| own.set_target(target);
+    Orientation, placement::of, |own, target| own.set_target(target.rotation);
+    LookAt, given::vector::<3>, |own, target| own.set_target(target);
+    Distance, given::number, |own, distance| own.set_distance(distance);
+    Plane, two, |own, [point, normal]| own.set_plane(point, normal);
+    Ray, two, |own, [eye, through]| own.set_line(eye, through);
+    Pixel, given::vector::<2>, |own, pixel| own.set_target(pixel);
+    Gaze, given::vector::<3>, |own, target| own.set_target(target);
+}
+
+#[cfg(feature = "bodies")]
+targets! {
+    CentreOfMass, given::vector::<3>, |own, target| own.set_target(target);
+    FrameVelocity, placement::of, |own, previous| own.set_previous(previous);
+    JointCoupling, given::number, |own, offset| own.set_offset(offset);
+    Manipulability, given::number, |own, least| own.set_least(least);
+}
+
+/// Two places in one list.
+fn two(value: &JsValue, what: &str) -> Result<[[f64; 3]; 2], JsError> {
+    let [a, b, c, d, e, f] = given::vector::<6>(value, what)?;
+    Ok([[a, b, c], [d, e, f]])
+}
+
+/// Residuals that are aimed at nothing.
+macro_rules! untargeted {
+    ($($residual:ty),*) => {$(
+        impl Target for $residual {
+            fn aim(&mut self, _value: &JsValue, what: &str) -> Result<(), JsError> {
+                Err(JsError::new(&format!("{what}: this task has no target")))
+            }
+        }
+    )*};
+}
+
+untargeted!(LimitCentring);
+#[cfg(feature = "bodies")]
+untargeted!(SupportPolygon);
+
+/// Every number of the joints that a task reads, none missing.
+fn of_joints(task: &impl Residual, value: &JsValue, what: &str) -> Result<Vec<f64>, JsError> {
+    let numbers = given::numbers(value, what)?;
+    let (count, asked) = (numbers.len(), task.joint_values());
+    match asked.filter(|asked| *asked != count) {
+        None => Ok(numbers),
+        Some(asked) => Err(JsError::new(&format!(
+            "{what} has {count} numbers, expected {asked}"
+        ))),
+    }
+}
+
+impl Target for Posture {
+    fn aim(&mut self, value: &JsValue, what: &str) -> Result<(), JsError> {
+        let reference = of_joints(self, value, what)?;
+        self.set_reference(&reference);
+        Ok(())
+    }
+}
+
+impl Target for Smoothness {
+    fn aim(&mut self, value: &JsValue, what: &str) -> Result<(), JsError> {
+        let previous = of_joints(self, value, what)?;
+        self.set_previous(&previous);
+        Ok(())
+    }
+}
+
+#[cfg(feature = "bodies")]
+impl<R: Target> Target for Within<R> {
+    fn aim(&mut self, value: &JsValue, what: &str) -> Result<(), JsError> {
+        self.residual_mut().aim(value, what)
+    }
+}

@@ -1,0 +1,62 @@
+//! Any task with room: what lies within an interval costs nothing.
+
+use kinopt::problem::ProblemBuilder;
+use kinopt::task::Within;
+use wasm_bindgen::prelude::*;
+
+use super::target::Target;
+use super::{About, Adding, BoxedTask, Visit, known, residual};
+use crate::given::Given;
+use crate::model::Model;
+
+/// Adds the task that one is around.
+pub(super) fn add(
+    task: JsValue,
+    model: &Model,
+    builder: &mut ProblemBuilder<'_>,
+) -> Result<BoxedTask, JsError> {
+    let around = Given::new(task, "part of a task", &known(&["task", "lower", "upper"]))?;
+    let inner = around.get("task").unwrap_or(JsValue::UNDEFINED);
+    let kind = super::kind(&inner)?;
+    if kind == "within" {
+        let message = "room within room: give `within` one interval instead";
+        return Err(JsError::new(message));
+    }
+    let given = residual::given(inner, &kind)?;
+    let room = Room {
+        lower: around.number("lower")?.unwrap_or(f64::NEG_INFINITY),
+        upper: around.number("upper")?.unwrap_or(f64::INFINITY),
+        adding: Adding {
+            builder,
+            about: About::of(&around)?.or(About::of(&given)?),
+        },
+    };
+    residual::read(&given, model, &kind, room)
+}
+
+struct Room<'a, 'm> {
+    lower: f64,
+    upper: f64,
+    adding: Adding<'a, 'm>,
+}
+
+impl Visit for Room<'_, '_> {
+    fn visit<R: Target>(self, residual: R) -> Result<BoxedTask, JsError> {
+        let room = Within::between(residual, self.lower, self.upper);
+        self.adding.visit(room)
+    }
+}
+
+impl About {
+    /// What this one leaves open as another has it.
+    fn or(self, other: Self) -> Self {
+        Self {
+            name: self.name.or(other.name),
+            weight: self.weight.or(other.weight),
+            times: self.times.or(other.times),
+            tolerance: self.tolerance.or(other.tolerance),
+            role: self.role.or(other.role),
+            level: self.level.or(other.level),
+        }
+    }
+}

@@ -1,0 +1,62 @@
+// Robots of MJCF, what an SRDF says of one, and paths of arms with few reconfigurations.
+import assert from "node:assert/strict";
+import test from "node:test";
+import { Arm, framePlacement, Robot, solvePath, Srdf } from "kinopt";
+import { panda, pandaArm } from "./panda.js";
+
+test("an MJCF has the kinematics that it says", () => {
+    const robot = Robot.fromMjcf(`<mujoco model="two"><compiler angle="degree"/><worldbody><body name="upper" pos="0 0 1">
+        <joint name="shoulder" type="hinge" axis="0 1 0" range="-90 90"/><geom type="capsule" size="0.05 0.2"/>
+        <body name="lower" pos="0.5 0 0"><joint name="elbow" type="hinge" axis="0 1 0" range="0 120"/><geom size="0.05"/>
+        <site name="tip" pos="0.4 0 0"/></body></body></worldbody></mujoco>`, "two.xml");
+    assert.deepEqual(robot.model.jointNames.filter((name) => /shoulder|elbow/.test(name)), ["shoulder", "elbow"]);
+    assert.ok(Math.abs(robot.model.upper[1] - (2 * Math.PI) / 3) < 1e-12);
+    const tip = robot.model.frameNames.find((name) => name.endsWith("tip"));
+    const placed = framePlacement(robot.model, tip, [0.3, 0.4]);
+    const expected = [0.5 * Math.cos(0.3) + 0.4 * Math.cos(0.7), 0, 1 - 0.5 * Math.sin(0.3) - 0.4 * Math.sin(0.7)];
+    expected.forEach((value, k) => assert.ok(Math.abs(placed[12 + k] - value) < 1e-12));
+    assert.throws(() => Robot.fromMjcf("<mujoco><worldbody><body><joint type='spiral'/></body></worldbody></mujoco>", "odd.xml"), /odd\.xml.*spiral/s);
+    const free = Robot.fromMjcf("<mujoco><worldbody><body name='b'><geom size='1'/></body></worldbody></mujoco>", "b.xml", { baseJoint: "free" });
+    assert.equal(free.model.configurationLen, 7);
+});
+
+test("groups, states, ends and pairs of an SRDF", () => {
+    const robot = panda();
+    const joints = robot.chain("base", "flange");
+    const srdf = Srdf.parse(`<robot name="${robot.name}"><group name="arm"><chain base_link="base" tip_link="flange"/></group>
+        <group_state name="bent" group="arm"><joint name="${joints[3]}" value="-1.5"/></group_state>
+        <group name="grip"><link name="hand"/></group><end_effector name="gripper" parent_link="flange" group="grip"/>
+        <disable_collisions link1="hand" link2="flange" reason="Adjacent"/></robot>`, robot);
+    assert.deepEqual(srdf.groups.arm, joints);
+    assert.deepEqual(srdf.states, ["bent"]);
+    assert.equal(srdf.state("bent")[robot.model.jointNames.indexOf(joints[3])], -1.5);
+    assert.deepEqual(srdf.endEffectors, [{ name: "gripper", group: "grip", parentLink: "flange" }]);
+    assert.deepEqual(srdf.disabledPairs, [["hand", "flange"]]);
+    assert.deepEqual(srdf.passiveJoints, []);
+    assert.throws(() => srdf.state("straight"), /straight.*bent/s);
+    assert.throws(() => Srdf.parse('<robot name="x"><group name="g"><joint name="knee"/></group></robot>', robot, "odd.srdf"), /odd\.srdf.*knee/s);
+    const arm = new Arm(robot, "base", "flange", { only: srdf.groups.arm, held: robot.model.neutral() });
+    assert.equal(arm.degreesOfFreedom, 7);
+});
+
+test("a path half a metre to the side is gone on one branch, and one that leaves the workspace tells where", () => {
+    const arm = pandaArm();
+    const begin = arm.baseFromTool([0, -0.4, 0, -2, 0, 1.6, 0.8]);
+    const points = (length) => Float64Array.from({ length: 16 * 61 }, (_, k) => begin[k % 16] + (k % 16 === 13 ? (length * Math.floor(k / 16)) / 60 : 0));
+    const path = points(0.5);
+    const solution = solvePath(arm, path);
+    assert.ok(solution.isWhole && solution.reconfigurations.length === 0, JSON.stringify(solution.missed));
+    assert.ok(solution.largestDeviation < 1e-3);
+    const q = solution.q.slice();
+    for (let k = 0; k < 61; k += 1) {
+        const tool = arm.baseFromTool(q.subarray(7 * k, 7 * k + 7));
+        assert.ok(Math.max(...tool.map((value, j) => Math.abs(value - path[16 * k + j]))) < 2e-6);
+        if (k > 0) assert.ok(q.subarray(7 * k, 7 * k + 7).every((value, j) => Math.abs(value - q[7 * (k - 1) + j]) < 0.2));
+    }
+    const times = solution.times(5, 1);
+    assert.ok(times[0] === 0 && times.every((time, k) => k === 0 || time > times[k - 1]));
+    const beyond = solvePath(arm, points(3), { maxStep: 0.3 });
+    assert.ok(!beyond.isWhole && beyond.missed.at(-1).index === 60 && /reach|found/.test(beyond.missed.at(-1).reason));
+    assert.throws(() => solvePath(arm, path, { course: "back" }), /back.*cyclic/s);
+    assert.throws(() => solvePath(arm, path.subarray(0, 17)), /16/);
+});
