@@ -1,5 +1,5 @@
 // A glTF scene or a capture: dragged from where its clip has it, on its feet.
-import { Problem } from "kinopt";
+import { Drag, Problem } from "kinopt";
 import { CharacterSession } from "./character_session.js";
 
 export class AnimatedSession extends CharacterSession {
@@ -36,9 +36,19 @@ export class AnimatedSession extends CharacterSession {
         return this.drags(handle, held, (points) => Problem.holding(this.skeleton, [handle], points, this.q));
     }
 
-    play(seconds) {
+    /** The figure stands in the clip's pose, so that the clip has it at no angle. */
+    clipAngles(seconds) {
         this.stand(this.clip.sample(seconds, "loop"));
-        return this.show();
+        return this.q;
+    }
+
+    stillBut(handles) {
+        return this.skeleton.holds(handles);
+    }
+
+    draggingOver(handles, points) {
+        const problem = Problem.holding(this.skeleton, handles, this.points(points, this.model.neutral()), this.model.neutral());
+        return new Drag(problem, this.q);
     }
 
     rest() {

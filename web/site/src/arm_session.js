@@ -1,6 +1,7 @@
 // A robot: its tool follows, around what is in the way where there is a world.
 import { Arm, CollisionModel, ForwardKinematics, World } from "kinopt";
 import { told } from "./handles.js";
+import { shapesOf } from "./robot_shapes.js";
 
 /** The tip at the end of the most joints. */
 function longest(robot, base) {
@@ -13,7 +14,8 @@ const bent = ({ lower, upper }) =>
     lower.map((low, k) => (Number.isFinite(low + upper[k]) ? 0.5 * (low + upper[k]) : 0));
 
 export class ArmSession {
-    constructor(robot, { world }) {
+    constructor(robot, names, { world }) {
+        this.drawn = shapesOf(robot, names);
         this.robot = robot;
         this.base = robot.model.frameNames[0];
         this.tip = robot.model.frameNames.includes("flange") ? "flange" : longest(robot, this.base);
@@ -34,20 +36,16 @@ export class ArmSession {
     }
 
     describe() {
-        const shapes = this.robot.model.frameNames.map((link) => {
-            const solid = this.robot.shapes(link, true);
-            return (solid.length ? solid : this.robot.shapes(link)).filter(({ kind }) => kind !== "mesh");
-        });
         return {
             kind: "robot",
             up: "z",
             from: [0.55, -1, 0.35],
             handles: [this.tip],
             pins: [],
-            shapes,
+            shapes: this.drawn.shapes,
             boxes: this.boxes,
             seconds: 0,
-            notes: this.robot.repairs,
+            notes: [...this.robot.repairs, ...this.drawn.notes],
         };
     }
 

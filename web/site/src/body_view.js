@@ -1,10 +1,15 @@
 // What is drawn of what is open: a skin, bones or a robot's links; the places that are grabbed; what is in the way.
 import * as THREE from "three";
+import { extension } from "./files.js";
+import { StickFigure } from "./stick_figure.js";
 
 const SKIN = 0xb9c3cc;
 const BONE = 0xcfa675;
 const LINK = 0xd8d5cd;
 const BOX = 0xb98a5b;
+const GROUND = 0x8f9aa3;
+/** Sides of the squares on the ground, for the size of what is seen, and how many there are. */
+const [SQUARE, SQUARES] = [0.2, 40];
 const FREE = 0x8f9aa3;
 const PINNED = 0x1f6fb2;
 const GRABBED = 0xe08a1e;
@@ -13,26 +18,30 @@ const LIMITED = 0xc8442f;
 const solid = (color, more) => new THREE.MeshStandardMaterial({ color, roughness: 0.75, metalness: 0.05, ...more });
 
 export class BodyView {
-    constructor(stage, opened) {
+    /** `files` are those that it was opened from. */
+    constructor(stage, opened, files) {
         this.stage = stage;
         this.group = new THREE.Group();
         stage.scene.add(this.group);
         this.opened = opened;
+        this.files = files;
+        /** The notes of what cannot be drawn, when all is drawn that comes later. */
+        this.dressed = Promise.resolve([]);
         this.count = opened.handles.length;
-        if (opened.kind === "robot") this.#links();
-        else if (opened.triangles.length > 0) this.#skin();
-        else this.#bones();
-        stage.frame(this.#extent(), opened.up, opened.from);
+        if (opened.shapes) this.#links();
+        if (opened.triangles?.length > 0) this.#skin();
+        else if (opened.parents) this.#bones();
+        stage.frame(this.#extent(), opened);
         this.#handles();
         this.show(opened);
     }
 
     #extent() {
-        const { positions, places, links, boxes = [] } = this.opened;
+        const { positions, places, links, person = [], boxes = [] } = this.opened;
         if (positions) return positions;
         if (!links) return places;
         const origins = Array.from({ length: links.length / 16 }, (_, k) => [...links.subarray(16 * k + 12, 16 * k + 15)]);
-        return [...origins.flat(), ...boxes.flatMap(({ at }) => at)];
+        return [...origins.flat(), ...person, ...boxes.flatMap(({ at }) => at)];
     }
 
     #skin() {
@@ -45,35 +54,73 @@ export class BodyView {
             const attribute = new THREE.BufferAttribute(numbers, 3).setUsage(THREE.DynamicDrawUsage);
             this.geometry.setAttribute(name, attribute);
         }
-        const mesh = new THREE.Mesh(this.geometry, solid(SKIN, { transparent: true, opacity: 0.92, side: THREE.DoubleSide, flatShading }));
-        mesh.frustumCulled = false;
-        this.group.add(mesh);
+        const plain = solid(SKIN, { transparent: true, opacity: 0.92, side: THREE.DoubleSide, flatShading });
+        this.skin = new THREE.Mesh(this.geometry, plain);
+        this.skin.frustumCulled = false;
+        this.group.add(this.skin);
+        if (Object.keys(this.files).some((name) => ["glb", "gltf"].includes(extension(name)))) this.dressed = this.#dress(plain, flatShading);
+    }
+
+    /** A scene's own materials, as soon as they are there; without them it stays plain. */
+    async #dress(plain, flatShading) {
+        const { positions, triangles } = this.opened;
+        const { sceneLook } = await import("./scene_look.js");
+        const look = await sceneLook(this.files, positions.length / 3, triangles.length).catch(() => undefined);
+        if (!look) return [];
+        this.geometry.setAttribute("uv", new THREE.BufferAttribute(look.uv, 2));
+        for (const { start, count, materialIndex } of look.groups) this.geometry.addGroup(start, count, materialIndex);
+        this.skin.material = look.materials.map((material) => Object.assign(material ?? plain, { flatShading }));
+        this.stage.touch();
+        return [];
     }
 
     #bones() {
-        const { parents } = this.opened;
-        const pairs = [...parents].flatMap((parent, bone) => (parent < 0 ? [] : [parent, bone]));
-        this.geometry = new THREE.BufferGeometry();
-        this.geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(3 * this.count), 3));
-        this.geometry.setIndex(pairs);
-        const lines = new THREE.LineSegments(this.geometry, new THREE.LineBasicMaterial({ color: BONE }));
-        lines.frustumCulled = false;
-        this.group.add(lines);
+        const size = new THREE.Box3().setFromArray(this.opened.person ?? this.opened.places).getSize(new THREE.Vector3()).length();
+        this.sticks = new StickFigure(this.opened.parents, 0.012 * size, solid(BONE));
+        this.group.add(this.sticks.sticks);
     }
 
     #links() {
+        const meshes = [];
         this.links = this.opened.shapes.map((shapes) => {
             const link = new THREE.Group();
             link.matrixAutoUpdate = false;
-            for (const shape of shapes) link.add(drawn(shape, LINK));
+            for (const shape of shapes) {
+                const body = shape.kind === "mesh" ? new THREE.Group() : primitive(shape, LINK);
+                body.matrixAutoUpdate = false;
+                body.matrix.fromArray(shape.linkFromShape);
+                if (shape.kind === "mesh") {
+                    body.matrix.scale(new THREE.Vector3(...shape.scale));
+                    meshes.push([shape.file, body]);
+                }
+                link.add(body);
+            }
             this.group.add(link);
             return link;
         });
+        if (meshes.length > 0) this.dressed = this.#fill(meshes);
         for (const { size, at } of this.opened.boxes) {
             const box = new THREE.Mesh(new THREE.BoxGeometry(...size), solid(BOX));
             box.position.set(...at);
             this.group.add(box);
         }
+    }
+
+    /** What the files of meshes hold, `[file, where it goes]`. */
+    async #fill(meshes) {
+        const { LinkMeshes } = await import("./link_meshes.js");
+        const drawing = new LinkMeshes(this.files, solid(LINK));
+        this.drawing = drawing;
+        const notes = new Set();
+        for (const [file, body] of meshes) {
+            try {
+                body.add(drawing.drawn(file));
+            } catch (error) {
+                notes.add(`${file}: ${error.message}`);
+            }
+        }
+        this.stage.touch();
+        return [...notes];
     }
 
     #handles() {
@@ -82,6 +129,7 @@ export class BodyView {
         this.balls = new THREE.InstancedMesh(new THREE.SphereGeometry(radius, 12, 8), material, this.count);
         this.balls.renderOrder = 1;
         this.balls.frustumCulled = false;
+        this.balls.visible = this.count > 0;
         this.group.add(this.balls);
         this.mark({ pins: new Set(this.opened.pins) });
     }
@@ -94,16 +142,18 @@ export class BodyView {
             color.set(name === grabbed ? GRABBED : limited ? LIMITED : pins.has(name) ? PINNED : FREE);
             this.balls.setColorAt(k, color);
         });
-        this.balls.instanceColor.needsUpdate = true;
+        if (this.count > 0) this.balls.instanceColor.needsUpdate = true;
         this.stage.touch();
     }
 
     /** Moves all to what the library answered. */
-    show({ positions, normals, places, links }) {
+    show({ positions, normals, places, person, links, ground }) {
         this.places = places;
+        this.person = person;
+        this.sticks?.show(person ?? places);
         if (this.geometry) {
             const { position, normal } = this.geometry.attributes;
-            position.array.set(positions ?? places);
+            position.array.set(positions);
             position.needsUpdate = true;
             if (normal) {
                 normal.array.set(normals);
@@ -119,7 +169,24 @@ export class BodyView {
             this.balls.setMatrixAt(k, at.makeTranslation(places[3 * k], places[3 * k + 1], places[3 * k + 2]));
         }
         this.balls.instanceMatrix.needsUpdate = true;
+        if (ground) this.#walk(ground);
         this.stage.touch();
+    }
+
+    /** The view goes with who walks, and so does the ground, by whole squares. */
+    #walk([x, y]) {
+        const side = SQUARE * this.stage.size;
+        this.grid ??= this.#ground(side);
+        this.grid.position.set(side * Math.round(x / side), side * Math.round(y / side), 0);
+        this.stage.follow(x, y);
+    }
+
+    #ground(side) {
+        const grid = new THREE.GridHelper(SQUARES * side, SQUARES, GROUND, GROUND).rotateX(Math.PI / 2);
+        grid.material.transparent = true;
+        grid.material.opacity = 0.35;
+        this.group.add(grid);
+        return grid;
     }
 
     /** Where a handle stands. */
@@ -140,16 +207,20 @@ export class BodyView {
     }
 
     remove() {
+        this.drawing?.forget();
         this.stage.scene.remove(this.group);
         this.group.traverse(({ geometry, material }) => {
             geometry?.dispose();
-            material?.dispose();
+            for (const own of [material ?? []].flat()) {
+                own.map?.dispose();
+                own.dispose();
+            }
         });
     }
 }
 
-/** A body of a link; the library's cylinders and capsules stand along z, three.js's along y. */
-function drawn({ kind, size, radius, length, radii, linkFromShape }, color) {
+/** The library's cylinders and capsules stand along z, three.js's along y. */
+function primitive({ kind, size, radius, length, radii }, color) {
     const geometry = {
         box: () => new THREE.BoxGeometry(...size),
         sphere: () => new THREE.SphereGeometry(radius, 24, 16),
@@ -157,8 +228,5 @@ function drawn({ kind, size, radius, length, radii, linkFromShape }, color) {
         cylinder: () => new THREE.CylinderGeometry(radius, radius, length, 32).rotateX(Math.PI / 2),
         capsule: () => new THREE.CapsuleGeometry(radius, length, 8, 32).rotateX(Math.PI / 2),
     }[kind]();
-    const mesh = new THREE.Mesh(geometry, solid(color));
-    mesh.matrixAutoUpdate = false;
-    mesh.matrix.fromArray(linkFromShape);
-    return mesh;
+    return new THREE.Mesh(geometry, solid(color));
 }

@@ -1,8 +1,14 @@
-// What rigs and files of animation share: bones that are grabbed, a skin that follows.
+// What rigs and files of animation share: bones that are grabbed, a skin that follows, a clip that plays on.
 import { Drag, tasks } from "kinopt";
 import { Handles, told } from "./handles.js";
+import { HeldOverClip } from "./held_over_clip.js";
+
+/** Seconds of a frame that came late count as so many. */
+const LATE = 0.1;
 
 export class CharacterSession {
+    held = new HeldOverClip();
+
     /** Stands at these angles of a skeleton. */
     stands(skeleton, q) {
         this.skeleton = skeleton;
@@ -16,12 +22,15 @@ export class CharacterSession {
         return { kind: "character", handles: this.handles.names, parents: this.skeleton.parents, ...more };
     }
 
+    /** Tasks that hold the tips of these bones where they stand at `q`. */
+    points(names, q) {
+        return [...new Set(names)].map((name) => tasks.point(this.handles.frames[name], this.handles.place(q, name), { name }));
+    }
+
     /** Drags `handle` by the problem that `state` makes of the points that are held. */
     drags(handle, held, state) {
-        const points = [...new Set([...held, handle])].map((name) =>
-            tasks.point(this.handles.frames[name], this.handles.place(this.q, name), { name }));
         this.grabbed = handle;
-        this.dragging = new Drag(state(points), this.q);
+        this.dragging = new Drag(state(this.points([...held, handle], this.q)), this.q);
         return {};
     }
 
@@ -31,6 +40,34 @@ export class CharacterSession {
         this.q = solution.q;
         const solved = performance.now() - begun;
         return { ...this.show(), ...told(solution, this.model.reach), solved, rests: this.dragging.rests };
+    }
+
+    /** Angles taken into the limits, where there are some. */
+    within(q) {
+        return q;
+    }
+
+    /** A frame of the clip, with what is held, `[handle, place]`, where it should be. */
+    play({ seconds, passed, held }) {
+        const begun = performance.now();
+        const angles = this.clipAngles(seconds);
+        const late = Math.min(passed, LATE);
+        const targets = this.held.targets(held, late, (handle) => this.handles.place(angles, handle));
+        this.q = this.within(this.held.start(angles, late));
+        let words = { reached: true, limits: [], words: "" };
+        if (targets.size > 0) {
+            const handles = [...targets.keys()];
+            const still = this.stillBut(handles);
+            const dragging = this.draggingOver(handles, [...still, ...handles]);
+            dragging.standAt(this.q);
+            const places = still.map((name) => [name, this.handles.place(angles, name)]);
+            const solution = dragging.advance(Object.fromEntries([...places, ...targets]));
+            this.q = solution.q;
+            this.held.ended(angles, this.q);
+            words = told(solution, this.model.reach);
+        }
+        const solved = performance.now() - begun;
+        return { ...this.show(), ...words, solved };
     }
 
     /** The skin as `deform` moves it, and the places of the bones. */

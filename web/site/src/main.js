@@ -1,12 +1,17 @@
-// The page: what is open, what is grabbed, and the loop that has the body follow.
+// The page: what is open, what is grabbed, what plays, and the loop that has the body follow.
 import { BodyView } from "./body_view.js";
+import { besideNew, bytesOf, dropped } from "./files.js";
+import { hands } from "./hands.js";
 import { Library } from "./library.js";
 import { MODELS } from "./models.js";
+import { Playback } from "./playback.js";
 import { Stage } from "./stage.js";
+import { WholeMovement } from "./whole_movement.js";
 
 const element = (id) => document.getElementById(id);
 const stage = new Stage(element("stage"));
 const library = new Library();
+const whole = new WholeMovement();
 
 const page = {
     view: undefined,
@@ -14,18 +19,29 @@ const page = {
     /** What the library was asked for it. */
     asked: undefined,
     pins: new Set(),
+    /** While a clip plays: where what is pinned stays. */
+    kept: new Map(),
     grabbed: undefined,
     /** Where what is grabbed should go. */
     target: undefined,
     limits: [],
     method: "lbs",
-    playing: undefined,
+    playback: new Playback(),
+    /** Of a movement that was solved as a whole: how well. */
+    whole: undefined,
     busy: false,
     /** Milliseconds of solving and posing, frame by frame, for the test and the curious. */
     frames: [],
     stage,
 };
 globalThis.kinoptPage = page;
+const { playback } = page;
+
+const HINTS = {
+    character: "Grab any joint and pull, while its clip plays too. Blue tips are pinned. Drop a .urdf, .glb, .gltf, .bvh or a rig's files here.",
+    robot: "Pull the tool. Drop a .urdf with its folder of meshes, or a .glb, .gltf, .bvh or a rig's files here.",
+    movement: "A robot follows a captured person, live. Drop a .bvh for it to follow, or another robot's .urdf.",
+};
 
 function say(words, bad = false) {
     element("status").textContent = words;
@@ -34,34 +50,58 @@ function say(words, bad = false) {
 
 /** What is open, if all goes well; the library's message if not. */
 async function open(wanted, name) {
-    page.grabbed = page.target = page.playing = undefined;
+    release();
+    page.kept.clear();
+    playback.running = false;
+    whole.stop();
     say(`Opening ${name}…`);
     const patience = setTimeout(() => (element("stop").hidden = false), 300);
     try {
         const asked = { ...(await wanted), skinning: page.method };
         const opened = await library.ask("open", asked);
         page.asked = asked;
+        page.whole = undefined;
         page.view?.remove();
         page.opened = opened;
         page.pins = new Set(opened.pins);
-        page.view = new BodyView(stage, opened);
+        page.view = new BodyView(stage, opened, asked.files);
         page.frames.length = 0;
+        playback.begin(opened.kind === "movement");
         for (const button of document.querySelectorAll("[data-open]")) {
             button.setAttribute("aria-pressed", String(button.dataset.open === name));
         }
-        const isCharacter = opened.kind === "character";
-        element("pin").disabled = !isCharacter;
-        element("skin").disabled = !isCharacter || opened.triangles.length === 0;
-        element("play").disabled = !(opened.seconds > 0);
-        say(opened.notes.join(" "));
+        // What the page brings itself is as it should be.
+        say(name in MODELS ? "" : opened.notes.join(" "));
+        const { view } = page;
+        view.dressed.then((notes) => view === page.view && notes.length > 0 && say([...opened.notes, ...notes].join(" ")));
     } catch (error) {
         say(error.message, true);
         // A library that was stopped has forgotten what it had before.
         if (page.asked) page.view.show(await library.ask("open", { ...page.asked, skinning: page.method }));
+        playback.begin(page.opened?.kind === "movement");
+        page.whole = undefined;
     } finally {
         clearTimeout(patience);
         element("stop").hidden = true;
+        tools();
     }
+}
+
+/** What the tools say and do of what is open. */
+function tools() {
+    const { kind, triangles, seconds } = page.opened ?? {};
+    const isCharacter = kind === "character";
+    element("hint").textContent = HINTS[kind] ?? "";
+    element("pin").disabled = !isCharacter;
+    element("pin").textContent = (playback.running ? page.kept : page.pins).has(page.grabbed) ? "Free" : "Pin";
+    element("skin").disabled = !isCharacter || triangles.length === 0;
+    element("skin").textContent = page.method === "lbs" ? "Skin: linear" : "Skin: dual quaternions";
+    element("play").disabled = !(seconds > 0);
+    element("play").textContent = playback.running ? "Pause" : "Play";
+    element("rest").disabled = kind === "movement";
+    element("whole").hidden = kind !== "movement";
+    element("whole").disabled = whole.goesOn;
+    element("whole").setAttribute("aria-pressed", String(page.whole !== undefined));
 }
 
 /** Asks the library, and shows what it answers. */
@@ -75,112 +115,129 @@ async function shown(ask, what) {
         return told;
     } catch (error) {
         say(error.message, true);
-        page.grabbed = page.target = undefined;
+        release();
+        playback.running = false;
+        tools();
         return undefined;
     } finally {
         page.busy = false;
     }
 }
 
+function release() {
+    page.grabbed = page.target = undefined;
+    page.held = page.nudged = false;
+}
+
 async function grab(name) {
-    page.playing = undefined;
     page.grabbed = name;
+    page.nudged = false;
     page.target = page.view.place(name);
     page.moved = true;
-    page.view.mark(page);
-    await shown("grab", { handle: name, pins: [...page.pins] });
-    element("pin").textContent = page.pins.has(name) ? "Free" : "Pin";
+    mark();
+    tools();
+    if (!playback.running) await shown("grab", { handle: name, pins: [...page.pins] });
+}
+
+const mark = () => page.view.mark({ ...page, pins: playback.running ? page.kept : page.pins });
+
+/** What stays in the hand, or where it was pinned, while the clip goes on. */
+function heldOverClip() {
+    const held = new Map([...page.kept].map(([name, place]) => [name, place.toArray()]));
+    if (page.grabbed && (page.held || page.nudged)) held.set(page.grabbed, page.target.toArray());
+    return [...held];
 }
 
 async function step() {
-    if (page.playing !== undefined && !page.busy) {
-        const seconds = (performance.now() - page.playing) / 1000;
-        await shown("play", { seconds: seconds % page.opened.seconds });
-    } else if (page.target && page.moved && !page.busy) {
+    if (page.busy || !page.view) return;
+    if (playback.running) follow(await shown("play", { ...playback.advance(page.opened.seconds), held: heldOverClip() }));
+    else if (page.target && page.moved) {
         const told = await shown("drag", { target: page.target.toArray() });
-        if (told) {
-            page.frames.push({ solved: told.solved, posed: told.posed });
-            page.moved = page.held || !told.rests;
-            page.limits = told.limits;
-            page.view.mark(page);
-            if (told.words || !element("status").classList.contains("bad")) say(told.words.split("\n").slice(0, 2).join(" "));
-        }
+        if (!told) return;
+        page.moved = page.held || !told.rests;
+        follow(told);
     }
+}
+
+/** Tells what a frame came to. */
+function follow(told) {
+    if (!told) return;
+    page.frames.push({ solved: told.solved, posed: told.posed, steps: told.steps });
+    // Hours of it are not kept.
+    if (page.frames.length > 100_000) page.frames.splice(0, 50_000);
+    if (page.opened.handles.length === 0) return;
+    page.limits = told.limits;
+    mark();
+    if (told.words || !element("status").classList.contains("bad")) say(told.words.split("\n").slice(0, 2).join(" "));
 }
 (function loop() {
     step();
     requestAnimationFrame(loop);
 })();
 
-// Pointers: what is near enough is grabbed, all else turns the view.
-const { canvas } = stage;
-canvas.addEventListener("pointerdown", (event) => {
-    const name = event.isPrimary && event.button === 0 ? page.view?.nearest(event.clientX, event.clientY) : undefined;
-    stage.orbit.enabled = !name;
-    if (!name) return;
-    canvas.setPointerCapture(event.pointerId);
-    page.held = true;
-    grab(name);
-}, { capture: true });
-canvas.addEventListener("pointermove", (event) => {
-    if (!page.held || !event.isPrimary) return;
-    page.target = stage.under(event.clientX, event.clientY, page.view.place(page.grabbed)) ?? page.target;
-    page.moved = true;
-});
-for (const end of ["pointerup", "pointercancel"]) {
-    canvas.addEventListener(end, () => {
-        page.held = false;
-        stage.orbit.enabled = true;
-    });
-}
-
-// Keys: tab to a joint, arrows move it.
-const NUDGES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-canvas.addEventListener("keydown", (event) => {
-    if (!page.view) return;
-    const { handles } = page.opened;
-    if (event.key === "Tab") {
-        const at = handles.indexOf(page.grabbed) + (event.shiftKey ? -1 : 1);
-        if (!(at in handles)) return;
-        grab(handles[at]).then(() => say(handles[at]));
-    } else if (event.key in NUDGES && page.grabbed) {
-        const [right, up] = NUDGES[event.key];
-        const { elements } = stage.camera.matrixWorld;
-        const step = 0.01 * stage.size;
-        const along = (k) => step * (right * elements[k] + up * elements[4 + k]);
-        page.target.set(page.target.x + along(0), page.target.y + along(1), page.target.z + along(2));
-        page.moved = true;
-    } else {
-        const pressed = { p: "pin", s: "skin", " ": "play", r: "rest" }[event.key];
-        if (!pressed) return;
-        element(pressed).click();
-    }
-    event.preventDefault();
-});
+hands({ page, grab, release, mark, tools, say, press: (id) => element(id).click() });
 
 element("pin").onclick = () => {
-    if (!page.grabbed) return say("Grab a joint first.");
-    if (!page.pins.delete(page.grabbed)) page.pins.add(page.grabbed);
-    return grab(page.grabbed);
+    const { grabbed } = page;
+    if (!grabbed) return say("Grab a joint first.");
+    if (playback.running) {
+        if (!page.kept.delete(grabbed)) page.kept.set(grabbed, page.held || page.nudged ? page.target : page.view.place(grabbed));
+        page.nudged = false;
+        mark();
+        return tools();
+    }
+    if (!page.pins.delete(grabbed)) page.pins.add(grabbed);
+    return grab(grabbed);
 };
 element("skin").onclick = () => {
     page.method = page.method === "lbs" ? "dqs" : "lbs";
-    element("skin").textContent = page.method === "lbs" ? "Skin: linear" : "Skin: dual quaternions";
+    tools();
     return shown("skin", { method: page.method });
 };
 element("play").onclick = () => {
-    page.target = page.grabbed = undefined;
-    page.playing = page.playing === undefined ? performance.now() : undefined;
-    element("play").textContent = page.playing === undefined ? "Play" : "Pause";
+    release();
+    page.kept.clear();
+    page.limits = [];
+    playback.toggle();
+    mark();
+    tools();
 };
 element("rest").onclick = () => {
-    page.target = page.grabbed = page.playing = undefined;
+    release();
+    page.kept.clear();
+    playback.begin(false);
     page.limits = [];
-    page.view?.mark(page);
+    if (page.view) mark();
+    tools();
     say("");
     return shown("rest");
 };
-element("stop").onclick = () => library.stop();
+element("whole").onclick = async () => {
+    const { view } = page;
+    if (page.whole) {
+        page.whole = undefined;
+        tools();
+        return shown("follow", {});
+    }
+    element("stop").hidden = false;
+    try {
+        const solving = whole.solve(page.asked.files, ({ done, total }) => say(`The whole movement: ${done} of ${total} frames`));
+        say("The whole movement…");
+        tools();
+        const { movement, meanError, slip } = await solving;
+        if (view !== page.view) return undefined;
+        page.whole = { meanError, slip };
+        say(`The whole movement: ${(1000 * meanError).toFixed(0)} mm off in the mean, what stands slips by ${(1000 * slip).toFixed(1)} mm at most.`);
+        return await shown("follow", { movement });
+    } catch (error) {
+        if (view === page.view) say(error.message, error.message !== "Stopped.");
+        return undefined;
+    } finally {
+        element("stop").hidden = true;
+        tools();
+    }
+};
+element("stop").onclick = () => (whole.goesOn ? whole.stop() : library.stop());
 for (const button of document.querySelectorAll("[data-open]")) {
     const { open: name } = button.dataset;
     button.onclick = () => open(MODELS[name](), name);
@@ -188,10 +245,12 @@ for (const button of document.querySelectorAll("[data-open]")) {
 
 // Files: dropped, or chosen.
 async function openFiles(list) {
-    const files = [...list];
+    const files = [...(await list)];
     if (files.length === 0) return;
-    const bytes = files.map(async (file) => [file.name, new Uint8Array(await file.arrayBuffer())]);
-    await open(Promise.all(bytes).then((all) => ({ files: Object.fromEntries(all) })), files[0].name);
+    const wanted = bytesOf(files).then((own) => ({
+        files: page.opened?.kind === "movement" ? besideNew(page.asked.files, own) : own,
+    }));
+    await open(wanted, files[0].name);
 }
 element("file").onchange = ({ target }) => openFiles(target.files);
 const main = document.querySelector("main");
@@ -203,7 +262,7 @@ addEventListener("dragleave", ({ relatedTarget }) => relatedTarget || main.class
 addEventListener("drop", (event) => {
     event.preventDefault();
     main.classList.remove("over");
-    openFiles(event.dataTransfer.files);
+    openFiles(dropped(event.dataTransfer));
 });
 
 open(MODELS.humanoid(), "humanoid");

@@ -18,5 +18,6 @@ async function fetched(...names) {
 
 export const MODELS = {
     humanoid: async () => ({ files: await fetched("humanoid.json", "humanoid.ply", "humanoid.dmat") }),
+    capture: async () => ({ files: await fetched("steps.bvh", "aldebaran_nao.urdf") }),
     panda: async () => ({ files: await fetched("franka_panda.urdf"), world: BOXES }),
 };

@@ -1,11 +1,13 @@
 // A rig: its tips are pinned, any bone is grabbed, its skin follows.
-import { Problem } from "kinopt";
+import { Drag, Problem } from "kinopt";
 import { CharacterSession } from "./character_session.js";
 
 export class RigSession extends CharacterSession {
     constructor(rig, { skinning = "lbs" }) {
         super();
         this.rig = rig;
+        const { lower, upper } = rig.model;
+        this.limits = { lower, upper };
         this.stands(rig.skeleton, rig.model.neutral());
         this.skin(skinning);
     }
@@ -26,9 +28,28 @@ export class RigSession extends CharacterSession {
         return this.drags(handle, pins, (points) => new Problem(this.model, points));
     }
 
-    play(seconds) {
-        this.q = this.rig.clip.sample(seconds, "loop");
-        return this.show();
+    within(q) {
+        const { lower, upper } = this.limits;
+        return q.map((value, k) => Math.min(Math.max(value, lower[k]), upper[k]));
+    }
+
+    clipAngles(seconds) {
+        return this.rig.clip.sample(seconds, "loop");
+    }
+
+    /** The pinned tips go with the clip, but those that are held. */
+    stillBut(handles) {
+        return this.rig.constrained.filter((name) => !handles.includes(name));
+    }
+
+    /** One problem for as long as the same points are held. */
+    draggingOver(_handles, points) {
+        const key = points.join();
+        if (this.over?.key !== key) {
+            const problem = new Problem(this.model, this.points(points, this.q));
+            this.over = { key, dragging: new Drag(problem, this.q) };
+        }
+        return this.over.dragging;
     }
 
     rest() {

@@ -1,23 +1,30 @@
-// What a set of files is: told by the extension of one of them.
+// What a set of files is: told by the extensions of those that are there.
 import { AnimatedSession } from "./animated_session.js";
 import { ArmSession } from "./arm_session.js";
+import { extension } from "./files.js";
+import { RetargetSession } from "./retarget_session.js";
 import { RigSession } from "./rig_session.js";
 import { MotionCapture, Rig, Robot, Scene } from "kinopt";
 
-const KINDS = ["urdf", "glb", "gltf", "bvh", "json"];
-const extension = (name) => name.slice(name.lastIndexOf(".") + 1).toLowerCase();
+const KINDS = ["urdf", "xml", "glb", "gltf", "bvh", "json"];
 
 /** Opens files `{ name: bytes }`. */
 export function openSession(files, options) {
     const names = Object.keys(files);
-    const name = KINDS.map((kind) => names.find((own) => extension(own) === kind)).find(Boolean);
-    if (!name) throw new Error(`${names.join(", ")}: a model is a .urdf, .glb, .gltf, .bvh or a rig's .json file`);
+    const of = (kind) => names.find((own) => extension(own) === kind);
+    const name = KINDS.map(of).find(Boolean);
+    if (!name) throw new Error(`${names.join(", ")}: a model is a .urdf, an MJCF's .xml, a .glb, .gltf, .bvh or a rig's .json file`);
     // Files are dropped without their folders.
     const open = (file) => files[decodeURIComponent(file).split("/").pop()];
     const bytes = files[name];
     switch (extension(name)) {
         case "urdf":
-            return new ArmSession(Robot.fromUrdf(new TextDecoder().decode(bytes), name), options);
+        case "xml": {
+            const moves = of("bvh");
+            if (!moves) return new ArmSession(robot(name, bytes), names, options);
+            const capture = MotionCapture.fromBytes(files[moves], moves);
+            return new RetargetSession(robot(name, bytes, { baseJoint: "free" }), names, capture);
+        }
         case "bvh":
             return new AnimatedSession(MotionCapture.fromBytes(bytes, name), options);
         case "json":
@@ -25,4 +32,9 @@ export function openSession(files, options) {
         default:
             return new AnimatedSession(Scene.fromBytes(bytes, name, open), options);
     }
+}
+
+function robot(name, bytes, options) {
+    const text = new TextDecoder().decode(bytes);
+    return extension(name) === "urdf" ? Robot.fromUrdf(text, name, options) : Robot.fromMjcf(text, name, options);
 }

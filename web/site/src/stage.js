@@ -2,6 +2,9 @@
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
+/** The share of a way that the view goes in a frame. */
+const FOLLOW = 0.05;
+
 export class Stage {
     constructor(canvas) {
         this.canvas = canvas;
@@ -37,15 +40,15 @@ export class Stage {
         this.touch();
     }
 
-    /** Looks at points of three numbers, whole, from a direction in which the figure looks back. */
-    frame(points, up, from) {
+    /** Looks at points of three numbers, whole, from a direction in which the figure looks back; `room` is how far away for their size. */
+    frame(points, { up, from, room = 1.5 }) {
         const box = new THREE.Box3().setFromArray(points);
         const centre = box.getCenter(new THREE.Vector3());
         const size = Math.max(box.getSize(new THREE.Vector3()).length(), 1e-3);
         const z = up === "z";
         this.camera.up.set(0, z ? 0 : 1, z ? 1 : 0);
         const narrow = Math.min(this.camera.aspect, 1);
-        this.camera.position.copy(centre).addScaledVector(new THREE.Vector3(...from).normalize(), (1.5 * size) / narrow);
+        this.camera.position.copy(centre).addScaledVector(new THREE.Vector3(...from).normalize(), (room * size) / narrow);
         this.camera.near = 0.01 * size;
         this.camera.far = 30 * size;
         this.camera.updateProjectionMatrix();
@@ -53,6 +56,14 @@ export class Stage {
         this.orbit.update();
         this.size = size;
         this.touch();
+    }
+
+    /** Goes gently along with who walks over the ground at x and y. */
+    follow(x, y) {
+        const step = new THREE.Vector3(x - this.orbit.target.x, y - this.orbit.target.y, 0).multiplyScalar(FOLLOW);
+        this.orbit.target.add(step);
+        this.camera.position.add(step);
+        this.orbit.update();
     }
 
     /** Where a place is on the page, in pixels. */

@@ -11,13 +11,16 @@ const answers = {
     grab: ({ handle, pins }) => session.grab(handle, pins),
     drag: ({ target }) => session.drag(target),
     skin: ({ method }) => session.skin(method),
-    play: ({ seconds }) => session.play(seconds),
+    play: (frame) => session.play(frame),
+    follow: ({ movement }) => session.follow({ movement }),
     rest: () => session.rest(),
+    /** Takes long: for a worker of its own. */
+    whole: ({ files }, tell) => openSession(files, {}).whole(tell),
 };
 
 onmessage = ({ data: { id, ask, ...what } }) => {
     try {
-        const told = answers[ask](what);
+        const told = answers[ask](what, (progress) => postMessage({ id, progress }));
         const buffers = Object.values(told).filter(ArrayBuffer.isView).map(({ buffer }) => buffer);
         postMessage({ id, told }, { transfer: buffers });
     } catch (error) {

@@ -1,0 +1,68 @@
+// The materials and texture coordinates of a glTF file, by three.js; the library has its shape.
+import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
+import { managerOf } from "./dropped_urls.js";
+import { extension } from "./files.js";
+
+const TRIANGLES = 4;
+
+/** The look of a scene of so many vertices and corners, or nothing where it cannot be told which part of the file is which. */
+export async function sceneLook(files, vertices, corners) {
+    const name = Object.keys(files).find((own) => ["glb", "gltf"].includes(extension(own)));
+    if (!name) return undefined;
+    const { manager, forget } = managerOf(files);
+    try {
+        const bytes = files[name];
+        const data = bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength);
+        const { parser } = await new GLTFLoader(manager).parseAsync(data, "");
+        return await look(parser, vertices, corners);
+    } finally {
+        forget();
+    }
+}
+
+/** The nodes as the library has its bones: parents before children, else as in the file. */
+function order(nodes) {
+    const below = new Set(nodes.flatMap(({ children = [] }) => children));
+    const ready = nodes.map((_, index) => index).filter((index) => !below.has(index));
+    const ordered = [];
+    while (ready.length > 0) {
+        ready.sort((a, b) => a - b);
+        const index = ready.shift();
+        ordered.push(nodes[index]);
+        ready.push(...(nodes[index].children ?? []));
+    }
+    return ordered;
+}
+
+async function look(parser, vertices, corners) {
+    const { nodes, meshes, accessors } = parser.json;
+    const materials = new Map();
+    const [uv, groups] = [new Float32Array(2 * vertices), []];
+    let [vertex, corner] = [0, 0];
+    for (const { mesh } of order(nodes)) {
+        const blocks = new Set();
+        for (const { attributes, indices, material, mode = TRIANGLES } of mesh === undefined ? [] : meshes[mesh].primitives) {
+            if (mode !== TRIANGLES) return undefined;
+            const count = accessors[attributes.POSITION].count;
+            const of = indices === undefined ? count : accessors[indices].count;
+            const own = material ?? -1;
+            if (!materials.has(own)) {
+                const made = await (own < 0 ? undefined : parser.getDependency("material", own));
+                materials.set(own, { made, index: materials.size });
+            }
+            groups.push({ start: corner, count: of, materialIndex: materials.get(own).index });
+            corner += of;
+            // Parts of one mesh may share their vertices.
+            const key = JSON.stringify(attributes);
+            if (blocks.has(key)) continue;
+            blocks.add(key);
+            if (attributes.TEXCOORD_0 !== undefined) {
+                const own = await parser.getDependency("accessor", attributes.TEXCOORD_0);
+                for (let k = 0; k < count && vertex + k < vertices; k += 1) uv.set([own.getX(k), own.getY(k)], 2 * (vertex + k));
+            }
+            vertex += count;
+        }
+    }
+    if (vertex !== vertices || corner !== corners) return undefined;
+    return { uv, groups, materials: [...materials.values()].map(({ made }) => made) };
+}

@@ -1,0 +1,73 @@
+// What the page is made of and needs no browser: folders that are dropped, files that stay, what is held over a clip.
+import assert from "node:assert/strict";
+import test from "node:test";
+import { besideNew, dropped } from "../src/files.js";
+import { HeldOverClip } from "../src/held_over_clip.js";
+import { Playback } from "../src/playback.js";
+
+const file = (name) => ({ isFile: true, file: (resolve) => resolve({ name }) });
+/** A folder whose reader gives two entries at a time, as browsers give a hundred. */
+const folder = (...entries) => ({
+    isDirectory: true,
+    createReader() {
+        let at = 0;
+        return { readEntries: (resolve) => resolve(entries.slice(at, (at += 2))) };
+    },
+});
+
+test("a folder is dropped with all that is in it", async () => {
+    const items = [folder(file("arm.urdf"), file("a.stl"), folder(file("b.stl"), file("c.dae"), file("d.obj")))];
+    const found = await dropped({ items: items.map((entry) => ({ webkitGetAsEntry: () => entry })), files: [] });
+    assert.deepEqual(found.map(({ name }) => name).sort(), ["a.stl", "arm.urdf", "b.stl", "c.dae", "d.obj"]);
+    const plain = [{ name: "walk.bvh" }];
+    assert.deepEqual(await dropped({ items: [{ webkitGetAsEntry: () => file("walk.bvh") }], files: plain }), plain);
+});
+
+test("beside a new capture the robot stays with its meshes, beside a new robot the capture", () => {
+    const before = { "nao.urdf": 1, "torso.stl": 2, "steps.bvh": 3 };
+    assert.deepEqual(besideNew(before, { "mine.bvh": 4 }), { "nao.urdf": 1, "torso.stl": 2, "mine.bvh": 4 });
+    assert.deepEqual(besideNew(before, { "g1.xml": 5 }), { "g1.xml": 5, "steps.bvh": 3 });
+    assert.deepEqual(besideNew(before, { "fox.glb": 6 }), { "fox.glb": 6 });
+});
+
+test("what is let go comes back to the clip over a while, without a leap", () => {
+    const held = new HeldOverClip();
+    const home = [0, 0, 0];
+    const frame = 1 / 60;
+    assert.ok(!held.active);
+    assert.deepEqual(held.targets([["hand", [1, 0, 0]]], frame, () => home).get("hand"), [1, 0, 0]);
+    held.ended([0, 0], [0.3, -0.2]);
+    let place = 1;
+    let away = 0.3;
+    let frames = 0;
+    for (; held.active && frames < 1000; frames += 1) {
+        const targets = held.targets([], frame, () => home);
+        const next = targets.get("hand")?.[0] ?? 0;
+        assert.ok(next <= place && place - next < 0.08, `from ${place} to ${next}`);
+        place = next;
+        const [angle] = held.start([0, 0], frame);
+        assert.ok(angle <= away && away - angle < 0.03, `from ${away} to ${angle}`);
+        away = angle;
+    }
+    assert.ok(place === 0 && away < 1e-3 && frames > 24 && frames < 240, `${frames} frames`);
+    // What is held again is no longer let go.
+    held.targets([["hand", [1, 0, 0]]], frame, () => home);
+    held.targets([], frame, () => home);
+    assert.deepEqual(held.targets([["hand", [0.5, 0, 0]]], frame, () => home).get("hand"), [0.5, 0, 0]);
+});
+
+test("while something is held no joint returns further in a frame than a drag brings back", () => {
+    const held = new HeldOverClip();
+    held.targets([["hand", [1, 0, 0]]], 0.1, () => [0, 0, 0]);
+    held.ended([0, 0], [1.5, 0.2]);
+    const [most] = held.start([0, 0], 0.1);
+    assert.ok(1.5 - most <= 0.0500001 && most < 1.5);
+});
+
+test("what plays stays within its length, and goes on from where it was", async () => {
+    const playback = new Playback();
+    playback.begin(true);
+    await new Promise((resolve) => setTimeout(resolve, 40));
+    const { seconds, passed } = playback.advance(0.02);
+    assert.ok(seconds >= 0 && seconds < 0.02 && passed > 0 && passed <= 0.25);
+});
