@@ -2,6 +2,9 @@
 import { Drag, Problem } from "kinopt";
 import { CharacterSession } from "./character_session.js";
 
+/** What of a scene the library leaves out and the page draws. */
+const DRAWN = /^(images|materials|textures|samplers)\b|TEXCOORD/;
+
 export class AnimatedSession extends CharacterSession {
     constructor(thing, { skinning = "lbs" }) {
         super();
@@ -14,7 +17,8 @@ export class AnimatedSession extends CharacterSession {
     describe() {
         const triangles = this.posing?.triangles ?? new Uint32Array();
         const seconds = this.clip?.duration ?? 0;
-        return this.described({ up: "y", from: [0.55, 0.3, 1], pins: [], triangles, seconds, notes: this.thing.notes });
+        const notes = this.thing.notes.filter((note) => !DRAWN.test(note));
+        return this.described({ up: "y", from: [0.55, 0.3, 1], pins: [], triangles, seconds, notes });
     }
 
     /** Has it stand in a pose; its angles count from there. */

@@ -43,6 +43,7 @@ export class ArmSession {
             handles: [this.tip],
             pins: [],
             shapes: this.drawn.shapes,
+            sticks: this.drawn.sticks,
             boxes: this.boxes,
             seconds: 0,
             notes: [...this.robot.repairs, ...this.drawn.notes],

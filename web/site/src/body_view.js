@@ -17,6 +17,10 @@ const LIMITED = 0xc8442f;
 
 const solid = (color, more) => new THREE.MeshStandardMaterial({ color, roughness: 0.75, metalness: 0.05, ...more });
 
+/** How thick sticks are for the size of a figure. */
+const STICK = 0.012;
+const sizeOf = (places) => new THREE.Box3().setFromArray(places).getSize(new THREE.Vector3()).length();
+
 export class BodyView {
     /** `files` are those that it was opened from. */
     constructor(stage, opened, files) {
@@ -40,8 +44,12 @@ export class BodyView {
         const { positions, places, links, person = [], boxes = [] } = this.opened;
         if (positions) return positions;
         if (!links) return places;
-        const origins = Array.from({ length: links.length / 16 }, (_, k) => [...links.subarray(16 * k + 12, 16 * k + 15)]);
-        return [...origins.flat(), ...person, ...boxes.flatMap(({ at }) => at)];
+        return [...this.#origins(links), ...person, ...boxes.flatMap(({ at }) => at)];
+    }
+
+    /** Where links begin, three numbers each. */
+    #origins(links) {
+        return Array.from({ length: links.length / 16 }, (_, k) => [...links.subarray(16 * k + 12, 16 * k + 15)]).flat();
     }
 
     #skin() {
@@ -75,8 +83,8 @@ export class BodyView {
     }
 
     #bones() {
-        const size = new THREE.Box3().setFromArray(this.opened.person ?? this.opened.places).getSize(new THREE.Vector3()).length();
-        this.sticks = new StickFigure(this.opened.parents, 0.012 * size, solid(BONE));
+        const size = sizeOf(this.opened.person ?? this.opened.places);
+        this.sticks = new StickFigure(this.opened.parents, STICK * size, solid(BONE));
         this.group.add(this.sticks.sticks);
     }
 
@@ -99,6 +107,11 @@ export class BodyView {
             return link;
         });
         if (meshes.length > 0) this.dressed = this.#fill(meshes);
+        const { sticks } = this.opened;
+        if (sticks) {
+            this.limbs = new StickFigure(sticks, STICK * sizeOf(this.#origins(this.opened.links)), solid(LINK));
+            this.group.add(this.limbs.sticks);
+        }
         for (const { size, at } of this.opened.boxes) {
             const box = new THREE.Mesh(new THREE.BoxGeometry(...size), solid(BOX));
             box.position.set(...at);
@@ -160,6 +173,7 @@ export class BodyView {
                 normal.needsUpdate = true;
             }
         }
+        this.limbs?.show(this.#origins(links));
         this.links?.forEach((link, k) => {
             link.matrix.fromArray(links, 16 * k);
             link.matrixWorldNeedsUpdate = true;

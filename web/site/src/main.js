@@ -92,13 +92,13 @@ function tools() {
     const { kind, triangles, seconds } = page.opened ?? {};
     const isCharacter = kind === "character";
     element("hint").textContent = HINTS[kind] ?? "";
-    element("pin").disabled = !isCharacter;
+    element("pin").hidden = element("skin").hidden = !isCharacter;
     element("pin").textContent = (playback.running ? page.kept : page.pins).has(page.grabbed) ? "Free" : "Pin";
-    element("skin").disabled = !isCharacter || triangles.length === 0;
+    element("skin").disabled = !(triangles?.length > 0);
     element("skin").textContent = page.method === "lbs" ? "Skin: linear" : "Skin: dual quaternions";
     element("play").disabled = !(seconds > 0);
     element("play").textContent = playback.running ? "Pause" : "Play";
-    element("rest").disabled = kind === "movement";
+    element("rest").hidden = kind === "movement";
     element("whole").hidden = kind !== "movement";
     element("whole").disabled = whole.goesOn;
     element("whole").setAttribute("aria-pressed", String(page.whole !== undefined));

@@ -39,6 +39,7 @@ export class RetargetSession {
             pins: [],
             boxes: [],
             shapes: this.drawn.shapes,
+            sticks: this.drawn.sticks,
             parents: this.capture.armature.parents,
             seconds: this.clip.duration,
             notes: [...this.robot.repairs, ...this.drawn.notes, ...this.capture.notes, ...notes],

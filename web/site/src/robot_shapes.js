@@ -5,7 +5,7 @@ const DRAWN = ["stl", "dae", "obj"];
 /** The name of a file without its folders. */
 const bare = (file) => file.split(/[\\/]/).pop();
 
-/** The shapes of each frame of a robot's model, and notes of what is missing; `names` are those of the files that are there. */
+/** The shapes of each frame of a robot's model; notes of what is missing, and sticks that are drawn for it; `names` are those of the files that are there. */
 export function shapesOf(robot, names) {
     const missing = new Set();
     const drawable = (name) => names.includes(name) && DRAWN.includes(name.slice(name.lastIndexOf(".") + 1).toLowerCase());
@@ -22,5 +22,13 @@ export function shapesOf(robot, names) {
     });
     const some = [...missing].slice(0, 3).join(", ");
     const note = `${missing.size} meshes were not dropped with it, or are none that can be drawn: ${some}${missing.size > 3 ? ", …" : ""}.`;
-    return { shapes, notes: missing.size > 0 ? [note] : [] };
+    return missing.size > 0 ? { shapes, notes: [note], sticks: parents(robot) } : { shapes, notes: [] };
+}
+
+/** The number of the frame that each one hangs on, -1 where none does: that to which one joint less leads. */
+function parents(robot) {
+    const names = robot.model.frameNames;
+    const chains = names.map((name) => robot.chain(names[0], name));
+    const known = new Map(chains.map((chain, k) => [chain.join(), k]));
+    return chains.map((chain) => (chain.length === 0 ? -1 : known.get(chain.slice(0, -1).join()) ?? -1));
 }
