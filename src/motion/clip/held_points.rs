@@ -173,17 +173,10 @@ impl<'a> HeldPoints<'a> {
     /// How far a held point is from where it first stood, at most, metres.
     pub(super) fn slip(&mut self, at: Stretch, x: &[f64]) -> f64 {
         let mut most = 0.0_f64;
-        let mut sums: Vec<(usize, [f64; ROWS])> =
-            vec![(usize::MAX, [0.0; ROWS]); self.rows() / ROWS];
-        self.each(at, x, false, |_, local, row, slip| {
-            let (last, sum) = &mut sums[row / ROWS];
-            if row % ROWS == 0 {
-                // A span that has ended begins anew.
-                if last.wrapping_add(1) != local {
-                    *sum = [0.0; ROWS];
-                }
-                *last = local;
-            }
+        // A contact holds over one span.
+        let mut sums = vec![[0.0; ROWS]; self.rows() / ROWS];
+        self.each(at, x, false, |_, _, row, slip| {
+            let sum = &mut sums[row / ROWS];
             sum[row % ROWS] += slip;
             if row % ROWS == ROWS - 1 {
                 most = most.max(dot(sum, sum).sqrt());

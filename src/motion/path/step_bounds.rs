@@ -76,3 +76,49 @@ impl StepBounds {
 fn time(knots: &Knots, from: usize, to: usize) -> Option<f64> {
     Some(knots.times.get(to)? - knots.times.get(from)?)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::StepBounds;
+    use crate::arm::Arm;
+    use crate::model::{Limits, Model};
+    use crate::motion::path::CartesianPath;
+    use crate::motion::path::knots::Knots;
+    use crate::motion::path::tools::Tools;
+    use crate::robot::Robot;
+    use crate::spatial::{Placement, Vector3};
+
+    /// From a knot to a later one a joint has the time of all steps between, and may move by as many of them.
+    #[test]
+    #[allow(clippy::unwrap_used)]
+    fn several_steps_have_the_time_of_all() {
+        let mut builder = Model::builder("one link");
+        let link = Placement::translation(Vector3::UNITS[0]);
+        let here = Placement::identity();
+        let turns = Limits::new(-3.0, 3.0);
+        let base = builder.frame("base", None, here);
+        let turn = builder.revolute("turn", None, here, Vector3::UNITS[2], turns);
+        let tip = builder.frame("tip", Some(turn), link);
+        let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
+        let arm = Arm::builder(&robot, base, tip).with_atlas(false);
+        let arm = arm.build().unwrap();
+        let path = CartesianPath::new(vec![link; 5]).unwrap();
+        let path = path.with_times(vec![0.0, 1.0, 1.5, 4.0, 4.1]).unwrap();
+        let knots = Knots::of(&path, &Tools::new(&arm));
+        let limits_of = |max_step: f64, from: usize, to: usize| {
+            let mut limits = Vec::new();
+            StepBounds::new(&arm, max_step, vec![0.01]).write(&knots, from, to, &mut limits);
+            limits[0]
+        };
+        for (from, to, seconds) in [(0, 1, 1.0), (0, 3, 4.0), (1, 4, 3.1), (3, 4, 0.1)] {
+            let time = limits_of(1.0, from, to);
+            assert!(
+                (time - 0.01 * seconds).abs() < 1e-15,
+                "{from} to {to}: {time}"
+            );
+            // Where steps are shorter than that, their number counts.
+            let steps = limits_of(1e-4, from, to);
+            assert_eq!(steps, 1e-4 * (to - from) as f64);
+        }
+    }
+}

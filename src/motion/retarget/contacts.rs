@@ -44,11 +44,7 @@ impl ContactDetection {
                 if place.z - own.clearance < ON_GROUND {
                     place.z = own.clearance;
                 }
-                let before = k.checked_sub(1).map_or(0, |last| spans[last].end);
-                let after = spans.get(k + 1).map_or(frames, |next| next.start);
-                for frame in
-                    span.start.saturating_sub(lead).max(before)..(span.end + lead).min(after)
-                {
+                for frame in drawn(&spans, k, lead, frames) {
                     let off = if frame < span.start {
                         span.start - frame
                     } else {
@@ -62,5 +58,26 @@ impl ContactDetection {
             found.extend(spans.into_iter().map(|span| Standing { limb, span }));
         }
         found
+    }
+}
+
+/// The frames that a stance draws to its place: its own, and so many before and after them as far as its neighbours.
+fn drawn(spans: &[Range<usize>], k: usize, lead: usize, frames: usize) -> Range<usize> {
+    let before = k.checked_sub(1).map_or(0, |last| spans[last].end);
+    let after = spans.get(k + 1).map_or(frames, |next| next.start);
+    spans[k].start.saturating_sub(lead).max(before)..(spans[k].end + lead).min(after)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::drawn;
+
+    #[test]
+    fn a_stance_draws_what_is_beside_it_and_nothing_beyond_its_neighbours() {
+        let spans = [5..10, 12..15, 40..50];
+        let all = |lead: usize| [0, 1, 2].map(|k| drawn(&spans, k, lead, 52));
+        assert_eq!(all(9), [0..12, 10..24, 31..52]);
+        assert_eq!(all(1), [4..11, 11..16, 39..51]);
+        assert_eq!(all(0), spans);
     }
 }
