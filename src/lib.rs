@@ -129,7 +129,7 @@ struct Collisions;
 struct Motions;
 
 /// The examples of the page on retargeting, run as tests.
-#[cfg(all(doctest, feature = "urdf"))]
+#[cfg(all(doctest, feature = "collision", feature = "urdf"))]
 #[doc = include_str!("../docs/retargeting.md")]
 struct Retargeting;
 

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use kinopt::collision::Checker;
 use kinopt::motion::clip::MotionBound;
 use kinopt::motion::retarget::{
     self, BodyMap, KnownSkeleton, LiveFollower, MapGuess, RetargetError, RetargetOptions, UpAxis,
@@ -192,6 +193,7 @@ struct Options {
     contact_speed: Option<f64>,
     contact_height: Option<f64>,
     acceleration: Option<f64>,
+    keep_clear: Option<f64>,
 }
 
 impl Options {
@@ -208,6 +210,32 @@ impl Options {
     }
 }
 
+/// What keeps a robot's links apart by so many metres, where they are to be.
+fn checker_of(target: &Bound<'_, PyAny>, options: &Options) -> PyResult<Option<Checker>> {
+    let Some(margin) = options.keep_clear else {
+        return Ok(None);
+    };
+    let robot = target.cast::<crate::robot::Robot>();
+    let robot = robot.map_err(|_| invalid("keep_clear is for a Robot with collision shapes"))?;
+    let checker = robot.get().checker()?;
+    Ok(Some(checker.with_margin(margin).or_raise()?))
+}
+
+/// A capture fitted to a target, which keeps clear of itself where it is to.
+fn fitted<'r>(
+    robot: &'r Robot,
+    map: &BodyMap,
+    capture: &retarget::Capture,
+    options: RetargetOptions,
+    checker: Option<&Checker>,
+) -> Result<retarget::Retargeting<'r>, RetargetError> {
+    let fitted = retarget::Retargeting::new(robot, map, capture, options)?;
+    Ok(match checker {
+        Some(checker) => fitted.keep_clear(checker),
+        None => fitted,
+    })
+}
+
 /// What `kinopt.Retargeted` is made of: numbers and names in the order of its fields.
 type Told<'py> = (
     Bound<'py, PyArray2<f64>>,
@@ -218,6 +246,7 @@ type Told<'py> = (
     Vec<String>,
     (f64, f64, f64),
     Vec<(String, &'static str, usize, usize)>,
+    Vec<(usize, String, String, f64)>,
 );
 
 /// A capture on a target by a map (JSON).
@@ -231,11 +260,12 @@ fn capture_retargeted<'py>(
     options: Options,
 ) -> PyResult<Told<'py>> {
     let robot = target_of(target)?;
+    let checker = checker_of(target, &options)?;
     let options = options.read(capture.get().up);
     let map = BodyMap::from_json(map, &file_of(&robot)).or_raise()?;
     let capture = &capture.get().inner;
     let found = py.detach(|| {
-        let retargeting = retarget::Retargeting::new(&robot, &map, capture, options)?;
+        let retargeting = fitted(&robot, &map, capture, options, checker.as_ref())?;
         let found = match whole {
             true => retargeting.whole()?,
             false => retargeting.per_frame()?,
@@ -257,7 +287,11 @@ fn capture_retargeted<'py>(
         };
         (met.joint, side, met.frames.start, met.frames.end)
     });
-    let frames = found.frames();
+    let touching = found.touching.into_iter().map(|own| {
+        let pair = own.pair;
+        (own.frame, pair.first, pair.second, pair.distance)
+    });
+    let frames = found.q.len() / found.configuration_len.max(1);
     let contacts = PyArray1::from_slice(py, &found.contacts);
     Ok((
         arrays::list(py, &found.q).reshape([frames, found.configuration_len])?,
@@ -268,6 +302,7 @@ fn capture_retargeted<'py>(
         driven.collect(),
         (found.mean_error, found.slip, stride),
         limits.collect(),
+        touching.collect(),
     ))
 }
 
@@ -357,11 +392,12 @@ impl Live {
         options: Options,
     ) -> PyResult<Self> {
         let robot = target_of(target)?;
+        let checker = checker_of(target, &options)?;
         let options = options.read(capture.get().up);
         let map = BodyMap::from_json(map, &file_of(&robot)).or_raise()?;
         let capture = &capture.get().inner;
         let follower =
-            py.detach(|| retarget::Retargeting::new(&robot, &map, capture, options)?.live());
+            py.detach(|| fitted(&robot, &map, capture, options, checker.as_ref())?.live());
         Ok(Self {
             follower: Mutex::new(follower.or_raise()?),
             names: names_of(&robot),

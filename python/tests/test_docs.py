@@ -49,6 +49,7 @@ CANNOT_RAISE = {
     "kinopt.retargeting.ClipReport",
     "kinopt.retargeting.LimitMet",
     "kinopt.retargeting.MapGuess",
+    "kinopt.retargeting.Touching",
     "kinopt.methods.Ccd",
     "kinopt.methods.Fabrik",
     "kinopt.view.Body",

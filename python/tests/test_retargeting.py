@@ -270,3 +270,16 @@ def test_what_is_wrong_is_named(nao: kinopt.Robot, tmp_path: Path) -> None:
         kinopt.retarget(tmp_path / "broken.npy", nao, MAP)
     with pytest.raises(InvalidValueError, match="bvh"):
         kinopt.retarget(tmp_path / "walk.fbx", nao, MAP)
+
+
+def test_links_that_are_kept_clear_of_each_other_do_not_touch() -> None:
+    robot = kinopt.Robot.from_urdf(NAO, base_joint="free")
+    places = sway(6) * np.array([1.0, 1.5, 1.0])
+    found = kinopt.retarget(places, robot, MAP, keep_clear=0.002)
+    apart = kinopt.Problem(robot, [kinopt.tasks.Posture(robot.model.neutral())], margin=0.002)
+    assert {pair.frame for pair in found.touching} == {k for k, q in enumerate(found.q) if apart.collisions(q)}
+    assert not found.touching
+    follower = kinopt.RetargetFollower(places, robot, MAP, keep_clear=0.002)
+    assert robot.is_within_limits(follower.step(places[0]))
+    with pytest.raises(InvalidValueError, match="margin"):
+        kinopt.retarget(places, robot, MAP, keep_clear=-1.0)

@@ -18,6 +18,7 @@ mod path_reconfigurations;
 mod path_times;
 mod path_world;
 mod paths_of_joints;
+mod retargeted_clear;
 mod retargeted_feet;
 mod retargeting;
 mod shipped_capture;

@@ -1,6 +1,7 @@
 //! `kinopt retarget`: people's movements on robots and figures.
 
 mod folder;
+mod keep_clear;
 mod map_choice;
 mod movement_file;
 mod source;
@@ -9,9 +10,11 @@ mod target;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use kinopt::collision::Checker;
 use kinopt::motion::retarget::{RetargetOptions, Retargeting};
 use serde::Serialize;
 
+use self::keep_clear::{KeepClearOptions, tell_touching};
 use self::map_choice::{MapChoice, MapOptions};
 use self::movement_file::Format;
 use self::source::{SourceOptions, Up};
@@ -27,6 +30,8 @@ Examples:
                                                frame by frame, as a live follower does; the map goes by names
   kinopt retarget climb.npy g1.urdf --map g1.json --base-joint free --fps 120 --whole --out climb.npz
                                                all frames as one: smooth; told is how still feet stand
+  kinopt retarget walk.bvh g1.urdf --base-joint free --keep-clear 0.01 --out walk.npz
+                                               no link nearer than 1 cm to another
   kinopt retarget walk.bvh g1.urdf --print-map > map.json
                                                which joint would drive which frame, to be corrected
   kinopt retarget poses.npy g1.urdf --map smpl --base-joint free --out poses.csv
@@ -72,6 +77,9 @@ pub(crate) struct Arguments {
     /// Solve the whole movement as one instead of frame by frame. Default: frame by frame.
     #[arg(long)]
     whole: bool,
+
+    #[command(flatten)]
+    keep_clear: KeepClearOptions,
 
     /// Where to write: .npz, .json, .csv, .bvh or .glb; of a folder, a folder.
     #[arg(long, value_name = "FILE|DIR", help_heading = OUTPUT, required_unless_present_any = ["print_map", "save_map"])]
@@ -124,6 +132,7 @@ impl Clip {
 struct Job<'a> {
     arguments: &'a Arguments,
     target: Target,
+    checker: Option<Checker>,
     map: MapChoice,
     format: Format,
 }
@@ -139,6 +148,7 @@ impl<'a> Job<'a> {
         let map = arguments.map.read(&arguments.target)?;
         Ok(Self {
             arguments,
+            checker: arguments.keep_clear.checker(&target)?,
             target,
             map,
             format,
@@ -157,14 +167,18 @@ impl<'a> Job<'a> {
         // What the command says comes first.
         map.up = Some(read.up);
         let options = RetargetOptions::default();
-        let found =
-            Retargeting::new(robot, &map, &read.capture, options).and_then(
-                |retargeting| match self.arguments.whole {
-                    true => retargeting.whole(),
-                    false => retargeting.per_frame(),
-                },
-            );
+        let found = Retargeting::new(robot, &map, &read.capture, options).and_then(|retargeting| {
+            let retargeting = match &self.checker {
+                Some(checker) => retargeting.keep_clear(checker),
+                None => retargeting,
+            };
+            match self.arguments.whole {
+                true => retargeting.whole(),
+                false => retargeting.per_frame(),
+            }
+        });
         let found = found.map_err(|error| self.map.failed(&file, &error))?;
+        tell_touching(&file, &found);
         let name = source.file_stem().unwrap_or_default().to_string_lossy();
         let header = self.arguments.header;
         self.format
@@ -187,6 +201,7 @@ impl Arguments {
         vec![
             format!("target {target}, {:?}", self.target_up),
             format!("whole {}, header {}", self.whole, self.header),
+            format!("{:?}", self.keep_clear),
             format!("{:?}", self.map),
             format!("{:?}", self.source_options),
             format!("{:?}", self.model_options),

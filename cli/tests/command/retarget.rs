@@ -67,6 +67,20 @@ fn a_swaying_person_sways_on_a_robot() {
 }
 
 #[test]
+fn a_robot_keeps_clear_of_itself_where_it_is_to() {
+    let folder = Folder::new("retarget-clear");
+    let map = folder.text("map.json", MAP);
+    let source = array(&folder, "sway.npy", &sway(4));
+    let robot = model("aldebaran_nao.urdf");
+    let out = folder.file("sway.json");
+    let asked = format!("retarget {source} {robot} --map {map} --base-joint free --out {out}");
+    for margin in ["", "0.002"] {
+        assert_eq!(answer!("{asked} --keep-clear {margin}")["frames"], 4);
+    }
+    refused!("{asked} --keep-clear=-1" => 2, "keep-clear");
+}
+
+#[test]
 fn what_is_wrong_is_told_and_nothing_is_written() {
     let folder = Folder::new("retarget-wrong");
     let (map, robot) = (folder.text("map.json", MAP), model("aldebaran_nao.urdf"));

@@ -57,6 +57,7 @@ def capture_retargeted(
     list[str],
     tuple[float, float, float],
     list[tuple[str, str, int, int]],
+    list[tuple[int, str, str, float]],
 ]: ...
 def map_guessed(
     capture: Capture, target: Model | HasModel

@@ -10,7 +10,7 @@ from .._kinopt.retargeting import Capture
 from .folder import ClipReport, retarget_folder
 from .follower import RetargetFollower
 from .maps import MapGuess, guess_map
-from .movement import LimitMet, Retargeted
+from .movement import LimitMet, Retargeted, Touching
 from .retarget import retarget
 from .sources import read_capture
 
@@ -21,6 +21,7 @@ __all__ = [
     "MapGuess",
     "RetargetFollower",
     "Retargeted",
+    "Touching",
     "guess_map",
     "read_capture",
     "retarget",

@@ -40,6 +40,7 @@ class RetargetFollower:
         clip: str | None = None,
         contact_speed: float | None = None,
         contact_height: float | None = None,
+        keep_clear: float | None = None,
     ) -> None:
         own = asked(
             measured,
@@ -52,6 +53,7 @@ class RetargetFollower:
             contact_speed=contact_speed,
             contact_height=contact_height,
             acceleration=None,
+            keep_clear=keep_clear,
         )
         self._live = Live(own.capture, own.target, json.dumps(own.map), own.options)
         self._map = own.map

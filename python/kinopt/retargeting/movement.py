@@ -32,6 +32,20 @@ class LimitMet:
     """The frame after the last."""
 
 
+@dataclass(frozen=True)
+class Touching:
+    """Two links that touch in a frame, where they were to be kept apart."""
+
+    frame: int
+    """The frame."""
+    first: str
+    """One link."""
+    second: str
+    """The other."""
+    distance: float
+    """How far they are apart, metres; negative where one is in the other."""
+
+
 @dataclass(frozen=True, eq=False)
 class Retargeted:
     """A movement on a robot or a rig: configurations within all limits of position and speed, to the bit."""
@@ -58,6 +72,8 @@ class Retargeted:
     """How many times as large as the person's its steps are."""
     limits: list[LimitMet]
     """The limits that are met, by joint and then by frame."""
+    touching: list[Touching]
+    """The frames in which something touches all the same with ``keep_clear``, each with its nearest pair."""
     map: dict[str, Any]
     """The map that it went by."""
     notes: list[str]
@@ -97,4 +113,4 @@ class Retargeted:
             raise FileError(f"{path}: cannot be written: {error}") from None
 
 
-__all__ = ["LimitMet", "Retargeted"]
+__all__ = ["LimitMet", "Retargeted", "Touching"]

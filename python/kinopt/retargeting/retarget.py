@@ -13,7 +13,7 @@ from .._kinopt import Model, Robot
 from .._kinopt.retargeting import Capture, capture_retargeted
 from ..types import HasModel
 from .maps import MapLike, guess_map, is_skeleton, read_map
-from .movement import LimitMet, Retargeted
+from .movement import LimitMet, Retargeted, Touching
 from .sources import Source, read_capture
 
 
@@ -81,6 +81,7 @@ def retarget(
     contact_speed: float | None = None,
     contact_height: float | None = None,
     acceleration: float | None = None,
+    keep_clear: float | None = None,
 ) -> Retargeted:
     """Brings a person's movement onto a robot or a rig, within its limits of position and speed in every frame.
 
@@ -95,7 +96,8 @@ def retarget(
     Limbs are scaled by their lengths, the ground is found, feet are held where they stand. Frame by frame no frame knows
     what comes; with ``whole`` all are solved as one: smooth, and feet stand as still as frame by frame (``slip`` tells how still). ``contact_speed`` (m/s) and
     ``contact_height`` (metres over the ground) say when feet stand, ``acceleration`` what 1 rad/s² costs with ``whole``,
-    in metres off a place. The GIL is released.
+    in metres off a place. ``keep_clear``: by how many metres a ``Robot``'s links are kept apart in every frame, by the exact distances of its
+    collision shapes; ``touching`` tells of frames in which that cannot be. The GIL is released.
 
     Raises ``UnknownNameError`` for names that the map has and the capture or the target has not, ``InvalidValueError`` for
     what is wrong with arrays, names and options, ``FileError`` and ``InvalidFileError`` of files.
@@ -111,8 +113,9 @@ def retarget(
         contact_speed=contact_speed,
         contact_height=contact_height,
         acceleration=acceleration,
+        keep_clear=keep_clear,
     )
-    q, names, contacts, standing, errors, driven, measured, limits = capture_retargeted(
+    q, names, contacts, standing, errors, driven, measured, limits, touching = capture_retargeted(
         own.capture, own.target, json.dumps(own.map), whole, own.options
     )
     mean_error, slip, stride = measured
@@ -128,6 +131,7 @@ def retarget(
         slip=slip,
         stride=stride,
         limits=[LimitMet(*limit) for limit in limits],
+        touching=[Touching(*pair) for pair in touching],
         map=own.map,
         notes=own.notes,
         capture=own.capture,

@@ -1,11 +1,13 @@
 //! Whether a robot keeps clear of a world and of itself.
 
 mod clearance;
+mod cover;
 mod error;
 mod keep_clear;
 mod motion_bound;
 mod of_robot;
 mod parts;
+mod placed;
 mod way;
 mod workspace;
 
@@ -70,9 +72,12 @@ impl Checker {
         }
     }
 
-    /// The same with spheres that cover the robot's shapes, by which [arms](crate::Arm) check eight configurations at once.
+    /// The same with spheres that cover the robot's shapes, by which [arms](crate::Arm) check eight configurations at once,
+    /// and which tell most pairs of links apart before their shapes are looked at.
     #[must_use]
     pub fn with_spheres(mut self, spheres: SphereModel) -> Self {
+        let scene = Arc::unwrap_or_clone(self.scene);
+        self.scene = Arc::new(scene.covered_by(&spheres));
         self.spheres = Some(Arc::new(spheres));
         self
     }
@@ -82,7 +87,11 @@ impl Checker {
     /// # Errors
     /// An obstacle that is attached to a frame that the robot does not have; the error lists the valid names.
     pub fn with_world(mut self, world: &World) -> Result<Self, CheckerError> {
-        self.scene = Arc::new(Scene::new(&self.model, world)?);
+        let scene = Scene::new(&self.model, world)?;
+        self.scene = Arc::new(match &self.spheres {
+            Some(spheres) => scene.covered_by(spheres),
+            None => scene,
+        });
         self.world = world.clone();
         Ok(self)
     }

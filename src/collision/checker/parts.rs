@@ -3,10 +3,14 @@
 use std::ops::Range;
 
 use super::CheckerError;
+use super::cover::Cover;
 use super::motion_bound::MotionBound;
+use super::placed::{Placed, part_to_part};
 use crate::collision::box_tree::BoxTree;
 use crate::collision::model::pairs_apart;
-use crate::collision::{BoundingBox, CollisionModel, Separation, Shape, World, separation_within};
+use crate::collision::{
+    BoundingBox, CollisionModel, Separation, Shape, SphereModel, World, separation_within,
+};
 use crate::model::{FrameId, FrameRef};
 use crate::spatial::{Placement, Vector3};
 
@@ -25,6 +29,8 @@ struct Part {
     name: String,
     frame: FrameId,
     shapes: Vec<(Shape, Placement<f64>)>,
+    /// Around all of its shapes, where that was given.
+    cover: Option<Cover>,
 }
 
 /// Two of them, by place.
@@ -58,6 +64,7 @@ impl Scene {
             shapes: (model.objects_of(*link))
                 .map(|object| (object.shape.clone(), object.link_from_shape))
                 .collect(),
+            cover: None,
         };
         let mut parts: Vec<Part> = model.links().iter().map(link).collect();
         let own = parts.len();
@@ -81,6 +88,7 @@ impl Scene {
                         name,
                         frame,
                         shapes: vec![(shape, obstacle.placement)],
+                        cover: None,
                     });
                 }
             }
@@ -97,6 +105,17 @@ impl Scene {
             parts,
             standing,
         })
+    }
+
+    /// The same with spheres that cover the links' shapes, which tell most pairs apart before the shapes are looked at.
+    pub(super) fn covered_by(mut self, spheres: &SphereModel) -> Self {
+        for group in spheres.groups() {
+            let mut own = self.parts.iter_mut();
+            if let Some(part) = own.find(|part| part.frame == group.link) {
+                part.cover = Some(Cover::of(group));
+            }
+        }
+        self
     }
 
     /// The frames that carry the parts.
@@ -152,7 +171,15 @@ impl Scene {
                 }
             }
         }
+        let covers = self.parts.iter().zip(placements);
+        let covers = covers.map(|(part, at)| part.cover.as_ref().map(|own| own.placed(at)));
+        let covers: Vec<Option<Cover>> = covers.collect();
         for &[a, b] in &self.pairs {
+            if let (Some(first), Some(second)) = (&covers[a], &covers[b])
+                && first.is_apart(second, within)
+            {
+                continue;
+            }
             let [first, second] = [a, b].map(|part| &shapes[self.shapes_of(part)]);
             if let Some(separation) = part_to_part(first, second, within)
                 && !each(Pair::Parts(a, b), &separation)
@@ -197,51 +224,6 @@ impl Scene {
     }
 }
 
-/// A part's shape where it stands, and the ball around it.
-struct Placed<'a> {
-    shape: &'a Shape,
-    world_from_shape: Placement<f64>,
-    centre: Vector3<f64>,
-    radius: f64,
-}
-
-impl<'a> Placed<'a> {
-    fn new(shape: &'a Shape, world_from_shape: Placement<f64>) -> Self {
-        let ball = shape.bounding_sphere();
-        Self {
-            shape,
-            centre: world_from_shape.apply(ball.centre),
-            radius: ball.radius,
-            world_from_shape,
-        }
-    }
-}
-
-/// The least distance of two parts, if that is at most `within`.
-fn part_to_part(a: &[Placed<'_>], b: &[Placed<'_>], within: f64) -> Option<Separation> {
-    let mut nearest: Option<Separation> = None;
-    for first in a {
-        for second in b {
-            // By the balls around them.
-            let reach = first.radius + second.radius + within;
-            if (first.centre - second.centre).norm_squared() > reach * reach {
-                continue;
-            }
-            let separation = separation_within(
-                first.shape,
-                &first.world_from_shape,
-                second.shape,
-                &second.world_from_shape,
-                within,
-            );
-            if let Some(separation) = separation {
-                keep_nearer(&mut nearest, separation);
-            }
-        }
-    }
-    nearest
-}
-
 impl Part {
     /// Its frame, and balls around its shapes there.
     fn balls(&self) -> (FrameId, Vec<(Vector3<f64>, f64)>) {
@@ -271,13 +253,4 @@ fn pairs(model: &CollisionModel, parts: &[Part], own: usize) -> Vec<[usize; 2]> 
         }
     }
     pairs
-}
-
-fn keep_nearer(nearest: &mut Option<Separation>, other: Separation) {
-    if nearest
-        .as_ref()
-        .is_none_or(|known| other.distance < known.distance)
-    {
-        *nearest = Some(other);
-    }
 }

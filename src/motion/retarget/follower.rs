@@ -1,14 +1,13 @@
 //! Follows places frame by frame, as they come.
 
-use super::RetargetError;
-use super::bounded_descent::BoundedDescent;
+use super::clear_frames::ClearFrames;
 use super::driven_point::DrivenPoint;
 use super::hip_line::HipLine;
-use super::limbs::Limbs;
+use super::problem_of_frame::ProblemOfFrame;
+use super::{RetargetError, Retargeting};
 use crate::model::{JointId, Model};
 use crate::motion::clip::{MotionError, longest_moves};
-use crate::problem::{Evaluation, Problem, Question, Scratch, Targets, TaskId};
-use crate::robot::Robot;
+use crate::problem::{Problem, Targets, TaskId};
 use crate::scalar::elementary;
 use crate::solver::dot;
 use crate::spatial::Vector3;
@@ -32,7 +31,8 @@ const STAY: f64 = 0.1;
 /// held where it came to stand.
 #[derive(Clone, Debug)]
 pub struct BodyFollower {
-    problem: Problem,
+    frame: ProblemOfFrame,
+    clear: Option<ClearFrames>,
     targets: Targets,
     points: Vec<TaskId<DrivenPoint>>,
     hip_line: Option<TaskId<HipLine>>,
@@ -54,8 +54,6 @@ pub struct BodyFollower {
     upper: Vec<f64>,
     x: Vec<f64>,
     q: Vec<f64>,
-    scratch: Scratch,
-    descent: BoundedDescent,
     followed: bool,
 }
 
@@ -83,13 +81,9 @@ fn hinges(model: &Model) -> impl Iterator<Item = (JointId, f64)> {
 }
 
 impl BodyFollower {
-    pub(super) fn new(
-        robot: &Robot,
-        limbs: &Limbs,
-        frame_rate: f64,
-        landing_weight: f64,
-        release_s: f64,
-    ) -> Result<Self, RetargetError> {
+    pub(super) fn new(asked: &Retargeting<'_>) -> Result<Self, RetargetError> {
+        let (robot, limbs) = (asked.robot, &asked.limbs);
+        let lead_s = asked.options.contacts.lead_s;
         let model = robot.model();
         let mut tasks = Problem::builder(model);
         tasks.parameters(robot.map().clone());
@@ -101,6 +95,9 @@ impl BodyFollower {
         let stay = tasks.add(Task::new(Posture::of_joints(hinges(model))).times(both));
         let posture = hinges(model).filter_map(|(id, value)| Some((model.coordinate(id)?, value)));
         let posture: Vec<_> = posture.collect();
+        if let Some(obstacles) = &asked.obstacles {
+            obstacles.add_to(&mut tasks);
+        }
         let problem = tasks.build()?;
         let mut x = vec![0.0; problem.variables()];
         let q = model.neutral();
@@ -111,25 +108,26 @@ impl BodyFollower {
             .iter()
             .fold(POSTURE * POSTURE, |sum, own| sum + own * own);
         Ok(Self {
-            most: longest_moves(&problem, &speeds, 1.0 / frame_rate)?,
+            most: longest_moves(&problem, &speeds, 1.0 / asked.frame_rate)?,
             lower: problem.lower().to_vec(),
             upper: problem.upper().to_vec(),
             targets: problem.targets(),
             weights,
             anchors: vec![None; points.len()],
             left: vec![(Vector3::zero(), 0); points.len()],
-            release: (release_s * frame_rate).ceil() as usize,
-            scratch: problem.scratch(),
-            descent: BoundedDescent::new(problem.rows(), problem.variables(), size),
+            release: (lead_s * asked.frame_rate).ceil() as usize,
+            clear: problem
+                .fence()
+                .map(|fence| ClearFrames::new(fence, problem.rows(), size)),
             followed: false,
             reference: posture.iter().map(|(_, value)| *value).collect(),
             posture,
             stay,
-            landing_weight,
+            landing_weight: asked.options.landing_weight,
             heaviest: limbs.heaviest(),
             points,
             hip_line,
-            problem,
+            frame: ProblemOfFrame::new(problem, size),
             x,
             q,
         })
@@ -138,13 +136,15 @@ impl BodyFollower {
     getters! {
         /// Where the body is.
         pub fn q(&self) -> &[f64] = &self.q;
+        /// How it keeps clear, where it is to.
+        pub(super) fn clear(&self) -> Option<&ClearFrames> = self.clear.as_ref();
         /// How many places it follows.
         pub fn places(&self) -> usize = self.points.len();
     }
 
     /// Stands at a configuration, from which the first frame is searched.
     pub(super) fn stand_at(&mut self, q: &[f64]) {
-        self.problem.parameters().gather(q, &mut self.x);
+        self.frame.problem().parameters().gather(q, &mut self.x);
     }
 
     /// One frame: where the driven points should be, and how firmly each stands, from 0, not at all, to 1, where it is
@@ -173,12 +173,9 @@ impl BodyFollower {
         }
         self.aim(places, stands)?;
         let steps = if self.followed { STEPS } else { FIRST_STEPS };
-        let question = Question::from(&self.problem).with_targets(&self.targets);
-        let question = question.within(&self.lower, &self.upper, &[]);
-        let mut evaluation = Evaluation::new(question, &mut self.scratch);
-        let mut whole = self.descent.descend(&mut evaluation, &mut self.x, steps);
-        let slipped = |residual: &[f64]| {
-            let tasks = self.problem.compiled_tasks().iter().zip(&self.anchors);
+        let anchors = &self.anchors;
+        let slipped = |problem: &Problem, residual: &[f64]| {
+            let tasks = problem.compiled_tasks().iter().zip(anchors);
             tasks
                 .filter(|(_, anchor)| anchor.is_some())
                 .any(|(task, _)| {
@@ -186,19 +183,25 @@ impl BodyFollower {
                     dot(miss, miss).sqrt() > SLIPPED * HELD * self.heaviest
                 })
         };
-        if whole && slipped(self.descent.residual()) {
-            whole = self
-                .descent
-                .descend(&mut evaluation, &mut self.x, MORE_STEPS);
-        }
+        let within = [self.lower.as_slice(), &self.upper];
+        let follow = |frame: &mut ProblemOfFrame, x: &mut [f64]| {
+            let whole = frame.descend(&self.targets, within, x, steps);
+            match whole && slipped(frame.problem(), frame.residual()) {
+                true => frame.descend(&self.targets, within, x, MORE_STEPS),
+                false => whole,
+            }
+        };
+        let whole = match &mut self.clear {
+            None => follow(&mut self.frame, &mut self.x),
+            Some(clear) => clear.follow(&mut self.frame, within, &mut self.x, follow),
+        };
         if whole {
-            question.space().project(&mut self.x);
-            self.problem
-                .parameters()
-                .scatter_within_limits(&self.x, &mut self.q);
+            let parameters = self.frame.problem().parameters();
+            parameters.scatter_within_limits(&self.x, &mut self.q);
             self.anchor(stands)?;
         }
-        let limits = self.problem.lower().iter().zip(self.problem.upper());
+        let problem = self.frame.problem();
+        let limits = problem.lower().iter().zip(problem.upper());
         let bounds = self.lower.iter_mut().zip(&mut self.upper);
         for ((&x, &most), ((lower, upper), (&low, &high))) in
             self.x.iter().zip(&self.most).zip(bounds.zip(limits))
@@ -258,16 +261,18 @@ impl BodyFollower {
 
     /// Takes for the anchors of what has come to stand where it stands.
     fn anchor(&mut self, stands: &[f64]) -> Result<(), RetargetError> {
-        for (k, _) in stands
-            .iter()
-            .enumerate()
-            .filter(|(_, stands)| **stands >= 1.0)
-        {
-            if self.anchors[k].is_none() {
-                let rows = self.problem.compiled_tasks()[k].rows.clone();
-                let miss = &self.descent.residual()[rows];
-                self.anchors[k] = Some(self.targets.get(self.points[k])?.place(miss));
-            }
+        let new = |k: &usize| stands[*k] >= 1.0 && self.anchors[*k].is_none();
+        let new: Vec<usize> = (0..stands.len()).filter(new).collect();
+        if new.is_empty() {
+            return Ok(());
+        }
+        let mut residual = vec![0.0; self.frame.problem().rows()];
+        self.frame
+            .residual_at(&self.targets, &self.x, &mut residual);
+        for k in new {
+            let rows = self.frame.problem().compiled_tasks()[k].rows.clone();
+            let point = self.targets.get(self.points[k])?;
+            self.anchors[k] = Some(point.place(&residual[rows]));
         }
         Ok(())
     }

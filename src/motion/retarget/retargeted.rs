@@ -1,5 +1,6 @@
 //! A movement on a model, and how well it follows.
 
+use crate::problem::Collision;
 use crate::spatial::Vector3;
 
 /// What stands and is farther than this from where it came to stand, metres, stands no more.
@@ -25,6 +26,18 @@ pub struct Retargeted {
     pub slip: f64,
     /// What could not be held until the person let go of it, as limits win: from each of these frames on it stands no more.
     pub given_up: Vec<GivenUp>,
+    /// The frames in which something touches all the same, where the body is to keep clear: of a movement frame by frame only
+    /// those from the first on, until one is free.
+    pub touching: Vec<Touching>,
+}
+
+/// What touches in a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Touching {
+    /// The frame.
+    pub frame: usize,
+    /// The pair that is nearest, or deepest.
+    pub pair: Collision,
 }
 
 /// What stood, and could be held no longer.

@@ -3,14 +3,19 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::clear_frames::ClearFrames;
 use super::contacts::Standing;
 use super::limbs::Limbs;
+use super::obstacles::Obstacles;
 use super::retargeted::{GivenUp, Measures};
-use super::{BodyFollower, BodyMap, Capture, ContactDetection, RetargetError, Retargeted, UpAxis};
+use super::{
+    BodyFollower, BodyMap, Capture, ContactDetection, RetargetError, Retargeted, Touching, UpAxis,
+};
 use crate::bad_option::{BadOption, NOT_NEGATIVE, POSITIVE};
 use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::FrameId;
 use crate::motion::clip::Windows;
+use crate::problem::KeepClear;
 use crate::robot::Robot;
 use crate::spatial::Vector3;
 
@@ -60,6 +65,7 @@ pub struct Retargeting<'r> {
     /// Frame after frame.
     pub(super) targets: Arc<[Vector3<f64>]>,
     pub(super) standing: Vec<Standing>,
+    pub(super) obstacles: Option<Obstacles>,
 }
 
 impl<'r> Retargeting<'r> {
@@ -94,7 +100,17 @@ impl<'r> Retargeting<'r> {
             joints: capture.names().len(),
             targets: targets.into(),
             standing,
+            obstacles: None,
         })
+    }
+
+    /// Keeps the body clear of what a checker has, itself first of all: in no frame it touches anything, however places pull.
+    /// A frame that would is solved anew with the clearance among what it follows, from where the last one stood, and goes no
+    /// further than where it is free.
+    #[must_use]
+    pub fn keep_clear<C: KeepClear + Clone + Send + Sync + 'static>(mut self, of: &C) -> Self {
+        self.obstacles = Some(Obstacles::of(of));
+        self
     }
 
     getters! {
@@ -152,14 +168,7 @@ impl<'r> Retargeting<'r> {
     /// # Errors
     /// Speed limits that are none.
     pub fn follower(&self) -> Result<BodyFollower, RetargetError> {
-        let lead = self.options.contacts.lead_s;
-        let mut follower = BodyFollower::new(
-            self.robot,
-            &self.limbs,
-            self.frame_rate,
-            self.options.landing_weight,
-            lead,
-        )?;
+        let mut follower = BodyFollower::new(self)?;
         let first = self.targets(0).unwrap_or_default();
         follower.stand_at(&self.limbs.first_stance(self.robot, first));
         Ok(follower)
@@ -170,15 +179,23 @@ impl<'r> Retargeting<'r> {
     /// # Errors
     /// As [`follower`](Self::follower).
     pub fn per_frame(&self) -> Result<Retargeted, RetargetError> {
+        let (q, _) = self.follow_all()?;
+        self.measure(q)
+    }
+
+    /// All configurations of a follower, and the frames in which it was near to something.
+    pub(super) fn follow_all(&self) -> Result<(Vec<f64>, Vec<bool>), RetargetError> {
         let mut follower = self.follower()?;
         let mut q = Vec::with_capacity(self.frames() * follower.q().len());
+        let mut near = Vec::with_capacity(self.frames());
         let mut firmness = vec![0.0; self.limbs.all.len()];
         for frame in 0..self.frames() {
             self.firmness(frame, &mut firmness);
             let places = self.targets(frame).unwrap_or_default();
             q.extend_from_slice(follower.advance(places, &firmness)?);
+            near.push(follower.clear().is_some_and(ClearFrames::is_near));
         }
-        self.measure(q)
+        Ok((q, near))
     }
 
     /// Tells how well configurations follow.
@@ -216,6 +233,7 @@ impl<'r> Retargeting<'r> {
             standing: name(limb),
         });
         Ok(Retargeted {
+            touching: self.touching(&q),
             given_up: given_up.collect(),
             configuration_len: model.configuration_len(),
             frame_rate: self.frame_rate,
@@ -225,6 +243,22 @@ impl<'r> Retargeting<'r> {
             slip: measures.slip,
             q,
         })
+    }
+}
+
+impl Retargeting<'_> {
+    /// The frames in which something touches; none where that is not asked for.
+    pub(super) fn touching(&self, q: &[f64]) -> Vec<Touching> {
+        let Some(mut check) = self.obstacles.as_ref().map(Obstacles::check) else {
+            return Vec::new();
+        };
+        let width = self.robot.model().configuration_len();
+        let frames = q.chunks_exact(width).enumerate();
+        let touching = frames.filter_map(|(frame, q)| {
+            let pair = check.collisions(q).into_iter().next()?;
+            Some(Touching { frame, pair })
+        });
+        touching.collect()
     }
 }
 

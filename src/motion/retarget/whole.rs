@@ -16,6 +16,8 @@ use crate::spatial::Vector3;
 const HELD: f64 = 200.0;
 /// … and a window takes no more iterations.
 const MOST_ITERATIONS: usize = 40;
+/// So often a whole movement is solved that comes to touch something.
+const CLEAR_ROUNDS: usize = 3;
 
 impl Retargeting<'_> {
     /// Solves the whole movement: smooth, as each frame knows what comes, and what stands held where frame by frame it came down.
@@ -34,16 +36,47 @@ impl Retargeting<'_> {
         &self,
         progress: &mut dyn FnMut(usize),
     ) -> Result<Retargeted, RetargetError> {
-        let start = self.per_frame()?;
+        let (mut q, mut near) = self.follow_all()?;
+        let aims: Arc<[_]> = self.aims(&q)?.into();
+        // What a movement frame by frame keeps clear of, a smooth one may come to touch elsewhere.
+        for _ in 0..CLEAR_ROUNDS {
+            self.widen(&mut near);
+            q = self.smooth(&q, &aims, &near, progress)?;
+            let touching = self.touching(&q);
+            if touching.is_empty() {
+                break;
+            }
+            touching.iter().for_each(|own| near[own.frame] = true);
+        }
+        self.measure(q)
+    }
+
+    /// All that is within reach of what counts does.
+    fn widen(&self, near: &mut [bool]) {
+        let reach = self.options.contacts.lead_frames(self.frame_rate);
+        let known = near.to_vec();
+        for (frame, _) in known.iter().enumerate().filter(|(_, near)| **near) {
+            let end = (frame + reach + 1).min(near.len());
+            near[frame.saturating_sub(reach)..end].fill(true);
+        }
+    }
+
+    /// The movement near `start` that is smooth, and keeps clear in the frames that are near to something.
+    fn smooth(
+        &self,
+        start: &[f64],
+        aims: &Arc<[(Vector3<f64>, f64)]>,
+        near: &[bool],
+        progress: &mut dyn FnMut(usize),
+    ) -> Result<Vec<f64>, RetargetError> {
         let model = self.robot.model();
-        let aims: Arc<[_]> = self.aims(&start.q)?.into();
         let mut motion = MotionProblem::builder(model, self.frames(), 1.0 / self.frame_rate);
         motion.parameters(self.robot.map().clone());
         motion.max_speeds_of(self.robot);
         let n = self.limbs.all.len();
         for (k, limb) in self.limbs.all.iter().enumerate() {
             let point = motion.add(DrivenPoint::new(limb.frame, limb.offset));
-            let aims = Arc::clone(&aims);
+            let aims = Arc::clone(aims);
             motion.follow(point, move |frame, point| {
                 let (place, weight) = aims[frame * n + k];
                 point.set(place, weight);
@@ -56,6 +89,9 @@ impl Retargeting<'_> {
             });
         }
         motion.add(posture(model));
+        if let Some(obstacles) = self.obstacles.as_ref().filter(|_| near.contains(&true)) {
+            obstacles.add_to_motion(&mut motion, near.into());
+        }
         motion.rate_cost(RateCost::acceleration(self.options.acceleration));
         let motion = motion.build()?;
         let solver = MotionSolver::default()
@@ -64,8 +100,8 @@ impl Retargeting<'_> {
             .with_good_start()
             .with_max_iterations(MOST_ITERATIONS)
             .with_windows(Some(self.options.windows));
-        let solved = solver.solve_near_with_progress(&motion, &start.q, progress)?;
-        self.measure(solved.q().to_vec())
+        let solved = solver.solve_near_with_progress(&motion, start, progress)?;
+        Ok(solved.q().to_vec())
     }
 
     /// Where each driven point should be in each frame of a whole movement, and how much that counts: what stands should

@@ -1,0 +1,129 @@
+"""People's movements on the G1, on one core: kinopt frame by frame and as a whole, GMR's loop on mink and DAQP, and holosoma-retargeting.
+
+``python retargeting.py G1.urdf MAP.json CAPTURE... [--gmr CONFIG.json --gmr-model G1.xml] [--holosoma FOLDER] [--frames N]``, from anywhere, in an
+environment with kinopt's wheel and requirements-retargeting.txt. MAP says which joint drives which link, as of ``kinopt retarget``; a CAPTURE is a
+.npy (frames, joints, 3) of the MAP's joints or a .bvh, which kinopt's own map is taken for. CONFIG and G1.xml are GMR's
+(``general_motion_retargeting/ik_configs/bvh_to_g1.json`` and ``assets/unitree_g1/g1_mocap_29dof.xml`` of YanjieZe/GMR). FOLDER is
+``holosoma_retargeting`` of its unpacked wheel; it solves the captures that it ships, every fourth frame, and its evaluator judges all.
+
+What is told: frames a second of processor time; how far limbs are off, after one scale and shift of the whole movement; how far bones' directions
+are; how far a toe strays while the person's stands, in the mean and at most; root mean square jerk of the joints at a fourth of the rate; numbers
+beyond limits of position and steps beyond those of speed. By holosoma's evaluator, at a fourth of the rate: frames deeper than 1 cm in the floor or
+a box, the deepest, frames with sliding toes of those that stand, and with all of the person's contacts with boxes kept.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import time
+from pathlib import Path
+
+# One core for all.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+import kinopt
+import numpy as np
+from retargeting_gmr import HEIGHT, Loop
+from retargeting_holosoma import EVERY, Holosoma
+from retargeting_holosoma import HEIGHT as HOLOSOMA_HEIGHT
+from retargeting_holosoma import PERSON as HOLOSOMA_PERSON
+from retargeting_judge import Judge, Movement
+
+HEAD = ["movement", "solver", "frames", "frames/s", "off, mm", "bones, °", "slip, mm", "worst", "jerk, rad/s³", "beyond limits", "too fast",
+        "deep, %", "deepest, mm", "sliding, %", "contacts kept, %"]
+DEEP = ["deep", "deepest", "slides", "kept"]
+ROUNDS = 3
+
+
+class Asked:
+    """A capture, in metres with z upward."""
+
+    def __init__(self, file: Path, told: dict, fps: float, unit: float, frames: int | None) -> None:
+        self.name, self.own_map = file.stem, file.suffix == ".bvh"
+        if self.own_map:
+            self.capture = kinopt.retargeting.read_capture(file)
+            places = np.array(self.capture.positions)
+            self.joints, self.fps = list(self.capture.joints), self.capture.fps
+            if self.capture.up == "y":
+                places = np.stack([places[..., 0], -places[..., 2], places[..., 1]], axis=-1)
+            self.places = unit * places[:frames]
+        else:
+            self.places, self.joints, self.fps = np.load(file)[:frames].astype(float), told["joints"], fps
+        self.whole = np.load(file, mmap_mode="r") if not self.own_map else None
+
+    def of(self, drives: dict[str, str]) -> np.ndarray:
+        return self.places[:, [self.joints.index(name) for name in drives]]
+
+
+def by_kinopt(robot: kinopt.Robot, asked: Asked, told: dict, whole: bool, **options) -> tuple[Movement, float, float]:
+    best, found = np.inf, None
+    given = None if asked.own_map else told
+    for _ in range(ROUNDS):
+        begun = time.process_time()
+        found = kinopt.retarget(asked.places, robot, given, joints=asked.joints, fps=asked.fps, up="z", whole=whole, **options)
+        best = min(best, time.process_time() - begun)
+    return Movement(found.q, found.names[7:], asked.fps), best, found.stride
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("urdf")
+    parser.add_argument("map", type=Path)
+    parser.add_argument("captures", type=Path, nargs="+")
+    parser.add_argument("--fps", type=float, default=120.0, help="of arrays")
+    parser.add_argument("--unit", type=float, default=0.056444, help="metres of a .bvh's unit, CMU's unless told")
+    parser.add_argument("--frames", type=int, help="the first frames alone")
+    parser.add_argument("--gmr", type=Path)
+    parser.add_argument("--gmr-model", type=Path)
+    parser.add_argument("--holosoma", type=Path)
+    parser.add_argument("--holosoma-frames", type=int, help="so many frames at most for its solver, which takes long")
+    wanted = parser.parse_args()
+    told = json.loads(wanted.map.read_text())
+    drives = told["drives"].get(Path(wanted.urdf).name, told["drives"])
+    limbs = {name: link for name, link in drives.items() if name.startswith(("Left", "Right"))}
+    robot = kinopt.Robot.from_urdf(wanted.urdf, base_joint="free")
+    judge = Judge(wanted.urdf, limbs)
+    holosoma = Holosoma(wanted.holosoma) if wanted.holosoma else None
+    print(f"| {' | '.join(HEAD)} |\n|---|---|{'---:|' * (len(HEAD) - 2)}")
+
+    for asked in (Asked(file, told, wanted.fps, wanted.unit, wanted.frames) for file in wanted.captures):
+        person = asked.of(limbs)
+        task = holosoma.task(asked.whole) if holosoma and asked.whole is not None else None
+
+        def say(name: str, movement: Movement, seconds: float, scale: float, every: int) -> None:
+            own = person[::EVERY // every]
+            found = judge.measures(movement, own[:len(movement.q)], every)
+            cells = [asked.name, name, len(movement.q), f"{len(movement.q) / seconds:.0f}", f"{found['off']:.1f}", f"{found['bones']:.1f}",
+                     f"{found['slip']:.2f}", f"{found['worst slip']:.1f}", f"{found['jerk']:.0f}", found["beyond"], found["fast"]]
+            if task:
+                seen = asked.places[::EVERY]
+                q = movement.q[::every]
+                deep = holosoma.measures(task, q[:, :36], scale, seen[:len(q)])
+                cells += [f"{deep[key]:.1f}" for key in DEEP]
+            else:
+                cells += ["-"] * len(DEEP)
+            print(f"| {' | '.join(map(str, cells))} |", flush=True)
+
+        for name, whole in (("kinopt, frame by frame", False), ("kinopt, whole", True)):
+            movement, seconds, stride = by_kinopt(robot, asked, told, whole)
+            say(name, movement, seconds, stride, EVERY)
+        if wanted.gmr and wanted.gmr_model:
+            loop = Loop(wanted.gmr_model, wanted.gmr)
+            q, seconds = loop.retarget(asked.joints, asked.places)
+            say(f"GMR's loop, {loop.steps / len(q):.1f} steps a frame", Movement(q, loop.joints(), asked.fps), seconds,
+                loop.scales[loop.root], EVERY)
+        if task:
+            known = -(-len(asked.places) // EVERY)
+            q, seconds = holosoma.retarget(task, min(known, wanted.holosoma_frames or known))
+            movement = Movement(q, holosoma_joints(robot), asked.fps / EVERY)
+            say("holosoma-retargeting", movement, seconds, HOLOSOMA_HEIGHT / HOLOSOMA_PERSON, 1)
+
+
+def holosoma_joints(robot: kinopt.Robot) -> list[str]:
+    """Of the same file in the same order, as MuJoCo's tree has it."""
+    return [name for name in robot.model.joint_names if name.endswith("_joint")]
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,63 @@
+//! What a body keeps clear of while it follows, whatever tells it.
+
+use std::fmt;
+use std::sync::Arc;
+
+use super::sometimes::Sometimes;
+use crate::motion::clip::MotionProblemBuilder;
+use crate::problem::{AnyClearanceCheck, KeepClear, ProblemBuilder};
+use crate::task::Task;
+
+/// How much more a clearance counts than a place, in a whole movement.
+const HOLDING: f64 = 100.0;
+
+type OfFrame = dyn Fn(&mut ProblemBuilder<'_>) + Send + Sync;
+type OfMotion = dyn Fn(&mut MotionProblemBuilder<'_>, Arc<[bool]>) + Send + Sync;
+
+/// A checker without its type.
+#[derive(Clone)]
+pub(super) struct Obstacles {
+    of_frame: Arc<OfFrame>,
+    of_motion: Arc<OfMotion>,
+    check: Box<dyn AnyClearanceCheck>,
+}
+
+impl fmt::Debug for Obstacles {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Obstacles")
+            .field("check", &self.check)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Obstacles {
+    pub(super) fn of<C: KeepClear + Clone + Send + Sync + 'static>(checker: &C) -> Self {
+        let [of_frame, of_motion] = [checker.clone(), checker.clone()];
+        Self {
+            of_frame: Arc::new(move |tasks| {
+                tasks.keep_clear(&of_frame);
+            }),
+            of_motion: Arc::new(move |motion, near| {
+                let clearance = Sometimes::new(of_motion.clearance().residual);
+                let task = motion.add(Task::new(clearance).times(HOLDING));
+                motion.follow(task, move |frame, own| own.set(near[frame]));
+            }),
+            check: Box::new(checker.check()),
+        }
+    }
+
+    /// A check with memory of its own.
+    pub(super) fn check(&self) -> Box<dyn AnyClearanceCheck> {
+        self.check.clone()
+    }
+
+    /// A frame's tasks keep clear.
+    pub(super) fn add_to(&self, tasks: &mut ProblemBuilder<'_>) {
+        (self.of_frame)(tasks);
+    }
+
+    /// A movement's do, in the frames that are near to something.
+    pub(super) fn add_to_motion(&self, motion: &mut MotionProblemBuilder<'_>, near: Arc<[bool]>) {
+        (self.of_motion)(motion, near);
+    }
+}

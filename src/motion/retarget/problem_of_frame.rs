@@ -1,0 +1,70 @@
+//! What a frame asks, and the memory to follow it.
+
+use super::bounded_descent::BoundedDescent;
+use crate::problem::{Evaluation, Problem, Question, Scratch, Targets};
+use crate::solver::LeastSquares;
+
+/// A problem that is solved frame after frame, each time from near its end.
+#[derive(Clone, Debug)]
+pub(super) struct ProblemOfFrame {
+    problem: Problem,
+    scratch: Scratch,
+    descent: BoundedDescent,
+}
+
+impl ProblemOfFrame {
+    /// `size` is as of [`BoundedDescent::new`].
+    pub(super) fn new(problem: Problem, size: f64) -> Self {
+        Self {
+            scratch: problem.scratch(),
+            descent: BoundedDescent::new(problem.rows(), problem.variables(), size),
+            problem,
+        }
+    }
+
+    getters! {
+        pub(super) fn problem(&self) -> &Problem = &self.problem;
+        /// r where the last descent ended.
+        pub(super) fn residual(&self) -> &[f64] = self.descent.residual();
+    }
+
+    /// Goes downhill from x, which is within the bounds and stays there; whether all is finite, else x stays.
+    pub(super) fn descend(
+        &mut self,
+        targets: &Targets,
+        [lower, upper]: [&[f64]; 2],
+        x: &mut [f64],
+        steps: usize,
+    ) -> bool {
+        let question = Question::from(&self.problem).with_targets(targets);
+        let question = question.within(lower, upper, &[]);
+        let mut evaluation = Evaluation::new(question, &mut self.scratch);
+        let whole = self.descent.descend(&mut evaluation, x, steps);
+        if whole {
+            question.space().project(x);
+        }
+        whole
+    }
+
+    /// r at x, without the clearance where there is one.
+    pub(super) fn residual_at(&mut self, targets: &Targets, x: &[f64], residual: &mut [f64]) {
+        let question = Question::from(&self.problem).with_targets(targets);
+        Evaluation::new(question, &mut self.scratch).residual(x, residual);
+    }
+
+    /// Takes x back to `from`, all but a share of the way.
+    pub(super) fn go_back(
+        &self,
+        [lower, upper]: [&[f64]; 2],
+        from: &[f64],
+        share: f64,
+        x: &mut [f64],
+    ) {
+        let question = Question::from(&self.problem).within(lower, upper, &[]);
+        let space = question.space();
+        let mut way = vec![0.0; x.len()];
+        space.difference(x, from, &mut way);
+        space.integrate_share(from, share, &way, x);
+        space.project(x);
+    }
+}

@@ -1,0 +1,70 @@
+//! A residual that is looked at in some frames only.
+
+use crate::model::{FrameId, JointId};
+use crate::scalar::Scalar;
+use crate::spatial::Placement;
+use crate::task::{LocalJacobian, Residual, Rows};
+
+/// The same residual, or 0.
+#[derive(Clone, Debug)]
+pub(super) struct Sometimes<R> {
+    of: R,
+    counts: bool,
+}
+
+impl<R> Sometimes<R> {
+    pub(super) fn new(of: R) -> Self {
+        Self { of, counts: true }
+    }
+
+    /// Says whether it counts.
+    pub(super) fn set(&mut self, counts: bool) {
+        self.counts = counts;
+    }
+}
+
+impl<R: Residual> Residual for Sometimes<R> {
+    fn kind(&self) -> &'static str {
+        self.of.kind()
+    }
+
+    fn is_of_body(&self) -> bool {
+        self.of.is_of_body()
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        self.of.frames()
+    }
+
+    fn joints(&self) -> Vec<JointId> {
+        self.of.joints()
+    }
+
+    fn joint_values(&self) -> Option<usize> {
+        self.of.joint_values()
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        self.of.rows()
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        match self.counts {
+            true => self.of.evaluate(frames, joints, residual),
+            false => residual.fill(S::constant(0.0)),
+        }
+    }
+
+    fn differentiate(
+        &self,
+        frames: &[Placement<f64>],
+        joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        !self.counts || self.of.differentiate(frames, joints, jacobian)
+    }
+
+    fn validate(&self) -> Result<(), String> {
+        self.of.validate()
+    }
+}

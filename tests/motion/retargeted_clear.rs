@@ -1,0 +1,150 @@
+//! Promise: a body that is to keep clear touches itself in no frame, however places pull, within its limits of position and
+//! speed to the bit; where nothing would touch it moves as it does without.
+
+use kinopt::collision::{Checker, CollisionModel};
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeted, Retargeting};
+use kinopt::robot::{BaseJoint, Robot};
+use kinopt::spatial::Vector3;
+
+const RATE: f64 = 20.0;
+const FRAMES: usize = 40;
+const MARGIN: f64 = 2e-3;
+const MAP: &str = r#"{
+    "joints": ["hips", "left_foot", "right_foot", "left_hand", "right_hand"],
+    "drives": {
+        "hips": "torso", "left_foot": "left_sole", "right_foot": "right_sole",
+        "left_hand": "left_hand", "right_hand": "right_hand"
+    }
+}"#;
+
+fn nao() -> Robot {
+    let robot = Robot::read("models/aldebaran_nao.urdf").unwrap();
+    robot.with_base_joint(BaseJoint::FREE).unwrap()
+}
+
+/// Stands with its feet apart, and brings both hands to its middle by a share of the way, and back.
+fn clasp(robot: &Robot, share: f64) -> Capture {
+    let model = robot.model();
+    let mut kinematics = ForwardKinematics::new(model);
+    let placed = kinematics.place(&model.neutral()).unwrap();
+    let at = |name: &str| placed[model.frame(name).unwrap().index()].translation;
+    let links = [
+        "torso",
+        "left_sole",
+        "right_sole",
+        "left_hand",
+        "right_hand",
+    ];
+    let mut places = Vec::new();
+    for frame in 0..FRAMES {
+        let there = share * (std::f64::consts::PI * frame as f64 / FRAMES as f64).sin();
+        for link in links {
+            let hand = link.ends_with("hand");
+            let way = at("torso") - at(link);
+            let apart = match link {
+                "left_sole" => Vector3::new(0.0, 0.03, 0.0),
+                "right_sole" => Vector3::new(0.0, -0.03, 0.0),
+                _ => Vector3::zero(),
+            };
+            let way = if hand { way * there } else { apart };
+            places.extend((at(link) + way).to_array());
+        }
+    }
+    Capture::new(links_of_map(), &places, RATE).unwrap()
+}
+
+fn links_of_map() -> Vec<String> {
+    let map = BodyMap::from_json(MAP, "").unwrap();
+    map.joints
+}
+
+fn both_ways(robot: &Robot, checker: &Checker, share: f64) -> ([Retargeted; 2], [Retargeted; 2]) {
+    let map = BodyMap::from_json(MAP, "").unwrap();
+    let capture = clasp(robot, share);
+    let fitted = Retargeting::new(robot, &map, &capture, RetargetOptions::default()).unwrap();
+    let clear = fitted.clone().keep_clear(checker);
+    let solve = |own: &Retargeting<'_>| [own.per_frame().unwrap(), own.whole().unwrap()];
+    (solve(&fitted), solve(&clear))
+}
+
+fn frames(found: &Retargeted) -> impl Iterator<Item = &[f64]> {
+    found.q.chunks(found.configuration_len)
+}
+
+fn checker(robot: &Robot) -> Checker {
+    let shapes = CollisionModel::of(robot).unwrap();
+    let shapes = shapes.with_touching_ignored(&robot.model().neutral());
+    Checker::covered(shapes.unwrap())
+        .with_margin(MARGIN)
+        .unwrap()
+}
+
+/// Frames in which links are nearer than the margin.
+fn touching(checker: &Checker, found: &Retargeted) -> usize {
+    let touches = |q: &&[f64]| !checker.collisions(q).unwrap().is_empty();
+    frames(found).filter(touches).count()
+}
+
+fn keeps_limits(robot: &Robot, found: &Retargeted) -> bool {
+    let moves = robot.moves_within(1.0 / RATE);
+    let mut pairs = frames(found).zip(frames(found).skip(1));
+    frames(found).all(|q| robot.model().is_within_limits(q))
+        && pairs.all(|(from, to)| {
+            let mut numbers = from.iter().zip(to).zip(&moves);
+            numbers.all(|((from, to), most)| (to - from).abs() <= *most)
+        })
+}
+
+#[test]
+fn hands_that_are_pulled_into_the_chest_stay_out_of_it() {
+    let robot = nao();
+    let checker = checker(&robot);
+    let (plain, clear) = both_ways(&robot, &checker, 1.0);
+    for (plain, clear) in plain.iter().zip(&clear) {
+        assert!(
+            touching(&checker, plain) > 10,
+            "{}",
+            touching(&checker, plain)
+        );
+        assert_eq!(touching(&checker, clear), 0);
+        assert!(clear.touching.is_empty());
+        assert!(keeps_limits(&robot, clear));
+        assert!(clear.slip < 1e-3, "{} m", clear.slip);
+        // Not by staying away: the hands come nearly as near.
+        assert!(
+            clear.mean_error < plain.mean_error + 0.02,
+            "{}",
+            clear.mean_error
+        );
+    }
+}
+
+#[test]
+fn what_touches_nothing_moves_as_it_does_without() {
+    let robot = nao();
+    let checker = checker(&robot);
+    let (plain, clear) = both_ways(&robot, &checker, -0.2);
+    assert_eq!(touching(&checker, &plain[0]), 0);
+    assert_eq!(plain[0].q, clear[0].q);
+    assert_eq!(plain[1].q, clear[1].q);
+}
+
+#[test]
+fn what_touches_from_the_first_frame_is_told_of_or_let_go() {
+    let robot = nao();
+    let map = BodyMap::from_json(MAP, "").unwrap();
+    let capture = clasp(&robot, 1.0);
+    // Half way through, where both hands are in the chest.
+    let middle: Vec<f64> = (FRAMES / 2..FRAMES)
+        .filter_map(|frame| capture.frame(frame))
+        .flatten()
+        .flat_map(|at| at.to_array())
+        .collect();
+    let capture = Capture::new(links_of_map(), &middle, RATE).unwrap();
+    let checker = checker(&robot);
+    let fitted = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
+    let found = fitted.keep_clear(&checker).per_frame().unwrap();
+    assert_eq!(found.touching.len(), touching(&checker, &found));
+    assert_eq!(found.touching.len(), 0, "{:?}", found.touching.first());
+}
