@@ -5,7 +5,7 @@ use kinopt::motion::clip::{
     Contact, MotionBound, MotionError, MotionProblem, MotionProblemBuilder, MotionSolver, RateCost,
 };
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::Point;
+use kinopt::task::{Point, Task};
 
 type Ask<'a> = &'a dyn Fn(&mut MotionProblemBuilder);
 
@@ -40,7 +40,14 @@ fn errors_name_what_is_wrong() {
     };
     let jerk = RateCost::jerk(1.0).times("wrist", 2.0);
     let backwards = RateCost::velocity(-1.0);
-    let wrong: [(Ask<'_>, &[&str]); 8] = [
+    let below = Task::new(Point::new(tip, [0.0; 3]))
+        .named("gaze")
+        .at_level(2);
+    let wrong: [(Ask<'_>, &[&str]); 9] = [
+        (
+            &|motion| _ = motion.add(below.clone()),
+            &["gaze", "level 2"],
+        ),
         (
             &|motion| _ = motion.max_speed("wrist", 1.0),
             &["wrist", "elbow"],

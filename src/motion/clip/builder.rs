@@ -176,7 +176,7 @@ impl<'m> MotionProblemBuilder<'m> {
     ///
     /// # Errors
     /// The first thing that is wrong, by name: what [`ProblemBuilder::build`] refuses, no frame, weights or settings out
-    /// of range, spans beyond the frames, balls within limits, loops, fixed frames beyond limits.
+    /// of range, spans beyond the frames, goals on several levels, balls within limits, loops, fixed frames beyond limits.
     pub fn build(self) -> Result<MotionProblem, MotionError> {
         let Self {
             model,
@@ -197,6 +197,7 @@ impl<'m> MotionProblemBuilder<'m> {
             });
         }
         let problem = self.problem.build()?;
+        refuse_levels(&problem)?;
         let map = problem.parameters();
         let joints = &problem.names().joints;
         let bounded = |ball: &&crate::model::BallVariables| {
@@ -288,6 +289,19 @@ pub(in crate::motion) fn longest_moves(
         }
     }
     Ok(most)
+}
+
+/// What is weighed together would silently break a level's promise.
+fn refuse_levels(problem: &Problem) -> Result<(), MotionError> {
+    let levels = &problem.names().task_levels;
+    let below = (0..problem.tasks()).find(|&task| levels[task] > 0);
+    match below {
+        Some(task) if problem.ranks().levels() > 1 => Err(MotionError::Level {
+            task: problem.task_name(task).unwrap_or_default().to_owned(),
+            level: levels[task],
+        }),
+        _ => Ok(()),
+    }
 }
 
 fn check_weights(

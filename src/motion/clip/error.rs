@@ -50,6 +50,16 @@ pub enum MotionError {
         /// The weight.
         weight: f64,
     },
+    /// A goal below others.
+    #[error(
+        "task {task} is at level {level}: whole motions weigh all tasks together, so leave levels out and weigh it by `times`"
+    )]
+    Level {
+        /// The task.
+        task: String,
+        /// Its level.
+        level: usize,
+    },
     /// A joint whose limits are no range of a variable.
     #[error(
         "joint `{joint}` turns as a ball within limits, which whole motions do not know: leave its limits out"

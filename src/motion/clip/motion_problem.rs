@@ -25,8 +25,8 @@ pub(super) type Follow = Arc<dyn Fn(usize, &mut Targets) -> Result<(), ProblemEr
 /// ```
 ///
 /// r_t are the tasks of a frame, whose targets and weights change from frame to frame; the k-th difference Δᵏ, of
-/// velocities, accelerations or jerks, is a [`RateCost`](super::RateCost). All tasks are weighed together: levels and
-/// roles are not looked at. [`MotionSolver`](super::MotionSolver) solves it.
+/// velocities, accelerations or jerks, is a [`RateCost`](super::RateCost). All tasks are weighed together, preferences as
+/// well; goals on several levels are refused. [`MotionSolver`](super::MotionSolver) solves it.
 ///
 /// ```
 /// use kinopt::model::{Limits, Model};
