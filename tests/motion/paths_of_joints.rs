@@ -10,16 +10,18 @@ use support::sample::{cases, few};
 
 /// Smooth in the joints through a few random configurations, so many points from one to the next.
 fn joints(arm: &Arm, random: &mut Random, steps: usize) -> Vec<Vec<f64>> {
-    let mut from = random.configuration(arm);
-    let mut rows = vec![from.clone()];
-    for _ in 0..2 {
-        let to = random.configuration(arm);
+    let ends = [(); 3].map(|()| random.configuration(arm));
+    through(&ends, steps)
+}
+
+fn through(ends: &[Vec<f64>; 3], steps: usize) -> Vec<Vec<f64>> {
+    let mut rows = vec![ends[0].clone()];
+    for pair in ends.windows(2) {
         for k in 1..=steps {
             let share = 0.5 - 0.5 * (std::f64::consts::PI * k as f64 / steps as f64).cos();
             let between = |(a, b): (&f64, &f64)| a + share * (b - a);
-            rows.push(from.iter().zip(&to).map(between).collect());
+            rows.push(pair[0].iter().zip(&pair[1]).map(between).collect());
         }
-        from = to;
     }
     rows
 }
@@ -100,4 +102,39 @@ fn seven_joints() {
 fn four_joints_and_a_slide() {
     let count = cases(20, 1);
     assert!(jumps("adept_cobra_s600", "base", "flange", count) * 200 <= count);
+}
+
+/// Past places at which the arm is stretched out, where the branches known of one side and of the other are of one self-motion.
+#[test]
+fn a_leap_within_a_self_motion_is_shared_by_the_steps_around_it() {
+    let robot = robot("kuka_iiwa14");
+    let arm = Arm::new(&robot, "base", "flange").unwrap();
+    for ends in [
+        [
+            [2.14, 1.03, 1.27, 1.34, 2.33, 1.83, 1.38],
+            [2.55, -0.97, -0.13, -1.3, -2.34, -0.43, -0.98],
+            [0.78, -0.39, -2.04, -0.02, -1.01, 1.12, 1.15],
+        ],
+        [
+            [1.18, -1.07, -0.06, 1.57, -1.76, -0.97, 0.35],
+            [-1.23, -0.43, -0.45, -1.55, 1.41, -2.07, 2.35],
+            [-2.72, 0.35, -0.69, 2.03, -1.31, 1.62, -2.86],
+        ],
+    ] {
+        let own = through(&ends.map(|q| q.to_vec()), 150);
+        let points: Vec<Placement<f64>> =
+            own.iter().map(|q| arm.base_from_tool(q).unwrap()).collect();
+        let path = CartesianPath::new(points).unwrap();
+        let solution = PathSolver::new(&arm).solve(&path).unwrap();
+        assert!(solution.missed.is_empty());
+        let left: Vec<_> = (solution.reconfigurations.iter())
+            .map(|told| (told.index, told.distance))
+            .collect();
+        assert_eq!(left, [], "{ends:?}");
+        let rows: Vec<&[f64]> = solution.rows().collect();
+        assert!(
+            rows.windows(2)
+                .all(|pair| longest(pair[0], pair[1]) <= 0.2 + 1e-9)
+        );
+    }
 }

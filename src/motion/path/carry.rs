@@ -18,7 +18,8 @@ const MOST_PARTS: f64 = 10_000.0;
 /// Room for it.
 #[derive(Debug, Default)]
 pub(super) struct Carrier {
-    /// How the configurations that were carried last came there: the layer's first, or on the way back its last.
+    /// Which configurations were carried last, and how they came there.
+    moving: std::ops::Range<usize>,
     motions: Vec<f64>,
     stand: Vec<f64>,
     starts: Vec<f64>,
@@ -36,83 +37,56 @@ impl Carrier {
     /// Forgets how configurations came.
     pub(super) fn forget(&mut self) {
         self.motions.clear();
+        self.moving = 0..0;
     }
 
-    /// Carries all of the layer before on to a station.
-    pub(super) fn on(
+    /// Carries a station's configurations, from the one at `first` on, to the station after or before it, where they stand behind
+    /// what stands there.
+    pub(super) fn carry(
         &mut self,
         growth: &Growth<'_>,
         layers: &mut [Layer],
-        to: usize,
-    ) -> Result<(), QueryError> {
-        let n = growth.width();
-        let (before, after) = layers.split_at_mut(to);
-        let (from, layer) = (&before[to - 1], &mut after[0]);
-        let carried = self.motions.len() / n;
-        self.follow(growth, &from.q, (to - 1, to), 0..carried)?;
-        let mut motions = Vec::with_capacity(self.stand.len());
-        for place in 0..self.came.len() {
-            let Some(in_parts) = self.came[place] else {
-                continue;
-            };
-            let q = &self.ends.q[place * n..(place + 1) * n];
-            let known = layer.find(q, &growth.merging);
-            let most = growth.most - growth.most / 4;
-            let own = match known {
-                Some(own) => own,
-                None if layer.count(n) < most => {
-                    layer.take(q);
-                    let stand = &self.stand[place * n..(place + 1) * n];
-                    motions.extend(q.iter().zip(stand).map(|(a, b)| a - b));
-                    layer.count(n) - 1
-                }
-                None => continue,
-            };
-            if in_parts || known.is_some() {
-                layer.link(own, place);
-            }
-        }
-        self.motions = motions;
-        Ok(())
-    }
-
-    /// Carries those of the layer after, from `first` on, back to a station.
-    pub(super) fn back(
-        &mut self,
-        growth: &Growth<'_>,
-        layers: &mut [Layer],
-        to: usize,
+        (from, to): (usize, usize),
         first: usize,
     ) -> Result<(), QueryError> {
         let n = growth.width();
-        let (before, after) = layers.split_at_mut(to + 1);
-        let (layer, from) = (&mut before[to], &mut after[0]);
-        let newcomers = from.q.get(first * n..).unwrap_or(&[]);
-        let count = newcomers.len() / n;
-        let carried = count.saturating_sub(self.motions.len() / n)..count;
-        self.follow(growth, newcomers, (to + 1, to), carried)?;
-        let mut motions = Vec::with_capacity(self.stand.len());
+        let most = match to > from {
+            // The rest is for what is carried back.
+            true => growth.most - growth.most / 4,
+            false => growth.most,
+        };
+        let q = layers[from].q.get(first * n..).unwrap_or(&[]);
+        let count = q.len() / n;
+        let place = |at: usize| at.saturating_sub(first).min(count);
+        let moving = place(self.moving.start)..place(self.moving.end);
+        self.follow(growth, q, (from, to), moving)?;
+        self.motions.clear();
+        let begun = layers[to].count(n);
         for place in 0..self.came.len() {
             let Some(in_parts) = self.came[place] else {
                 continue;
             };
             let q = &self.ends.q[place * n..(place + 1) * n];
-            let known = layer.find(q, &growth.merging);
+            let known = layers[to].find(q, &growth.merging);
             let own = match known {
                 Some(own) => own,
-                None if layer.count(n) < growth.most => {
-                    layer.take(q);
+                None if layers[to].count(n) < most => {
+                    layers[to].take(q);
                     let stand = &self.stand[place * n..(place + 1) * n];
-                    motions.extend(q.iter().zip(stand).map(|(a, b)| a - b));
-                    layer.count(n) - 1
+                    let motion = q.iter().zip(stand).map(|(a, b)| a - b);
+                    self.motions.extend(motion);
+                    layers[to].count(n) - 1
                 }
                 None => continue,
             };
             if in_parts || known.is_some() {
-                from.link(first + place, own);
+                match to > from {
+                    true => layers[to].link(own, first + place),
+                    false => layers[from].link(first + place, own),
+                }
             }
         }
-        self.motions = motions;
+        self.moving = begun..layers[to].count(n);
         Ok(())
     }
 

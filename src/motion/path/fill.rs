@@ -63,7 +63,7 @@ pub(super) fn fill(
         let knot = knots.stations[station];
         let alone = knot == knots.stations[station - 1] + 1;
         let (place, before) = (chosen.places[station], chosen.places[station - 1]);
-        if alone && layer.is_linked(place as usize, before as usize) {
+        if alone && layer.linked_to(place as usize) == Some(before as usize) {
             let (from, to) = (way.row(knot - 1, n), way.row(knot, n));
             let excess = growth.bounds.excess(knots, knot, from, to);
             way.allowance[knot] = (1.05 * excess).max(1.0);

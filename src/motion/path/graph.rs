@@ -68,13 +68,16 @@ pub(super) fn fewest_reconfigurations(
             .filter(|edge| edge.station == to)
             .copied()
             .collect();
+        let from_layer = &layers[to - 1].q;
         let step = Step {
             layer: &layers[to],
             apart: &apart,
-            from: &layers[to - 1].q,
+            from: from_layer,
             costs: &costs,
             limits: &limits,
             weights: &weights,
+            sorted: Sorted::of(from_layer, &limits),
+            least: costs.iter().map(|cost| cost.0).min().unwrap_or(0),
         };
         let ends = layers[to].q.chunks_exact(n).enumerate();
         let ends = ends.map(|(place, q)| step.best_to(place, q));
@@ -117,32 +120,63 @@ struct Step<'a> {
     costs: &'a [Cost],
     limits: &'a [f32],
     weights: &'a [f32],
+    sorted: Sorted,
+    /// Fewest reconfigurations of any configuration before.
+    least: u32,
 }
 
 impl Step<'_> {
     /// What the best way to a configuration costs, and where it comes from.
     fn best_to(&self, own: usize, q: &[f32]) -> (Cost, u16) {
-        let n = q.len();
         let mut best = (NEVER, 0);
-        for (place, (from, cost)) in self.from.chunks_exact(n).zip(self.costs).enumerate() {
-            let mut moves = from.iter().zip(q).zip(self.limits);
-            let near = moves.all(|((a, b), most)| (a - b).abs() <= *most);
-            let joined = (near || self.layer.is_linked(own, place)) && !self.are_apart(place, own);
-            let reconfigurations = match joined {
-                true => cost.0,
-                false => cost.0.saturating_add(1),
-            };
-            // Its length is worth knowing only then.
-            if reconfigurations > best.0.0 || *cost == NEVER {
-                continue;
+        for place in self.sorted.near(q, self.limits) {
+            let mut moves = self.row(place).iter().zip(q).zip(self.limits);
+            if moves.all(|((a, b), most)| (a - b).abs() <= *most) {
+                self.consider(&mut best, (place, own), q, true);
             }
-            let length = cost.1 + f64::from(self.length(from, q));
-            if reconfigurations < best.0.0 || length < best.0.1 {
-                let jumped = if joined { 0 } else { JUMPED };
-                best = ((reconfigurations, length), place as u16 | jumped);
+        }
+        if let Some(place) = self.layer.linked_to(own) {
+            self.consider(&mut best, (place, own), q, true);
+        }
+        // A reconfiguration pays only where no step is as good as what came with the fewest.
+        if best.0.0 > self.least {
+            for place in 0..self.costs.len() {
+                self.consider(&mut best, (place, own), q, false);
             }
         }
         best
+    }
+
+    /// Takes a step if it is better than the best known.
+    fn consider(
+        &self,
+        best: &mut (Cost, u16),
+        (place, own): (usize, usize),
+        q: &[f32],
+        joined: bool,
+    ) {
+        let cost = self.costs[place];
+        if cost == NEVER || joined && self.are_apart(place, own) {
+            return;
+        }
+        let reconfigurations = match joined {
+            true => cost.0,
+            false => cost.0.saturating_add(1),
+        };
+        // Its length is worth knowing only then.
+        if reconfigurations > best.0.0 {
+            return;
+        }
+        let length = cost.1 + f64::from(self.length(self.row(place), q));
+        if reconfigurations < best.0.0 || length < best.0.1 {
+            let jumped = if joined { 0 } else { JUMPED };
+            *best = ((reconfigurations, length), place as u16 | jumped);
+        }
+    }
+
+    fn row(&self, place: usize) -> &[f32] {
+        let n = self.weights.len();
+        &self.from[place * n..(place + 1) * n]
     }
 
     fn are_apart(&self, from: usize, to: usize) -> bool {
@@ -159,4 +193,43 @@ impl Step<'_> {
 
 fn order(a: &Cost, b: &Cost) -> std::cmp::Ordering {
     a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+}
+
+/// The configurations before a station by the joint in which they lie furthest apart, so that few are looked at.
+struct Sorted {
+    joint: usize,
+    /// That joint's values, rising, and whose they are.
+    values: Vec<f32>,
+    places: Vec<usize>,
+}
+
+impl Sorted {
+    fn of(from: &[f32], limits: &[f32]) -> Self {
+        let n = limits.len();
+        let spread = |joint: usize| {
+            let values = from.iter().skip(joint).step_by(n);
+            let (low, high) = values.fold((f32::MAX, f32::MIN), |(low, high), value| {
+                (low.min(*value), high.max(*value))
+            });
+            (high - low) / limits[joint]
+        };
+        let joint = (0..n).max_by(|a, b| spread(*a).total_cmp(&spread(*b)));
+        let joint = joint.unwrap_or(0);
+        let mut places: Vec<usize> = (0..from.len() / n).collect();
+        places.sort_by(|a, b| from[a * n + joint].total_cmp(&from[b * n + joint]));
+        Self {
+            joint,
+            values: places.iter().map(|place| from[place * n + joint]).collect(),
+            places,
+        }
+    }
+
+    /// Those of which that joint is near.
+    fn near(&self, q: &[f32], limits: &[f32]) -> impl Iterator<Item = usize> {
+        // A little more, for what rounding leaves out.
+        let (value, most) = (q[self.joint], 1.001 * limits[self.joint]);
+        let first = self.values.partition_point(|other| *other < value - most);
+        let last = self.values.partition_point(|other| *other <= value + most);
+        self.places[first..last.max(first)].iter().copied()
+    }
 }

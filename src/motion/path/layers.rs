@@ -108,7 +108,7 @@ impl<'a> Growth<'a> {
                 layers[to].take(end);
                 continue;
             }
-            carrier.on(self, &mut layers, to)?;
+            carrier.carry(self, &mut layers, (to - 1, to), 0)?;
             let layer = &mut layers[to];
             carried[to] = layer.count(self.width());
             self.turn_over(layer, stations[to], &mut room)?;
@@ -124,7 +124,7 @@ impl<'a> Growth<'a> {
             // What came from before was there already.
             match layers[to].missed || layers[to + 1].missed {
                 true => carrier.forget(),
-                false => carrier.back(self, &mut layers, to, carried[to + 1])?,
+                false => carrier.carry(self, &mut layers, (to + 1, to), carried[to + 1])?,
             }
         }
         Ok(layers)
@@ -290,9 +290,9 @@ impl Layer {
         }
     }
 
-    /// Whether a configuration was followed from one before.
-    pub(super) fn is_linked(&self, place: usize, before: usize) -> bool {
+    /// The configuration before that one was followed from, if it was.
+    pub(super) fn linked_to(&self, place: usize) -> Option<usize> {
         let link = self.links.get(place).copied().unwrap_or(UNLINKED);
-        link != UNLINKED && usize::from(link) == before
+        (link != UNLINKED).then_some(usize::from(link))
     }
 }

@@ -27,6 +27,7 @@
 //! ```
 
 mod basis;
+mod bridge;
 mod carry;
 mod cartesian_path;
 mod closing;

@@ -1,5 +1,6 @@
 //! The solver of paths: its options, and what one solve does.
 
+use super::bridge::bridge;
 use super::cartesian_path::{CartesianPath, Course};
 use super::deviation::{self, LedStep};
 use super::error::PathError;
@@ -184,6 +185,7 @@ impl<'a> PathSolver<'a> {
                 way = other;
             }
         }
+        bridge(growth, &mut way)?;
         let shortening = Shortening {
             growth,
             weights: &weights,
@@ -192,6 +194,8 @@ impl<'a> PathSolver<'a> {
         // Its rounds take some 300 bytes a point.
         if growth.knots.len() <= LONGEST_SHORTENED {
             shortening.run(&mut way)?;
+            // It has drawn the branches together.
+            bridge(growth, &mut way)?;
         }
         fill::keep_ends(growth, &mut way);
         fill::rejoin(growth, &mut way);
