@@ -155,12 +155,23 @@ def test_a_file_of_motion_capture_and_its_clip_are_the_same(nao: kinopt.Robot, t
     assert found.contacts.shape == (5, 0) and found.standing == []
 
 
-def test_a_map_is_guessed_and_can_be_corrected(nao: kinopt.Robot, tmp_path: Path) -> None:
+def test_the_body_that_ships_is_known(nao: kinopt.Robot) -> None:
     names, places = person()
+    guess = kinopt.guess_map(Capture(places, names, 30), nao)
+    assert (guess.skeleton, guess.body) == ("smpl", "nao")
+    # Its toes are in front of its ankles, though its feet's frames are not.
+    assert guess.map["drives"]["left_foot"]["offset"][0] > 0
+
+
+def test_a_map_is_guessed_and_can_be_corrected(tmp_path: Path) -> None:
+    names, places = person()
+    # With a link of another name the body is nobody that is known.
+    text = NAO.read_text().replace('velocity="0"', 'velocity="3"').replace('"left_shank"', '"left_calf"')
+    nao = kinopt.Robot.from_urdf_text(text, "stranger.urdf", base_joint="free")
     guess = kinopt.guess_map(Capture(places, names, 30), nao)
     assert guess.skeleton == "smpl" and guess.body is None
     drives = guess.map["drives"]
-    assert drives["left_knee"] == "left_shank" and drives["left_wrist"] == "left_wrist"
+    assert drives["left_knee"] == "left_calf" and drives["left_wrist"] == "left_wrist"
     assert drives["left_ankle"] == "left_ankle"
     # SMPL's feet are toes, and the robot's are where its ankles are: both would pull at one place.
     assert "left_foot" not in drives
