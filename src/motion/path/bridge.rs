@@ -13,14 +13,17 @@ const LONGEST: usize = 128;
 pub(super) fn bridge(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
     let mut ends = Ends::default();
     for knot in 1..way.joined.len() {
-        let reached = way.reached[knot - 1] && way.reached[knot];
-        if way.joined[knot] || !reached || !growth.knots.is_led_to(knot) {
+        if way.joined[knot] || !is_led(growth, way, knot) {
             continue;
         }
-        let mut half = 1;
+        let (mut half, mut tried) = (1, None);
         while half <= LONGEST && !way.joined[knot] {
             half *= 2;
             let (first, last) = piers(growth, way, knot, half);
+            // A longer one finds no room.
+            if tried.replace((first, last)) == Some((first, last)) {
+                break;
+            }
             if let Some(rows) = span(growth, way, (first, last), &mut ends)? {
                 let n = growth.width();
                 way.q[(first + 1) * n..last * n].copy_from_slice(&rows);
@@ -31,10 +34,14 @@ pub(super) fn bridge(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError
     Ok(())
 }
 
+/// Whether the path leads to a knot from the one before, and both are reached.
+fn is_led(growth: &Growth<'_>, way: &Way, knot: usize) -> bool {
+    way.reached[knot - 1] && way.reached[knot] && growth.knots.is_led_to(knot)
+}
+
 /// The knots that a bridge stands on: as far from the leap as asked, where nothing else is left or missed on the way.
 fn piers(growth: &Growth<'_>, way: &Way, knot: usize, half: usize) -> (usize, usize) {
-    let stands = |at: usize| way.reached[at - 1] && way.reached[at] && growth.knots.is_led_to(at);
-    let goes_on = |at: &usize| way.joined[*at] && stands(*at);
+    let goes_on = |at: &usize| way.joined[*at] && is_led(growth, way, *at);
     let before = (1..knot).rev().take_while(goes_on).take(half - 1).count();
     let after = knot + 1..way.joined.len();
     let after = after.take_while(goes_on).take(half - 1).count();

@@ -115,32 +115,29 @@ impl<'a> PathSolver<'a> {
         let mut layers = growth.layers()?;
         let weights = self.weights();
         let turns = growth.close(&mut layers);
-        let mut best: Option<(Chosen, usize, usize)> = None;
-        for &(first, last) in &turns {
-            let between = Between {
-                first: Some(first),
-                last: Some(last),
-            };
+        let between = |(first, last)| Between {
+            first: Some(first),
+            last: Some(last),
+        };
+        let mut best: Option<(Chosen, (usize, usize))> = None;
+        for &turn in &turns {
+            let between = between(turn);
             let chosen = fewest_reconfigurations(&growth, &layers, &weights, between, &[]);
-            let better = best.as_ref().is_none_or(|(known, ..)| {
+            let better = best.as_ref().is_none_or(|(known, _)| {
                 let (a, b) = (chosen.cost, known.cost);
                 a.0 < b.0 || a.0 == b.0 && a.1 < b.1
             });
             if better {
-                best = Some((chosen, first, last));
+                best = Some((chosen, turn));
             }
         }
-        let Some((chosen, first, last)) = best else {
+        let Some((chosen, turn)) = best else {
             return Err(PathError::Empty);
         };
-        let (start, end) = growth.closing_ends(&layers, first, last)?;
+        let (start, end) = growth.closing_ends(&layers, turn.0, turn.1)?;
         growth.start = Some(&start);
         growth.end = Some(&end);
-        let between = Between {
-            first: Some(first),
-            last: Some(last),
-        };
-        let way = self.along(&growth, &layers, (chosen, between))?;
+        let way = self.along(&growth, &layers, (chosen, between(turn)))?;
         self.tell(path, &knots, &way)
     }
 
