@@ -1,4 +1,5 @@
-//! Functions of one shape, a line each: what reads a value's part, and what sets it on the way.
+//! Functions of one shape, a line each: what reads a value's part, what sets it on the way, and what a residual says as
+//! another does.
 
 /// What reads a part: `pub fn rows(&self) -> usize = self.rows;`.
 macro_rules! getters {
@@ -12,4 +13,20 @@ macro_rules! setters {
     ($($(#[$about:meta])* $vis:vis fn $name:ident(mut $own:ident $(, $given:ident: $kind:ty)*) $set:block)+) => {
         $($(#[$about])* #[must_use] $vis fn $name(mut $own $(, $given: $kind)*) -> Self { $set; $own })+
     };
+}
+
+/// Writes out what a residual around another says as the inner one does, so that none of it is forgotten:
+/// `as_inner!(residual: kind, frames, rows)` within `impl Residual`, by the field's name.
+macro_rules! as_inner {
+    ($inner:tt: $($said:ident),+) => { $(as_inner!(@$said $inner);)+ };
+    (@kind $inner:tt) => { fn kind(&self) -> &'static str { self.$inner.kind() } };
+    (@is_of_body $inner:tt) => { fn is_of_body(&self) -> bool { self.$inner.is_of_body() } };
+    (@frames $inner:tt) => { fn frames(&self) -> Vec<crate::model::FrameId> { self.$inner.frames() } };
+    (@joints $inner:tt) => { fn joints(&self) -> Vec<crate::model::JointId> { self.$inner.joints() } };
+    (@joint_values $inner:tt) => {
+        fn joint_values(&self) -> Option<usize> { self.$inner.joint_values() }
+    };
+    (@rows $inner:tt) => { fn rows(&self) -> Vec<crate::task::Rows> { self.$inner.rows() } };
+    (@target_len $inner:tt) => { fn target_len(&self) -> usize { self.$inner.target_len() } };
+    (@validate $inner:tt) => { fn validate(&self) -> Result<(), String> { self.$inner.validate() } };
 }

@@ -107,21 +107,7 @@ impl<R: NumericResidual> Numeric<R> {
 impl<R: NumericResidual> Residual for Numeric<R> {
     const ROLE: Role = R::ROLE;
 
-    fn kind(&self) -> &'static str {
-        self.0.kind()
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        self.0.frames()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        self.0.joints()
-    }
-
-    fn rows(&self) -> Vec<Rows> {
-        self.0.rows()
-    }
+    as_inner!(0: kind, frames, joints, rows, validate);
 
     /// Of dual numbers to first order. NaN where several numbers stand side by side, which no problem asks for.
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
@@ -167,10 +153,6 @@ impl<R: NumericResidual> Residual for Numeric<R> {
     ) -> bool {
         self.derivatives(frames, joints, jacobian);
         true
-    }
-
-    fn validate(&self) -> Result<(), String> {
-        self.0.validate()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::residual::refuse;
 use super::{LocalJacobian, Posture, Quantity, Residual, Role, Rows};
-use crate::model::{FrameId, JointId, Model};
+use crate::model::{FrameId, Model};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 
@@ -43,20 +43,14 @@ impl Smoothness {
 impl Residual for Smoothness {
     const ROLE: Role = Role::Preference;
 
+    as_inner!(previous: joints, joint_values, target_len);
+
     fn kind(&self) -> &'static str {
         "smoothness"
     }
 
     fn frames(&self) -> Vec<FrameId> {
         Vec::new()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        self.previous.joints()
-    }
-
-    fn joint_values(&self) -> Option<usize> {
-        self.previous.joint_values()
     }
 
     fn rows(&self) -> Vec<Rows> {
@@ -66,10 +60,6 @@ impl Residual for Smoothness {
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         self.evaluate_moved(frames, joints, &[], residual);
-    }
-
-    fn target_len(&self) -> usize {
-        self.previous.target_len()
     }
 
     fn evaluate_moved<S: Scalar>(

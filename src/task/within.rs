@@ -1,8 +1,7 @@
 //! Any residual may have room.
 
 use super::residual::refuse;
-use super::{Residual, Role, Rows};
-use crate::model::{FrameId, JointId};
+use super::{Residual, Role};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 
@@ -133,28 +132,10 @@ impl<R: Residual> Within<R> {
 impl<R: Residual> Residual for Within<R> {
     const ROLE: Role = R::ROLE;
 
-    fn kind(&self) -> &'static str {
-        self.residual.kind()
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        self.residual.frames()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        self.residual.joints()
-    }
-
-    fn rows(&self) -> Vec<Rows> {
-        self.residual.rows()
-    }
+    as_inner!(residual: kind, is_of_body, frames, joints, joint_values, rows, target_len);
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         self.evaluate_moved(frames, joints, &[], residual);
-    }
-
-    fn target_len(&self) -> usize {
-        self.residual.target_len()
     }
 
     fn evaluate_moved<S: Scalar>(

@@ -439,6 +439,12 @@ fn tasks() {
         problem(Within::new(Point::new(hand, [NAN; 3]), 0.1)),
         &["point of `hand`", "target", "NaN"],
     );
+    let mut other = Model::builder("balls");
+    other.ball("hip", None, still(), Z, None);
+    let foreign = Posture::new(&other.build().unwrap(), &[1.0, 0.0, 0.0, 0.0]);
+    let words = ["4 numbers for its joints", "1"];
+    names(problem(foreign.clone()), &words);
+    names(problem(Within::new(foreign, 0.1)), &words);
     names(
         problem(LookAt::new(hand, here, [1.0; 3])),
         &["look-at", "axis"],

@@ -4,12 +4,13 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::geometric::{Ccd, Geometric};
-use kinopt::model::{FrameId, Limits, Model};
+use kinopt::model::{FrameId, Limits, Masses, Model, PointMass};
 use kinopt::problem::Evaluation;
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::{
-    Axis, Distance, Goal, Orientation, Plane, Point, Pose, Quantity, Residual, Task, Within,
+    Axis, CentreOfMass, Distance, Goal, Orientation, Plane, Point, Pose, Quantity, Residual, Task,
+    Within,
 };
 use kinopt::{Problem, Solution, Solver};
 use nalgebra as na;
@@ -100,6 +101,22 @@ fn errors_are_told_from_the_interval_on() {
     let solution = solve(&model, floor, &[0.0; 2]);
     let task = solution.tasks().next().unwrap();
     assert!((task.position_error().unwrap() - 0.25).abs() < 1e-9);
+}
+
+/// Room changes neither what a task is called nor what it is of.
+#[test]
+fn a_body_s_task_with_room_is_of_the_body_still() {
+    let (model, _, tip) = arm(3.0);
+    let mass = PointMass {
+        frame: tip,
+        at: Vector3::zero(),
+        mass: 1.0,
+    };
+    let masses = Masses::new(&model, [mass]).unwrap();
+    let task = CentreOfMass::new(&masses, [1.0; 3]);
+    let name = |problem: &Problem| problem.task_name(0).unwrap().to_owned();
+    let plain = name(&problem(&model, task.clone()));
+    assert_eq!(name(&problem(&model, Within::new(task, 0.1))), plain);
 }
 
 #[test]

@@ -167,20 +167,10 @@ impl NumericResidual for Distances {
 }
 
 impl Residual for Clearance {
-    fn kind(&self) -> &'static str {
-        self.0.kind()
-    }
+    as_inner!(0: kind, frames, rows, validate);
 
     fn is_of_body(&self) -> bool {
         true
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        self.0.frames()
-    }
-
-    fn rows(&self) -> Vec<Rows> {
-        self.0.rows()
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
@@ -194,9 +184,5 @@ impl Residual for Clearance {
         jacobian: &mut LocalJacobian,
     ) -> bool {
         self.0.differentiate(frames, joints, jacobian)
-    }
-
-    fn validate(&self) -> Result<(), String> {
-        self.0.validate()
     }
 }

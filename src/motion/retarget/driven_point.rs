@@ -3,7 +3,7 @@
 use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
-use crate::task::{LocalJacobian, Point, Residual, Rows};
+use crate::task::{LocalJacobian, Point, Residual};
 
 /// r = w (x + R o − target): a [`Point`] whose weight moves as its target does.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,16 +34,10 @@ impl DrivenPoint {
 }
 
 impl Residual for DrivenPoint {
+    as_inner!(point: frames, rows);
+
     fn kind(&self) -> &'static str {
         "driven point"
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        self.point.frames()
-    }
-
-    fn rows(&self) -> Vec<Rows> {
-        self.point.rows()
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {

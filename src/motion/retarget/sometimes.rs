@@ -1,9 +1,8 @@
 //! A residual that is looked at in some frames only.
 
-use crate::model::{FrameId, JointId};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
-use crate::task::{LocalJacobian, Residual, Rows};
+use crate::task::{LocalJacobian, Residual};
 
 /// The same residual, or 0.
 #[derive(Clone, Debug)]
@@ -24,29 +23,7 @@ impl<R> Sometimes<R> {
 }
 
 impl<R: Residual> Residual for Sometimes<R> {
-    fn kind(&self) -> &'static str {
-        self.of.kind()
-    }
-
-    fn is_of_body(&self) -> bool {
-        self.of.is_of_body()
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        self.of.frames()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        self.of.joints()
-    }
-
-    fn joint_values(&self) -> Option<usize> {
-        self.of.joint_values()
-    }
-
-    fn rows(&self) -> Vec<Rows> {
-        self.of.rows()
-    }
+    as_inner!(of: kind, is_of_body, frames, joints, joint_values, rows, validate);
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         match self.counts {
@@ -62,9 +39,5 @@ impl<R: Residual> Residual for Sometimes<R> {
         jacobian: &mut LocalJacobian,
     ) -> bool {
         !self.counts || self.of.differentiate(frames, joints, jacobian)
-    }
-
-    fn validate(&self) -> Result<(), String> {
-        self.of.validate()
     }
 }
