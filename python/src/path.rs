@@ -275,7 +275,8 @@ impl PathSolution {
 /// (round and round, back in the same configuration) or "any-start" (round once from whichever point is best). `start` and `end`:
 /// configurations that stand at the ends. `joint_weights`: what a radian or metre of each joint weighs in lengths. `max_step`: the
 /// furthest that a joint moves on the same branch from point to point, radians. `samples`: configurations known of a place at most.
-/// `tools`: for `tool_of_points` (N,), which arm each point is for: 0 this one, 1 and so on those of `tools` (`arm.with_tool`).
+/// `tools`: for `tool_of_points` (N,), or a table's column `tool`, which arm each point is for: 0 this one, 1 and so on those of `tools`
+/// (`arm.with_tool`).
 ///
 /// Raises `InvalidValueError`, which names the point or option, and `FileError` or `InvalidFileError` of a file.
 #[pyfunction]

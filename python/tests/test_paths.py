@@ -72,6 +72,23 @@ def test_ends_courses_and_tools(arm: kinopt.Arm) -> None:
     assert np.allclose(drilling.base_from_tool(both.q[30:]), path[30:], atol=2e-6)
 
 
+def test_a_table_says_which_tool_a_point_is_for(arm: kinopt.Arm, tmp_path: Path) -> None:
+    path = sideways(arm)
+    drill = np.eye(4)
+    drill[2, 3] = 0.1
+    drilling = arm.with_tool(drill)
+    tools = [0] * 30 + [1] * 30
+    table = tmp_path / "two.csv"
+    rows = [f"{x!r},{y!r},{z!r},{tool}" for (x, y, z), tool in zip(path[:, :3, 3].tolist(), tools)]
+    table.write_text("\n".join(["x,y,z,tool", *rows]))
+    seeking = [each.with_goal(kinopt.Goal.position()) for each in (arm, drilling)]
+    both = kinopt.solve_path(seeking[0], table, tools=seeking[1:])
+    assert both.is_whole and "tools from column 4" in (both.read_as or "")
+    assert np.allclose(drilling.base_from_tool(both.q[30:])[:, :3, 3], path[30:, :3, 3], atol=2e-6)
+    with pytest.raises(InvalidValueError, match="point 30 is for tool 1"):
+        kinopt.solve_path(seeking[0], table)
+
+
 def test_what_is_missed_is_told(arm: kinopt.Arm) -> None:
     path = sideways(arm)
     path[30, 0, 3] += 3.0

@@ -37,6 +37,16 @@ fn headers_name_the_columns() {
 }
 
 #[test]
+fn a_column_says_which_tool_a_point_is_for() {
+    let (path, columns) = read("x,y,z,tool\n1,2,3,0\n1,2,4,2").unwrap();
+    assert_eq!((columns.tool, path.tools()), (Some(3), Some(&[0, 2][..])));
+    let told = columns.to_string();
+    assert!(told.contains("tools from column 4"), "{told}");
+    let (path, columns) = read("x,y,z\n1,2,3").unwrap();
+    assert_eq!((columns.tool, path.tools()), (None, None));
+}
+
+#[test]
 fn without_names_the_number_of_columns_says() {
     let (path, columns) = read("1,2,3,1,0,0,0\n1,2,4,1,0,0,0").unwrap();
     assert_eq!(
@@ -72,6 +82,12 @@ fn what_is_wrong_is_told_with_its_line() {
         ),
         ("1,2,3,0,0,0,2\n", "line 1: its quaternion has length 2"),
         ("time,x,y,z\n1,0,0,0\n0,0,0,0\n", "times rise"),
+        (
+            "x,y,z,tool\n1,2,3,0\n1,2,3,0.5\n",
+            "line 3: its tool is 0.5",
+        ),
+        ("x,y,z,tool\n1,2,3,-1\n", "line 2: its tool is -1"),
+        ("x,y,z,tool\n1,2,3,1e300\n", "line 2: its tool is 1"),
     ] {
         let error = read(text).unwrap_err();
         assert!(error.contains(says), "{text:?}: {error}");

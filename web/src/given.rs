@@ -66,15 +66,7 @@ impl Given {
 
     /// A whole number of at least 0.
     pub(crate) fn whole(&self, name: &str) -> Result<Option<u32>, JsError> {
-        let Some(number) = self.number(name)? else {
-            return Ok(None);
-        };
-        if number.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(&number) {
-            return Err(JsError::new(&format!(
-                "{name} must be a whole number of at least 0, not {number}"
-            )));
-        }
-        Ok(Some(number as u32))
+        self.number(name)?.map(|one| whole(one, name)).transpose()
     }
 
     /// true or false.
@@ -111,6 +103,17 @@ impl Given {
         self.get(name)
             .map(|value| numbers(&value, name))
             .transpose()
+    }
+
+    /// Whole numbers of at least 0.
+    pub(crate) fn wholes(&self, name: &str) -> Result<Option<Vec<usize>>, JsError> {
+        let numbers = self.numbers(name)?;
+        let each = |list: Vec<f64>| {
+            list.into_iter()
+                .map(|one| Ok(whole(one, name)? as usize))
+                .collect()
+        };
+        numbers.map(each).transpose()
     }
 
     /// So many numbers that must be there.
@@ -160,6 +163,16 @@ pub(crate) fn entries(
 pub(crate) fn is_list(value: &JsValue) -> bool {
     let length = Reflect::get(value, &"length".into());
     length.is_ok_and(|length| length.as_f64().is_some())
+}
+
+/// A whole number of at least 0; `what` names it in messages.
+fn whole(number: f64, what: &str) -> Result<u32, JsError> {
+    if number.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(&number) {
+        return Err(JsError::new(&format!(
+            "{what} must be a whole number of at least 0, not {number}"
+        )));
+    }
+    Ok(number as u32)
 }
 
 /// A number; `what` names it in messages.

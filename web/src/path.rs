@@ -24,6 +24,13 @@ export interface PathOptions {
     maxStep?: number;
     /** Configurations that are known of a place at most; 256 unless told. */
     samples?: number;
+    /** When the tool is to be at each point, seconds; with `keepTimes` a step that a joint is too slow for is a reconfiguration too. */
+    times?: Numbers;
+    keepTimes?: boolean;
+    /** Other tools of the arm, sixteen numbers each, where they stand in the tip; `toolOfPoints` says which each point is for: 0 the
+     * arm's own, 1 the first of these and so on. */
+    tools?: Numbers;
+    toolOfPoints?: Numbers;
 }
 
 /** A step in which an arm leaves its branch. */
@@ -74,17 +81,31 @@ pub fn solve_path(
     #[wasm_bindgen(unchecked_param_type = "Numbers")] points: &[f64],
     options: Option<PathOptions>,
 ) -> Result<PathSolution, JsError> {
-    const KNOWN: [&str; 6] = [
+    const KNOWN: [&str; 10] = [
         "course",
         "start",
         "end",
         "jointWeights",
         "maxStep",
         "samples",
+        "times",
+        "keepTimes",
+        "tools",
+        "toolOfPoints",
     ];
     let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
     let options = Given::new(options, "option of a path", &KNOWN)?;
-    let path = CartesianPath::new(read_all(points, "point")?).map_err(raise)?;
+    let mut path = CartesianPath::new(read_all(points, "point")?).map_err(raise)?;
+    if let Some(times) = options.numbers("times")? {
+        path = path.with_times(times).map_err(raise)?;
+    }
+    if let Some(tools) = options.wholes("toolOfPoints")? {
+        path = path.with_tools(tools).map_err(raise)?;
+    }
+    let others = options.numbers("tools")?.unwrap_or_default();
+    let others = read_all(&others, "tool")?.into_iter();
+    let others = others.map(|tool| arm.inner.with_tool(tool).map_err(raise));
+    let others = others.collect::<Result<Vec<_>, _>>()?;
     let course = match options.text("course")?.as_deref() {
         None | Some("open") => Course::Open,
         Some("cyclic") => Course::Cyclic,
@@ -94,7 +115,9 @@ pub fn solve_path(
             return Err(raise(UnknownName::new("course", other, names)));
         }
     };
-    let mut solver = PathSolver::new(&arm.inner);
+    let mut solver = PathSolver::new(&arm.inner)
+        .with_tools(&others)
+        .with_times_kept(options.switch("keepTimes")?.unwrap_or(false));
     if let Some(q) = options.numbers("start")? {
         solver = solver.with_start(&q);
     }

@@ -58,5 +58,17 @@ test("a path half a metre to the side is gone on one branch, and one that leaves
     const beyond = solvePath(arm, points(3), { maxStep: 0.3 });
     assert.ok(!beyond.isWhole && beyond.missed.at(-1).index === 60 && /reach|found/.test(beyond.missed.at(-1).reason));
     assert.throws(() => solvePath(arm, path, { course: "back" }), /back.*cyclic/s);
+    // The second half is for a tool 5 cm further out.
+    const longer = Float64Array.from({ length: 16 }, (_, k) => (k % 5 === 0 ? 1 : k === 14 ? 0.05 : 0));
+    const toolOfPoints = Array.from({ length: 61 }, (_, k) => (k < 30 ? 0 : 1));
+    const two = solvePath(arm, path, { tools: longer, toolOfPoints });
+    assert.deepEqual([two.isWhole, two.q.length], [true, 61 * 7]);
+    const last = arm.baseFromTool(two.q.slice(-7));
+    const off = [0, 1, 2].map((axis) => last[12 + axis] - path[16 * 60 + 12 + axis]);
+    assert.ok(Math.abs(Math.hypot(...off) - 0.05) < 4e-6, `${off}`);
+    assert.throws(() => solvePath(arm, path, { toolOfPoints }), /tool 1/);
+    assert.throws(() => solvePath(arm, path, { toolOfPoints: [0.5] }), /toolOfPoints.*whole/);
+    const slow = solvePath(arm, path, { times: Array.from({ length: 61 }, (_, k) => k / 1000), keepTimes: true });
+    assert.ok(slow.reconfigurations.length > 0);
     assert.throws(() => solvePath(arm, path.subarray(0, 17)), /16/);
 });

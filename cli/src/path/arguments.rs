@@ -36,7 +36,7 @@ was given.";
 /// Joints for a whole path of a robot's tool, with the fewest reconfigurations.
 ///
 /// The path is a table: x,y,z and a quaternion, with a time or without, in the columns that its header names (x, pos_x,
-/// target-POS_X, qw, rot_w, time, …); without names 7 columns are x,y,z,qw,qx,qy,qz, and 8 the same after a time. How it was
+/// target-POS_X, qw, rot_w, time, tool, …); without names 7 columns are x,y,z,qw,qx,qy,qz, and 8 the same after a time. How it was
 /// read is told on standard error.
 ///
 /// Branches are followed from all along the path; chosen is what leaves its branch least often, then the shortest, and
@@ -74,6 +74,12 @@ pub(crate) struct Arguments {
     /// The order of a quaternion that no header names. Default: w-first.
     #[arg(long, value_name = "ORDER", value_enum, default_value = "w-first", hide_default_value = true, help_heading = TARGETS)]
     pub(super) order: Order,
+
+    /// Another tool, where it stands in the tip: the table's column `tool` says which points are for it, 0 being --tool, 1 the
+    /// first of these and so on; give it again for more. Default: none.
+    #[arg(long = "add-tool", value_name = "x,y,z[,qw,qx,qy,qz]", allow_hyphen_values = true,
+          value_parser = target::parse_placement, help_heading = TARGETS)]
+    pub(super) other_tools: Vec<Placement<f64>>,
 
     /// How the path is gone: open, cyclic (back to where it began, in the configuration that it began in), or any-start (round
     /// once from whichever point is best). Default: open.

@@ -48,7 +48,12 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         let each = |given| columns.one_each(loaded, option, given, degrees);
         given.as_ref().map(each).transpose()
     };
+    let others = arguments.other_tools.iter();
+    let others = others
+        .map(|tool| arm.with_tool(*tool))
+        .collect::<Result<Vec<Arm>, _>>()?;
     let mut solver = PathSolver::new(&arm)
+        .with_tools(&others)
         .with_max_step(arguments.max_step())
         .with_times_kept(arguments.keep_times)
         .with_samples(arguments.samples);
@@ -162,9 +167,12 @@ fn placed(arguments: &Arguments, path: CartesianPath, room: Room) -> Outcome<Car
     };
     let points = path.points().iter().map(|point| room.middle(*point));
     let points: Vec<Placement<f64>> = points.collect();
-    let moved = CartesianPath::new(points)?;
-    Ok(match path.times() {
-        Some(times) => moved.with_times(times)?,
-        None => moved,
-    })
+    let mut moved = CartesianPath::new(points)?;
+    if let Some(times) = path.times() {
+        moved = moved.with_times(times)?;
+    }
+    if let Some(tools) = path.tools() {
+        moved = moved.with_tools(tools)?;
+    }
+    Ok(moved)
 }

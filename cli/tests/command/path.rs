@@ -132,3 +132,37 @@ fn rows_are_timed_by_limits_of_a_file() {
     std::fs::write(&limits, "joint_limits: {elbow: {max_velocity: 1}}").unwrap();
     refused!("path {PANDA} {SEAM} --tip tool --joint-limits {limits}" => 1, "elbow");
 }
+
+#[test]
+fn a_table_may_be_for_several_tools() {
+    let folder = Folder::new("path-tools");
+    let file = folder.file("two.csv");
+    let rows = (0..20).map(|k| {
+        let y = 0.005 * f64::from(k);
+        format!("0.4,{y},0.4,0,1,0,0,{}\n", u8::from(k >= 10))
+    });
+    let table = "x,y,z,qw,qx,qy,qz,tool\n".to_owned() + &rows.collect::<String>();
+    std::fs::write(&file, table).unwrap();
+    let told = answer!("path {PANDA} {file} --tip flange --tool 0,0,0.1 --add-tool 0,0.05,0.2");
+    has(&told, json!({"points": 20, "missed": []}));
+    for (row, by) in [(9, [0.0, 0.1]), (10, [0.05, 0.2])] {
+        let q: Vec<String> = list(&list(&told["q"])[row])
+            .iter()
+            .map(Value::to_string)
+            .collect();
+        let placed = answer!("fk {PANDA} --q {} --frame flange", q.join(","));
+        let position = list(&placed["frames"]["flange"]["position"]);
+        // Half a turn about x: the tool's y and z lead against the base's.
+        let wanted = [0.4, 0.005 * row as f64 + by[0], 0.4 + by[1]];
+        for (given, wanted) in position.iter().zip(wanted) {
+            let given = given.as_f64().unwrap();
+            assert!((given - wanted).abs() < 2e-6, "row {row}: {position:?}");
+        }
+    }
+    let refused = kinopt!("path {PANDA} {file} --tip flange");
+    let told = String::from_utf8(refused.stderr).unwrap();
+    assert!(
+        !refused.status.success() && told.contains("point 10 is for tool 1"),
+        "{told}"
+    );
+}

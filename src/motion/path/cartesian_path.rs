@@ -112,6 +112,8 @@ impl CartesianPath {
         pub fn course(&self) -> Course = self.course;
         /// When the tool is to be at each point, seconds, where that is said.
         pub fn times(&self) -> Option<&[f64]> = Some(self.times.as_slice()).filter(|times| !times.is_empty());
+        /// The [tool](Self::with_tools) of each point, where they are not all for the first.
+        pub fn tools(&self) -> Option<&[usize]> = Some(self.tools.as_slice()).filter(|tools| !tools.is_empty());
     }
 
     fn check_count(&self, what: &'static str, given: usize) -> Result<(), PathError> {

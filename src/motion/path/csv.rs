@@ -11,6 +11,8 @@ use crate::spatial::{Placement, Quaternion, Vector3};
 const LENGTH_LIMIT: u64 = 1 << 30;
 /// A quaternion may be longer or shorter than 1 by so much, as rounded numbers make it; it is then made 1.
 const LENGTH_TOLERANCE: f64 = 1e-3;
+/// The largest number of a tool.
+const MOST_TOOLS: f64 = 255.0;
 
 /// Which order quaternions are in where no header says it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -32,6 +34,8 @@ pub struct CsvColumns {
     pub quaternion: Option<[usize; 4]>,
     /// Seconds; none where the table has no times.
     pub time: Option<usize>,
+    /// Which tool each point is for, as [`CartesianPath::with_tools`] has it; none where all are for the first.
+    pub tool: Option<usize>,
     /// Whether a header named them.
     pub by_name: bool,
 }
@@ -52,6 +56,9 @@ impl fmt::Display for CsvColumns {
             Some(time) => write!(f, "; times from column {}", one(time))?,
             None => write!(f, "; no times")?,
         }
+        if let Some(tool) = self.tool {
+            write!(f, "; tools from column {}", one(tool))?;
+        }
         let how = match self.by_name {
             true => " (as the header names them)",
             false => " (by their number)",
@@ -62,12 +69,14 @@ impl fmt::Display for CsvColumns {
 
 impl CartesianPath {
     /// Reads a table of points: `x, y, z` in metres and a quaternion, with a `time` in seconds or without, in the order that a header
-    /// names (`x`, `pos_x`, `target-POS_X`, `qw`, `rot_w`, `target-ROT_W`, `time`, `t`, …). Without such names seven columns
+    /// names (`x`, `pos_x`, `target-POS_X`, `qw`, `rot_w`, `target-ROT_W`, `time`, `t`, …); a column `tool` has the number of each point's
+    /// [tool](Self::with_tools). Without such names seven columns
     /// are x, y, z and a quaternion in the `order` given, eight the same after a time or a number of the row (numbers that count by one, or do not rise, are
     /// the row's), three x, y, z alone and four those after a time. Columns are parted by commas, semicolons, tabs or blanks.
     ///
     /// # Errors
-    /// A file that cannot be read, another number of columns, what is no number, a quaternion whose length is not 1 to 0.001; with the line.
+    /// A file that cannot be read, another number of columns, what is no number, a quaternion whose length is not 1 to 0.001, a tool that is no whole
+    /// number from 0 on; with the line.
     pub fn read(
         path: impl AsRef<Path>,
         order: QuaternionOrder,
@@ -150,6 +159,7 @@ impl CartesianPath {
 struct Table {
     points: Vec<Placement<f64>>,
     times: Vec<f64>,
+    tools: Vec<usize>,
 }
 
 impl Table {
@@ -174,11 +184,23 @@ impl Table {
         };
         self.points.push(point);
         self.times.extend(columns.time.map(|column| row[column]));
+        if let Some(column) = columns.tool {
+            let number = row[column];
+            if number.fract() != 0.0 || !(0.0..=MOST_TOOLS).contains(&number) {
+                return Err(format!(
+                    "its tool is {number}: a whole number from 0 to {MOST_TOOLS} is needed"
+                ));
+            }
+            self.tools.push(number as usize);
+        }
         Ok(())
     }
 
     fn finish(self, mut columns: CsvColumns) -> Result<(CartesianPath, CsvColumns), PathError> {
-        let path = CartesianPath::new(self.points)?;
+        let mut path = CartesianPath::new(self.points)?;
+        if columns.tool.is_some() {
+            path = path.with_tools(self.tools)?;
+        }
         let rises = self.times.windows(2).all(|pair| pair[0] < pair[1]);
         let counts = self.times.windows(2).all(|pair| pair[1] - pair[0] == 1.0);
         if columns.time.is_none() || !columns.by_name && (counts || !rises) {
@@ -233,6 +255,7 @@ impl CsvColumns {
             position: [x, y, z],
             quaternion,
             time: find(&["time", "t", "times", "timestamp", "seconds", "s"]),
+            tool: find(&["tool", "toolindex", "toolnumber"]),
             by_name: true,
         })
     }
@@ -259,6 +282,7 @@ impl CsvColumns {
             position: [first, first + 1, first + 2],
             quaternion: turns.then_some(turn.map(|column| first + column)),
             time: (first == 1).then_some(0),
+            tool: None,
             by_name: false,
         })
     }
