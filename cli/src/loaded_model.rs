@@ -6,9 +6,9 @@ use kinopt::Model;
 use kinopt::animation::{Armature, EulerClip, Playback, Pose};
 use kinopt::io::gltf::SceneFile;
 use kinopt::io::rig::Rig;
-use kinopt::model::{FrameId, JointId, JointKind, Limits, ParameterMap, Source};
+use kinopt::model::{FrameId, JointId, JointKind, ParameterMap, Source};
 use kinopt::robot::Robot;
-use kinopt::skeleton::{BallSkeleton, BoneId, Skeleton};
+use kinopt::skeleton::{BallSkeleton, Skeleton};
 
 use crate::animated_armature::{AnimatedArmature, extension};
 use crate::ball_figure::PoseBridge;
@@ -165,11 +165,7 @@ impl LoadedModel {
             file: *file,
             stands,
         });
-        let limits = |bone: BoneId| match turning.contains(&bone) {
-            true => [Limits::UNBOUNDED; 3],
-            false => [Limits::new(0.0, 0.0); 3],
-        };
-        let skeleton = armature.skeleton(file.clone(), limits);
+        let skeleton = armature.turning_skeleton(file.clone(), &turning);
         let skeleton = skeleton.map_err(|error| failure!("{file}: {error}"))?;
         let capture = frames.map(|frames| Capture {
             armature,
@@ -474,6 +470,7 @@ impl LoadedModel {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use kinopt::model::Limits;
     use kinopt::spatial::{Placement, Vector3};
 
     use super::*;

@@ -16,7 +16,7 @@ use crate::pickling;
 /// What a BVH file holds: a skeleton and what it does frame by frame, in the file's unit of length.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct MotionCapture {
-    inner: bvh::MotionCapture,
+    pub(crate) inner: bvh::MotionCapture,
     armature: Arc<kinopt::animation::Armature>,
     clip: Arc<kinopt::animation::Clip>,
 }

@@ -6,13 +6,14 @@ import json
 import pickle
 import threading
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import kinopt
 from kinopt.errors import FileError, InvalidFileError, InvalidValueError, UnknownNameError
-from kinopt.retargeting import Capture, read_capture
+from kinopt.retargeting import Capture, FigureTarget, read_capture
 from kinopt.types import Floats
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -294,3 +295,53 @@ def test_links_that_are_kept_clear_of_each_other_do_not_touch() -> None:
     assert robot.is_within_limits(follower.step(places[0]))
     with pytest.raises(InvalidValueError, match="margin"):
         kinopt.retarget(places, robot, MAP, keep_clear=-1.0)
+
+
+STEPS = MODELS / "captures" / "steps.bvh"
+
+
+def heights(clip: Any, bone: str, times: list[float]) -> list[float]:
+    """How high a bone is in a clip in whose file y points upward."""
+    places = []
+    for time in times:
+        pose = clip.sample(time)
+        places.append(float(clip.armature.local_to_model(pose)[clip.armature.names.index(bone)][1, 3]))
+    return places
+
+
+def test_a_figure_does_the_movement_in_its_own_file(tmp_path: Path) -> None:
+    # A person onto a body of the same bones, whose file has y upward: the movement comes back.
+    capture = kinopt.MotionCapture.read(STEPS)
+    found = kinopt.retarget(STEPS, capture, fps=30)
+    clip = found.clip(capture, "again")
+    assert clip.name == "again" and np.isclose(clip.span[1], capture.clip.span[1], atol=1 / 30)
+    times = [0.5, 2.0, 3.5]
+    assert np.allclose(heights(clip, "Head", times), heights(capture.clip, "Head", times), rtol=0.04)
+    # By its file, by a target that says what is up, and after a pickle's journey.
+    assert np.array_equal(kinopt.retarget(STEPS, STEPS, fps=30).q, found.q)
+    figure = FigureTarget(capture, up="y")
+    assert np.array_equal(kinopt.retarget(STEPS, figure, fps=30).q, found.q)
+    back = pickle.loads(pickle.dumps(figure))
+    assert back.up == "y" and back.model.joint_names == figure.model.joint_names
+    # A scene with the same bones keeps its file and gets a clip more.
+    scene = kinopt.Scene(capture.armature)
+    scene.write(tmp_path / "body.glb")
+    file = kinopt.SceneFile.read(tmp_path / "body.glb")
+    movement = kinopt.retarget(STEPS, file.scene, fps=30)
+    file.add_clip(movement.clip(file.scene, "Steps"))
+    file.write(tmp_path / "moving.glb")
+    written = kinopt.Scene.read(tmp_path / "moving.glb")
+    assert [clip.name for clip in written.clips] == ["Steps"]
+    assert np.allclose(heights(written.clips[0], "Head", times), heights(capture.clip, "Head", times), rtol=0.04)
+
+
+def test_what_is_no_figure_is_refused(nao: kinopt.Robot, tmp_path: Path) -> None:
+    with pytest.raises(InvalidValueError, match="rig"):
+        FigureTarget(nao)
+    with pytest.raises(InvalidValueError, match="\\(frames, "):
+        FigureTarget(kinopt.MotionCapture.read(STEPS)).clip(np.zeros((3, 5)), 30.0)
+    with pytest.raises(InvalidValueError, match="up is"):
+        FigureTarget(kinopt.MotionCapture.read(STEPS), up="x")  # type: ignore[arg-type]
+    (tmp_path / "body.fbx").write_text("")
+    with pytest.raises(InvalidFileError, match="body.fbx.*[.]urdf"):
+        kinopt.retarget(sway(), tmp_path / "body.fbx", MAP)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import os
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -55,6 +56,17 @@ def test_a_folder_goes_on_where_it_was(folder: Path, tmp_path: Path) -> None:
     assert not any(report.done_before for report in retarget_folder(folder, NAO, into, MAP, again=True))
     with pytest.raises(InvalidValueError, match="another question"):
         retarget_folder(folder, NAO, into, MAP, whole=True)
+
+
+def test_what_is_asked_is_asked_of_every_movement(folder: Path, tmp_path: Path) -> None:
+    into = tmp_path / "into"
+    asked: dict[str, Any] = {"contact_speed": 0.3, "contact_height": 0.2, "acceleration": 1e-3, "keep_clear": 0.001}
+    reports = retarget_folder(folder / "deeper", NAO, into, MAP, **asked)
+    assert [report.error for report in reports] == [None]
+    with np.load(into / "three.npz") as read:
+        assert np.array_equal(read["q"], kinopt.retarget(sway(8), NAO, MAP, **asked).q)
+    with pytest.raises(InvalidValueError, match="another question"):
+        retarget_folder(folder / "deeper", NAO, into, MAP)
 
 
 def test_what_is_wrong_with_folders_is_named(folder: Path, tmp_path: Path) -> None:

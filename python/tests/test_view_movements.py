@@ -11,6 +11,7 @@ pytest.importorskip("viser", reason="SKIPPED: the viewer's tests need viser (pip
 
 from kinopt.view import Scene  # noqa: E402
 from kinopt.view.movement import bones_of  # noqa: E402
+from kinopt.view.opening import open_page  # noqa: E402
 from test_retargeting import JOINTS, MAP, NAO, person, sway  # noqa: E402
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -36,6 +37,16 @@ def test_a_robot_and_a_person_move_together():
         other = scene.add(kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf"))
         with pytest.raises(kinopt.InvalidValueError, match="is not of"):
             scene.add_movement(movement, other)
+
+
+def test_a_page_opens_with_a_movement_that_keeps_clear():
+    steps = MODELS / "captures" / "steps.bvh"
+    page = open_page(NAO, port=8252, retarget=steps, fps=10, keep_clear=0.002)
+    with page.scene:
+        robot = kinopt.Robot.from_urdf(NAO, base_joint="free")
+        movement = kinopt.retarget(steps, robot, fps=10, keep_clear=0.002)
+        page._played[0].show(2.0)
+        assert np.array_equal(page.body.q, movement.q[20])
 
 
 def test_a_rig_moves_as_a_whole():

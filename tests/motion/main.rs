@@ -6,6 +6,7 @@ mod bad_motions;
 mod clip_ik;
 mod clip_minima;
 mod contacts;
+mod figure_targets;
 mod guessed_maps;
 mod keyframe_ik;
 mod live_followers;

@@ -4,7 +4,6 @@ use std::collections::BTreeSet;
 use std::rc::Rc;
 
 use kinopt::animation::{Armature as Bones, PoseAngles};
-use kinopt::model::Limits;
 use kinopt::skeleton::BoneId;
 use wasm_bindgen::prelude::*;
 
@@ -29,11 +28,9 @@ impl Figure {
     ) -> Result<Self, JsError> {
         let armature = Bones::clone(armature);
         let armature = armature.at_rest_in(&pose.inner).map_err(raise)?;
-        let limits = |bone: BoneId| match turning.contains(&bone) {
-            true => [Limits::UNBOUNDED; 3],
-            false => [Limits::new(0.0, 0.0); 3],
-        };
-        let skeleton = armature.skeleton("figure", limits).map_err(raise)?;
+        let skeleton = armature
+            .turning_skeleton("figure", turning)
+            .map_err(raise)?;
         Ok(Self {
             angles: PoseAngles::new(&skeleton),
             stands: armature.rest().clone(),

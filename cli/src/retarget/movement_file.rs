@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use kinopt::animation::{Armature, Clip, Pose};
+use kinopt::animation::Armature;
 use kinopt::io::bvh;
 use kinopt::io::gltf::{self, Scene, WriteOptions};
 use kinopt::motion::retarget::Retargeted;
@@ -107,14 +107,8 @@ impl Format {
         to: &Path,
     ) -> Outcome<()> {
         let loaded = &target.loaded;
-        let lacks = || failure!("{}: it is no figure", loaded.file);
-        let skeleton = target.skeleton().ok_or_else(lacks)?;
-        let posed = |armature: &Armature| -> Outcome<(Vec<Pose>, Clip)> {
-            let poses = target.poses(armature, &found.q)?;
-            let times = (0..poses.len()).map(|frame| (frame as f64 / found.frame_rate) as f32);
-            let times: Vec<f32> = times.collect();
-            let clip = Clip::through_poses(name, armature, &times, &poses)?;
-            Ok((poses, clip))
+        let (Some(figure), Some(skeleton)) = (&target.figure, target.skeleton()) else {
+            return Err(failure!("{}: it is no figure", loaded.file));
         };
         if self == Self::Bvh {
             let own = match (&loaded.scene, &loaded.capture) {
@@ -122,16 +116,12 @@ impl Format {
                 (None, Some(capture)) => capture.armature.clone(),
                 _ => Armature::of_skeleton(skeleton),
             };
-            return Ok(bvh::write_poses(
-                &own,
-                &posed(&own)?.0,
-                found.frame_rate,
-                to,
-            )?);
+            let poses = figure.poses(&own, own.rest(), &found.q)?;
+            return Ok(bvh::write_poses(&own, &poses, found.frame_rate, to)?);
         }
         if let Some(scene) = &loaded.scene {
             let file = scene.file.clone();
-            let (_, clip) = posed(&file.scene().armature)?;
+            let clip = figure.clip(name, &file.scene().armature, &found.q, found.frame_rate)?;
             let other = format!("{name} retargeted");
             scene_output::write_with_clip(file, clip, None, &other, to)?;
             return Ok(());
@@ -143,7 +133,7 @@ impl Format {
             }
             _ => Scene::of_skeleton(skeleton, None)?,
         };
-        let (_, clip) = posed(&scene.armature)?;
+        let clip = figure.clip(name, &scene.armature, &found.q, found.frame_rate)?;
         scene.clips.push(clip);
         Ok(gltf::write(&scene, &WriteOptions::default(), to)?)
     }

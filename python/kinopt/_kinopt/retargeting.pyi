@@ -1,11 +1,13 @@
-from typing import Any, Literal, final
+from typing import Any, Literal, TypeAlias, Union, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..types import Floats, HasModel
-from . import Model
-from .animation import Clip
+from . import Model, MotionCapture, Rig, Scene, Skeleton
+from .animation import Armature, Clip
+
+_Target: TypeAlias = Union[Model, HasModel, Scene, MotionCapture]
 
 @final
 class Capture:
@@ -32,9 +34,24 @@ class Capture:
     def __len__(self) -> int: ...
 
 @final
+class FigureTarget:
+    def __new__(
+        cls,
+        of: Rig | Skeleton | Scene | MotionCapture | Model | HasModel,
+        up: Literal["y", "z"] | None = None,
+    ) -> FigureTarget: ...
+    @property
+    def model(self) -> Model: ...
+    @property
+    def armature(self) -> Armature: ...
+    @property
+    def up(self) -> Literal["y", "z"]: ...
+    def clip(self, q: ArrayLike, fps: float, name: str = "retargeted") -> Clip: ...
+
+@final
 class Live:
     def __new__(
-        cls, capture: Capture, target: Model | HasModel, map: str, options: dict[str, Any]
+        cls, capture: Capture, target: _Target, map: str, options: dict[str, Any]
     ) -> Live: ...
     @property
     def names(self) -> list[str]: ...
@@ -44,7 +61,7 @@ class Live:
 
 def capture_retargeted(
     capture: Capture,
-    target: Model | HasModel,
+    target: _Target,
     map: str,
     whole: bool,
     options: dict[str, Any],
@@ -60,10 +77,10 @@ def capture_retargeted(
     list[tuple[int, str, str, float]],
 ]: ...
 def map_guessed(
-    capture: Capture, target: Model | HasModel
+    capture: Capture, target: _Target
 ) -> tuple[str, str | None, str | None, list[str]]: ...
 def map_of_skeleton(
-    skeleton: str, capture: Capture, target: Model | HasModel
+    skeleton: str, capture: Capture, target: _Target
 ) -> tuple[str, str | None, str | None, list[str]]: ...
 def skeleton_names() -> list[str]: ...
 def skeleton_joints(skeleton: str, joints: int) -> list[str] | None: ...

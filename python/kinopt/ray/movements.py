@@ -8,16 +8,15 @@ from typing import Any, Literal
 
 import ray
 
-from .._kinopt import Model
 from ..retargeting.folder import ClipReport, FolderJob, folder_job
 from ..retargeting.maps import MapLike
-from ..types import HasModel
+from ..retargeting.targets import TargetLike
 from .datasets import cores
 
 
 def retarget_files(
     source: str | os.PathLike[str],
-    target: Model | HasModel | str | os.PathLike[str],
+    target: TargetLike,
     out: str | os.PathLike[str],
     map: MapLike = None,
     *,
@@ -25,6 +24,10 @@ def retarget_files(
     fps: float | None = None,
     up: Literal["y", "z"] | None = None,
     whole: bool = False,
+    contact_speed: float | None = None,
+    contact_height: float | None = None,
+    acceleration: float | None = None,
+    keep_clear: float | None = None,
     again: bool = False,
     workers: int | None = None,
     **options: Any,
@@ -36,16 +39,27 @@ def retarget_files(
 
     Raises as ``retarget_folder`` does.
     """
-    job = folder_job(source, target, out, map, joints=joints, fps=fps, up=up, whole=whole)
-    pairs = job.begin(again)
-    left = [pair for pair in pairs if again or not job.is_done(*pair)]
+    job = folder_job(
+        source,
+        target,
+        out,
+        map,
+        joints=joints,
+        fps=fps,
+        up=up,
+        whole=whole,
+        contact_speed=contact_speed,
+        contact_height=contact_height,
+        acceleration=acceleration,
+        keep_clear=keep_clear,
+    )
+    pairs, reports = job.begin(again)
     many = workers or cores()
     options.setdefault("num_cpus", 1 if workers is None else min(1.0, cores() * 1000 // many / 1000))
     run = ray.remote(_run).options(**options)
     held = ray.put(job)
-    reports = {pair: ClipReport(*pair, done_before=True) for pair in pairs if pair not in left}
     running: dict[Any, tuple[str, str]] = {}
-    waiting = list(reversed(left))
+    waiting = [pair for pair in reversed(pairs) if pair not in reports]
     while waiting or running:
         while waiting and len(running) < many:
             pair = waiting.pop()

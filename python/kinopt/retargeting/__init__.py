@@ -6,7 +6,7 @@ where none is given; ``RetargetFollower`` follows live.
 
 from __future__ import annotations
 
-from .._kinopt.retargeting import Capture
+from .._kinopt.retargeting import Capture, FigureTarget
 from .folder import ClipReport, retarget_folder
 from .follower import RetargetFollower
 from .maps import MapGuess, guess_map
@@ -17,6 +17,7 @@ from .sources import read_capture
 __all__ = [
     "Capture",
     "ClipReport",
+    "FigureTarget",
     "LimitMet",
     "MapGuess",
     "RetargetFollower",

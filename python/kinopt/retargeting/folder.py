@@ -11,12 +11,13 @@ from pathlib import Path
 from typing import Any, Literal
 
 from .. import progress as bars
-from .._kinopt import Model, __version__
+from .._kinopt import Model, MotionCapture, Scene, __version__
+from .._kinopt.retargeting import FigureTarget
 from ..errors import FileError, InvalidValueError, KinoptError
-from ..types import HasModel
 from .maps import MapLike
 from .movement import UNFINISHED
-from .retarget import read_target, retarget
+from .retarget import retarget
+from .targets import TargetLike, read_target
 
 #: Files of movements, by their endings.
 KINDS = (".npy", ".bvh", ".glb", ".gltf")
@@ -56,8 +57,8 @@ class FolderJob:
     map: MapLike
     options: dict[str, Any]
 
-    def begin(self, again: bool) -> list[tuple[str, str]]:
-        """Makes the folder, sweeps out what a call that was ended was writing, and says what goes where."""
+    def begin(self, again: bool) -> tuple[list[tuple[str, str]], dict[tuple[str, str], ClipReport]]:
+        """Makes the folder, sweeps out what a call that was ended was writing, and says what goes where, and what was done before."""
         pairs = self._pairs()
         question = {"kinopt": __version__, "asked": self._asked()}
         noted = Path(self.out, QUESTION)
@@ -77,7 +78,8 @@ class FolderJob:
             if isinstance(error, KinoptError):
                 raise
             raise FileError(f"{self.out} cannot be written: {error}") from None
-        return pairs
+        done = [pair for pair in pairs if not again and _is_newer(*pair)]
+        return pairs, {pair: ClipReport(*pair, done_before=True) for pair in done}
 
     def _pairs(self) -> list[tuple[str, str]]:
         source, out = Path(self.source), Path(self.out)
@@ -95,19 +97,12 @@ class FolderJob:
         return [(str(path), str(into)) for into, path in pairs.items()]
 
     def _asked(self) -> dict[str, Any]:
-        model = self.target if isinstance(self.target, Model) else self.target.model
+        target = FigureTarget(self.target) if isinstance(self.target, (MotionCapture, Scene)) else self.target
+        model = target if isinstance(target, Model) else target.model
         given = str(self.map) if isinstance(self.map, os.PathLike) else self.map
-        target = [model.name, *model.joint_names]
         # As it is read again.
-        asked: dict[str, Any] = json.loads(json.dumps({"target": target, "map": given, **self.options}))
+        asked: dict[str, Any] = json.loads(json.dumps({"target": [model.name, *model.joint_names], "map": given, **self.options}))
         return asked
-
-    def is_done(self, source: str, out: str) -> bool:
-        """Whether a movement was written after its source."""
-        try:
-            return os.stat(out).st_mtime_ns >= os.stat(source).st_mtime_ns
-        except OSError:
-            return False
 
     def run(self, source: str, out: str) -> ClipReport:
         """Brings one movement onto the target, and says what came of it."""
@@ -120,9 +115,17 @@ class FolderJob:
         return ClipReport(source, out, len(found), found.mean_error, found.slip, notes=found.notes)
 
 
+def _is_newer(source: str, out: str) -> bool:
+    """Whether a movement was written after its source."""
+    try:
+        return os.stat(out).st_mtime_ns >= os.stat(source).st_mtime_ns
+    except OSError:
+        return False
+
+
 def retarget_folder(
     source: str | os.PathLike[str],
-    target: Model | HasModel | str | os.PathLike[str],
+    target: TargetLike,
     out: str | os.PathLike[str],
     map: MapLike = None,
     *,
@@ -130,6 +133,10 @@ def retarget_folder(
     fps: float | None = None,
     up: Literal["y", "z"] | None = None,
     whole: bool = False,
+    contact_speed: float | None = None,
+    contact_height: float | None = None,
+    acceleration: float | None = None,
+    keep_clear: float | None = None,
     threads: int | None = None,
     again: bool = False,
     progress: bool | Callable[[int, int], None] = False,
@@ -144,13 +151,25 @@ def retarget_folder(
     Raises ``FileError`` for folders that cannot be read or written or hold no movement, ``InvalidValueError`` for one that answers
     another question and for two movements of one name, and what is wrong with the target.
     """
-    job = folder_job(source, target, out, map, joints=joints, fps=fps, up=up, whole=whole)
-    pairs = job.begin(again)
+    job = folder_job(
+        source,
+        target,
+        out,
+        map,
+        joints=joints,
+        fps=fps,
+        up=up,
+        whole=whole,
+        contact_speed=contact_speed,
+        contact_height=contact_height,
+        acceleration=acceleration,
+        keep_clear=keep_clear,
+    )
+    pairs, reports = job.begin(again)
     report = bars.bar() if progress is True else progress or (lambda done, total: None)
     if threads is not None and threads < 1:
         raise InvalidValueError(f"threads is {threads}: at least 1, or None for all cores")
-    left = [pair for pair in pairs if again or not job.is_done(*pair)]
-    reports = {pair: ClipReport(*pair, done_before=True) for pair in pairs if pair not in left}
+    left = [pair for pair in pairs if pair not in reports]
     with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
         running = {pool.submit(job.run, *pair): pair for pair in left}
         for done in as_completed(running):
@@ -161,7 +180,7 @@ def retarget_folder(
 
 def folder_job(
     source: str | os.PathLike[str],
-    target: Model | HasModel | str | os.PathLike[str],
+    target: TargetLike,
     out: str | os.PathLike[str],
     map: MapLike,
     **options: Any,

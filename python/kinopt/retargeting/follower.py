@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Sequence
 from typing import Any, Literal
 
 from numpy.typing import ArrayLike
 
-from .._kinopt import Model
 from .._kinopt.retargeting import Live
-from ..types import Floats, HasModel
+from ..types import Floats
 from .maps import MapLike
 from .retarget import asked
 from .sources import Source
+from .targets import TargetLike
 
 
 class RetargetFollower:
@@ -31,7 +30,7 @@ class RetargetFollower:
     def __init__(
         self,
         measured: Source,
-        target: Model | HasModel | str | os.PathLike[str],
+        target: TargetLike,
         map: MapLike = None,
         *,
         joints: Sequence[str] | None = None,

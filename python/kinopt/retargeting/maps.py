@@ -9,10 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias, Union
 
-from .._kinopt import Model
 from .._kinopt.retargeting import Capture, map_guessed, map_of_skeleton, skeleton_joints
 from ..errors import FileError, InvalidFileError, InvalidValueError
-from ..types import HasModel
+from .targets import Target
 
 MapLike: TypeAlias = Union[Mapping[str, Any], str, "os.PathLike[str]", None]
 """A map as a dict, the path of its file, the name of a skeleton, or None where it is to be guessed."""
@@ -42,7 +41,7 @@ class MapGuess:
             raise FileError(f"{path}: cannot be written: {error}") from None
 
 
-def guess_map(capture: Capture, target: Model | HasModel, skeleton: str | None = None) -> MapGuess:
+def guess_map(capture: Capture, target: Target, skeleton: str | None = None) -> MapGuess:
     """Guesses which joint of a capture drives which frame of a robot or a rig.
 
     Known skeletons and bodies are told by their names; else it goes by what names tell, as ``LeftUpLeg``, ``l_thigh`` and

@@ -10,9 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._kinopt.retargeting import Capture
+from .._kinopt.animation import Clip
+from .._kinopt.retargeting import Capture, FigureTarget
 from ..errors import FileError, InvalidValueError
 from ..types import Floats
+from .targets import TargetLike, read_target
 
 #: What a file is called before it is whole begins so.
 UNFINISHED = ".part."
@@ -88,6 +90,19 @@ class Retargeted:
         """The frames in which a driven place is further off than a ``tolerance`` (metres), by the joint that drives it."""
         far = self.errors > tolerance
         return {name: np.flatnonzero(far[:, k]) for k, name in enumerate(self.driven) if far[:, k].any()}
+
+    def clip(self, target: TargetLike, name: str = "retargeted") -> Clip:
+        """The movement of a figure as a clip of ``target``'s armature, in the axes of its file: of the rig, skeleton, scene, motion capture or
+        ``FigureTarget`` that it was brought onto, or of its file.
+
+        ``SceneFile.add_clip`` puts it into the scene's own file.
+
+        Raises ``InvalidValueError`` for what is no figure, or another one.
+        """
+        figure = read_target(target)
+        if not isinstance(figure, FigureTarget):
+            figure = FigureTarget(figure)
+        return figure.clip(self.q, self.fps, name)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes ``q``, ``fps``, ``names``, ``contacts`` and ``standing`` as a .npz; it appears when it is whole.

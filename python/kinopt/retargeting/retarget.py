@@ -6,15 +6,13 @@ import json
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal
 
-from .._kinopt import Model, Robot
 from .._kinopt.retargeting import Capture, capture_retargeted
-from ..types import HasModel
 from .maps import MapLike, guess_map, is_skeleton, read_map
 from .movement import LimitMet, Retargeted, Touching
 from .sources import Source, read_capture
+from .targets import Target, TargetLike, read_target
 
 
 @dataclass(frozen=True)
@@ -22,7 +20,7 @@ class Question:
     """A capture, a target and the map between them."""
 
     capture: Capture
-    target: Model | HasModel
+    target: Target
     map: dict[str, Any]
     notes: list[str]
     options: dict[str, Any]
@@ -30,7 +28,7 @@ class Question:
 
 def asked(
     source: Source,
-    target: Model | HasModel | str | os.PathLike[str],
+    target: TargetLike,
     map: MapLike,
     *,
     joints: Sequence[str] | None,
@@ -58,19 +56,9 @@ def asked(
     return Question(capture, target, given, notes, options)
 
 
-def read_target(target: Model | HasModel | str | os.PathLike[str]) -> Model | HasModel:
-    """A target, read where it is the path of a robot's file."""
-    if not isinstance(target, (str, os.PathLike)):
-        return target
-    path = Path(target)
-    if path.suffix.lower() == ".urdf":
-        return Robot.from_urdf(path, base_joint="free")
-    return Robot.from_mjcf(path, base_joint="free")
-
-
 def retarget(
     source: Source,
-    target: Model | HasModel | str | os.PathLike[str],
+    target: TargetLike,
     map: MapLike = None,
     *,
     joints: Sequence[str] | None = None,
@@ -86,8 +74,10 @@ def retarget(
     """Brings a person's movement onto a robot or a rig, within its limits of position and speed in every frame.
 
     ``source`` is as of ``read_capture``: an array (T, J, 3), a ``MotionCapture``, a clip or a file; so are ``joints``, ``fps``,
-    ``up`` and ``clip``. ``target``: a ``Robot`` with a free base, a ``BallSkeleton``, a rig or a skeleton, which are put on
-    a free base (``q`` begins with x, y, z and w, x, y, z), or the path of a URDF or MJCF file, which is too.
+    ``up`` and ``clip``. ``target``: a ``Robot`` with a free base, a ``BallSkeleton``, or a figure, which is put on a free base
+    (``q`` begins with x, y, z and w, x, y, z): a rig, a skeleton, a scene, a ``MotionCapture``, or a ``FigureTarget`` that says which way
+    is up in its file; or the path of a .urdf, MJCF .xml, .glb, .gltf, .bvh or rig's .json file. The movement of a figure is a clip
+    by ``Retargeted.clip``.
 
     ``map``: a dict or a .json file (which joint drives which frame), the name of the skeleton that the capture is of ("cmu", "lafan1",
     "mixamo", "smpl"), or None, where it is guessed by ``guess_map``; the result has it. One file may hold the maps of several

@@ -52,6 +52,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--fps", type=float, metavar="N", help="frames a second of the movement")
     parser.add_argument("--whole", action="store_true", help="solve the movement as a whole, not frame by frame")
+    parser.add_argument(
+        "--keep-clear", type=float, metavar="METRES", help="keep a robot's links so far apart in every frame of the movement"
+    )
     parser.add_argument("--no-browser", action="store_true", help="print the address and open no browser")
     options = parser.parse_args(arguments)
     try:
@@ -70,6 +73,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             map=options.map,
             fps=options.fps,
             whole=options.whole,
+            keep_clear=options.keep_clear,
         )
     except kinopt.KinoptError as error:
         print(error, file=sys.stderr)

@@ -147,6 +147,7 @@ def open_page(
     map: str | Path | None = None,
     fps: float | None = None,
     whole: bool = False,
+    keep_clear: float | None = None,
 ) -> Page:
     """The page of a model: see `python -m kinopt.view --help`. Raises as `open_model` and `World.read`, `UnknownNameError` for
     a frame to hold, `InvalidValueError` for a world around what has no shapes, and as `kinopt.retarget` for a movement."""
@@ -156,8 +157,12 @@ def open_page(
         base_joint = base_joint or ("free" if path.suffix.lower() != ".json" else None)
     opened = open_model(path, base_joint)
     if retarget is not None:
-        movement = kinopt.retarget(retarget, opened.thing, None if map is None else str(map), fps=fps, whole=whole)
+        movement = kinopt.retarget(
+            retarget, opened.thing, None if map is None else str(map), fps=fps, whole=whole, keep_clear=keep_clear
+        )
         opened.notes += movement.notes
+        if movement.touching:
+            opened.notes.append(f"links touch in {len(movement.touching)} of {len(movement)} frames")
     if world is not None:
         world = world if isinstance(world, kinopt.World) else kinopt.World.read(world)
         # Whether it goes with the model is known before a page opens.

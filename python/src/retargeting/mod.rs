@@ -1,5 +1,7 @@
 //! People's movements on robots and rigs: what `kinopt.retargeting` is made of.
 
+mod figure_target;
+
 use std::sync::{Arc, Mutex, PoisonError};
 
 use kinopt::collision::Checker;
@@ -7,29 +9,28 @@ use kinopt::motion::clip::MotionBound;
 use kinopt::motion::retarget::{
     self, BodyMap, KnownSkeleton, LiveFollower, MapGuess, RetargetError, RetargetOptions, UpAxis,
 };
-use kinopt::robot::{BaseJoint, Robot};
+use kinopt::robot::Robot;
 use kinopt::solver::Side;
 use kinopt::spatial::Vector3;
 use numpy::ndarray::Ix3;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
+use self::figure_target::FigureTarget;
 use crate::animation::Clip;
 use crate::arrays::{self, Numbers};
 use crate::error::{OrRaise, invalid};
 use crate::has_model::model_of;
 use crate::model::Model;
 use crate::pickling;
-use crate::rig::Rig;
-use crate::skeleton::Skeleton;
 
 /// People's movements on robots and rigs: the compiled part.
 #[pymodule(submodule)]
 pub(crate) mod retargeting {
     #[pymodule_export]
     use super::{
-        Capture, Live, capture_retargeted, map_guessed, map_of_skeleton, skeleton_joints,
-        skeleton_names,
+        Capture, FigureTarget, Live, capture_retargeted, map_guessed, map_of_skeleton,
+        skeleton_joints, skeleton_names,
     };
 }
 
@@ -51,6 +52,13 @@ fn up_axis(up: &str) -> PyResult<UpAxis> {
         "y" => Ok(UpAxis::Y),
         "z" => Ok(UpAxis::Z),
         other => Err(invalid(format!("up is {other:?}: \"y\" or \"z\""))),
+    }
+}
+
+fn axis_name(axis: UpAxis) -> &'static str {
+    match axis {
+        UpAxis::Y => "y",
+        UpAxis::Z => "z",
     }
 }
 
@@ -127,10 +135,7 @@ impl Capture {
     /// The axis that points upward.
     #[getter]
     fn up(&self) -> &'static str {
-        match self.up {
-            UpAxis::Y => "y",
-            UpAxis::Z => "z",
-        }
+        axis_name(self.up)
     }
 
     /// Pairs of joints' numbers that bones join; None where that is not known.
@@ -171,18 +176,19 @@ impl Capture {
     }
 }
 
-/// What a movement is brought onto, as a robot: rigs and skeletons are put on a free base.
+/// What a movement is brought onto, as a robot: figures are put on a free base.
 fn target_of(target: &Bound<'_, PyAny>) -> PyResult<Arc<Robot>> {
     if let Ok(robot) = target.cast::<crate::robot::Robot>() {
         return Ok(Arc::clone(&robot.get().inner));
     }
+    if let Ok(figure) = target.cast::<FigureTarget>() {
+        return Ok(Arc::new(figure.get().inner.robot().clone()));
+    }
+    if let Some(figure) = FigureTarget::of(target, None)? {
+        return Ok(Arc::new(figure.inner.robot().clone()));
+    }
     let model = model_of(target)?;
     let robot = Robot::new(kinopt::Model::clone(&model), Vec::new()).or_raise()?;
-    let figure = target.is_instance_of::<Rig>() || target.is_instance_of::<Skeleton>();
-    let robot = match figure {
-        true => robot.with_base_joint(BaseJoint::FREE).or_raise()?,
-        false => robot,
-    };
     Ok(Arc::new(robot))
 }
 
@@ -326,12 +332,8 @@ type Guessed = (
 );
 
 fn told(mut guess: MapGuess, up: UpAxis) -> Guessed {
-    let name = |axis| match axis {
-        UpAxis::Y => "y",
-        UpAxis::Z => "z",
-    };
     if let Some(along) = guess.up.filter(|along| *along != up) {
-        let (along, up) = (name(along), name(up));
+        let (along, up) = (axis_name(along), axis_name(up));
         let note = format!("the body stands along {along}, but {up} is taken for upward");
         guess.notes.push(note);
     }

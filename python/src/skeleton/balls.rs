@@ -196,12 +196,8 @@ impl BallSkeleton {
                 (scene.armature, turning)
             }
         };
-        let limits = |bone| match turning.contains(&bone) {
-            true => [Limits::UNBOUNDED; 3],
-            false => [Limits::new(0.0, 0.0); 3],
-        };
         let name = path.display().to_string();
-        let skeleton = armature.skeleton(name, limits).or_raise()?;
+        let skeleton = armature.turning_skeleton(name, &turning).or_raise()?;
         Self::make(skeleton, Arc::new(armature), cones, root)
     }
 

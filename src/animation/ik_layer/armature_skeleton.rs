@@ -1,5 +1,7 @@
 //! An armature as a skeleton, so that the optimiser can pose characters from files of animation.
 
+use std::collections::BTreeSet;
+
 use glam::{DAffine3, DMat3, DQuat};
 
 use crate::animation::Armature;
@@ -69,5 +71,22 @@ impl Armature {
             });
         }
         Skeleton::new(name, bones)
+    }
+
+    /// As [`skeleton`](Self::skeleton), the bones of `turning` free to turn any way and the others still: of a scene those of
+    /// [its skins](crate::io::gltf::Scene::turning_bones), of a capture those
+    /// [with channels](crate::io::bvh::MotionCapture::turning_bones).
+    ///
+    /// # Errors
+    /// As there.
+    pub fn turning_skeleton(
+        &self,
+        name: impl Into<String>,
+        turning: &BTreeSet<BoneId>,
+    ) -> Result<Skeleton, SkeletonError> {
+        self.skeleton(name, |bone| match turning.contains(&bone) {
+            true => [Limits::UNBOUNDED; ANGLES_PER_BONE],
+            false => [Limits::new(0.0, 0.0); ANGLES_PER_BONE],
+        })
     }
 }

@@ -1,8 +1,10 @@
 //! What can be wrong with a capture, a map, or what is asked of both.
 
+use crate::animation::{ChannelError, LocalError};
 use crate::bad_option::BadOption;
-use crate::model::UnknownName;
+use crate::model::{ModelError, UnknownName};
 use crate::motion::clip::MotionError;
+use crate::skeleton::SkeletonError;
 
 /// Why a movement cannot be brought onto a model.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -17,6 +19,26 @@ pub enum RetargetError {
     /// What the tasks of a frame, or the whole motion, refuse.
     #[error(transparent)]
     Motion(#[from] MotionError),
+    /// Bones that make no figure.
+    #[error(transparent)]
+    Skeleton(#[from] SkeletonError),
+    /// A figure that cannot be put on a free base.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// An armature whose bones are not the figure's.
+    #[error("the armature has bone `{given}` where the figure has `{bone}`")]
+    OtherBone {
+        /// The armature's, empty where it has no more.
+        given: String,
+        /// The figure's.
+        bone: String,
+    },
+    /// Bones that cannot stand so.
+    #[error(transparent)]
+    Pose(#[from] LocalError),
+    /// Poses that make no clip.
+    #[error(transparent)]
+    Clip(#[from] ChannelError),
     /// Numbers that are no places of so many joints.
     #[error("{numbers} numbers are no places of {joints} joints in whole frames")]
     NotFrames {

@@ -1,0 +1,41 @@
+"""What a movement is brought onto."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TypeAlias, Union
+
+from .._kinopt import Model, MotionCapture, Rig, Robot, Scene
+from ..errors import InvalidFileError
+from ..types import HasModel
+
+Target: TypeAlias = Union[Model, HasModel, Scene, MotionCapture]
+"""A robot with a free base, a figure (a rig, a skeleton, a scene, a motion capture), or a model."""
+
+TargetLike: TypeAlias = Union[Target, str, "os.PathLike[str]"]
+"""A target, or its file."""
+
+_FILES = ".urdf, .xml, .mjcf, .glb, .gltf, .bvh or .json"
+
+
+def read_target(target: TargetLike) -> Target:
+    """A target, read where it is the path of a file."""
+    if not isinstance(target, (str, os.PathLike)):
+        return target
+    path = Path(target)
+    kind = path.suffix.lower()
+    if kind == ".urdf":
+        return Robot.from_urdf(path, base_joint="free")
+    if kind in (".xml", ".mjcf"):
+        return Robot.from_mjcf(path, base_joint="free")
+    if kind in (".glb", ".gltf"):
+        return Scene.read(path)
+    if kind == ".bvh":
+        return MotionCapture.read(path)
+    if kind == ".json":
+        return Rig.read(path)
+    raise InvalidFileError(f"{path}: a target is {_FILES}")
+
+
+__all__ = ["Target", "TargetLike", "read_target"]

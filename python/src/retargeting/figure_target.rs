@@ -1,0 +1,139 @@
+//! Figures that movements are brought onto: rigs, scenes, captures.
+
+use std::sync::Arc;
+
+use kinopt::animation::Armature as Bones;
+use kinopt::motion::retarget;
+use numpy::ndarray::Ix2;
+use pyo3::prelude::*;
+
+use super::{UpAxis, axis_name, up_axis};
+use crate::animation::{Armature, Clip};
+use crate::arrays::{self, Numbers};
+use crate::capture::MotionCapture;
+use crate::error::{OrRaise, invalid};
+use crate::model::Model;
+use crate::pickling;
+use crate::rig::Rig;
+use crate::scene::Scene;
+use crate::skeleton::Skeleton;
+
+/// The bones of a rig, a skeleton, a scene or a motion capture on a free base, upright whichever way up their file has them.
+///
+/// `up` is the axis that points upward in the file: "y" of scenes and captures and "z" of rigs and skeletons unless given. Of a scene the
+/// joints of its skins turn, of a capture the bones with channels of rotation, all where there are none.
+///
+/// Raises `InvalidValueError` for what is none of these, and for bones with children that scale by different numbers along their axes.
+#[pyclass(frozen, module = "kinopt.retargeting")]
+pub(crate) struct FigureTarget {
+    of: Py<PyAny>,
+    pub(super) inner: retarget::FigureTarget,
+    armature: Arc<Bones>,
+}
+
+impl FigureTarget {
+    /// What is a figure, as one; none for a robot or a model.
+    pub(super) fn of(target: &Bound<'_, PyAny>, up: Option<UpAxis>) -> PyResult<Option<Self>> {
+        let made = |inner: Result<_, retarget::RetargetError>, armature: &Bones| {
+            Ok(Some(Self {
+                of: target.clone().unbind(),
+                inner: inner.or_raise()?,
+                armature: Arc::new(armature.clone()),
+            }))
+        };
+        let of_bones = |bones: &kinopt::Skeleton| {
+            let inner = retarget::FigureTarget::new(bones, up.unwrap_or(UpAxis::Z));
+            made(inner, &Bones::of_skeleton(bones))
+        };
+        let of_file = |bones: &Bones, turning| {
+            let up = up.unwrap_or(UpAxis::Y);
+            made(
+                retarget::FigureTarget::of_armature(bones, &turning, up),
+                bones,
+            )
+        };
+        if let Ok(rig) = target.cast::<Rig>() {
+            return of_bones(&rig.get().inner.skeleton);
+        }
+        if let Ok(skeleton) = target.cast::<Skeleton>() {
+            return of_bones(&skeleton.get().inner);
+        }
+        if let Ok(scene) = target.cast::<Scene>() {
+            let scene = &scene.get().inner;
+            return of_file(&scene.armature, scene.turning_bones());
+        }
+        if let Ok(capture) = target.cast::<MotionCapture>() {
+            let capture = &capture.get().inner;
+            return of_file(&capture.armature, capture.turning_bones());
+        }
+        Ok(None)
+    }
+}
+
+#[pymethods]
+impl FigureTarget {
+    #[new]
+    #[pyo3(signature = (of, up = None))]
+    fn new(of: &Bound<'_, PyAny>, up: Option<&str>) -> PyResult<Self> {
+        let figure = Self::of(of, up.map(up_axis).transpose()?)?;
+        let kind = of.get_type();
+        let lacks = || {
+            invalid(format!(
+                "expected a rig, a skeleton, a scene or a motion capture, not {kind}"
+            ))
+        };
+        figure.ok_or_else(lacks)
+    }
+
+    /// The model: a free base, then three angles a bone.
+    #[getter]
+    fn model(&self) -> Model {
+        let inner = Arc::new(self.inner.robot().model().clone());
+        Model { inner }
+    }
+
+    /// What clips are of: that of the scene or the capture, and of a rig that of its skeleton.
+    #[getter]
+    fn armature(&self) -> Armature {
+        Arc::clone(&self.armature).into()
+    }
+
+    /// The axis that points upward in the file.
+    #[getter]
+    fn up(&self) -> &'static str {
+        axis_name(self.inner.up())
+    }
+
+    /// A movement, configurations of shape (T, nq) and `fps` of them a second, as a clip of the armature, in the axes of the file.
+    ///
+    /// Raises `InvalidValueError` for another shape, no frames, and a rate that is not positive.
+    #[pyo3(signature = (q, fps, name = "retargeted"))]
+    fn clip(&self, py: Python<'_>, q: &Bound<'_, PyAny>, fps: f64, name: &str) -> PyResult<Clip> {
+        let numbers: Numbers<'_, Ix2> = arrays::numbers(q, "q", "(frames, nq)")?;
+        let width = self.inner.robot().model().configuration_len();
+        let shape = numbers.shape();
+        if shape[1] != width {
+            return Err(invalid(format!(
+                "q has shape {}, expected (frames, {width})",
+                arrays::shape_text(shape)
+            )));
+        }
+        let q = &*numbers;
+        let clip = py.detach(|| self.inner.clip(name, &self.armature, q, fps));
+        Ok(Clip::of(&self.armature, Arc::new(clip.or_raise()?)))
+    }
+
+    fn __repr__(&self) -> String {
+        let model = self.inner.robot().model();
+        format!(
+            "FigureTarget({} bones, {} upward)",
+            self.armature.bones(),
+            axis_name(self.inner.up())
+        ) + &format!(" of {} numbers", model.configuration_len())
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let own = slf.get();
+        pickling::by_class::<Self>(slf.py(), (own.of.clone_ref(slf.py()), own.up()))
+    }
+}

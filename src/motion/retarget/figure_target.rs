@@ -1,0 +1,172 @@
+//! Figures to bring a movement onto: the bones of a rig, a scene or a capture, moving as a whole.
+
+use std::collections::BTreeSet;
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use glam::{Affine3A, DQuat, DVec3};
+
+use super::{RetargetError, UpAxis};
+use crate::animation::{Armature, Clip, Pose, PoseAngles};
+use crate::robot::{BaseJoint, Robot};
+use crate::skeleton::{BoneId, Skeleton};
+use crate::spatial::{Matrix3, Placement, Vector3};
+
+/// What a free base has of a configuration: x, y, z and a quaternion w, x, y, z.
+const BASE: usize = 7;
+
+/// Bones on a free base as a [`Robot`], upright whichever way up their file has them, and back to poses of the file.
+///
+/// ```
+/// use kinopt::animation::Armature;
+/// use kinopt::io::rig::Rig;
+/// use kinopt::motion::retarget::{FigureTarget, UpAxis};
+///
+/// let rig = Rig::read("models/humanoid/humanoid.json")?;
+/// let figure = FigureTarget::new(&rig.skeleton, UpAxis::Z)?;
+/// // A metre to the side, as it stands.
+/// let mut q = figure.robot().model().neutral();
+/// q[1] = 1.0;
+/// let armature = Armature::of_skeleton(&rig.skeleton);
+/// let hips = rig.skeleton.bone_ids().next().ok_or("no bones")?;
+/// let pose = &figure.poses(&armature, armature.rest(), &q)?[0];
+/// let moved = armature.model_from_bone(pose, hips)?.translation;
+/// let stood = armature.model_from_bone(armature.rest(), hips)?.translation;
+/// assert!((moved.y - stood.y - 1.0).abs() < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct FigureTarget {
+    robot: Robot,
+    angles: PoseAngles,
+    up: UpAxis,
+    names: Vec<String>,
+    /// The bones that carry the rest of those that turn: these move with the base.
+    topmost: Vec<BoneId>,
+}
+
+impl FigureTarget {
+    /// A skeleton in whose file `up` points upward.
+    ///
+    /// # Errors
+    /// What a skeleton or a robot refuses: a bone called as a joint of the base.
+    pub fn new(skeleton: &Skeleton, up: UpAxis) -> Result<Self, RetargetError> {
+        let placed = match up {
+            UpAxis::Y => skeleton.placed(Placement::new(z_from_y(), Vector3::zero()))?,
+            UpAxis::Z => skeleton.clone(),
+        };
+        let robot = Robot::new(placed.model().clone(), Vec::new())?;
+        let turning: Vec<bool> = skeleton
+            .bones()
+            .iter()
+            .map(|bone| bone.limits.iter().any(|own| own.upper > own.lower))
+            .collect();
+        let parent_of = |bone: BoneId| skeleton.bones()[bone.index()].parent;
+        let is_topmost = |bone: &BoneId| {
+            let mut above = std::iter::successors(parent_of(*bone), |own| parent_of(*own));
+            turning[bone.index()] && !above.any(|own| turning[own.index()])
+        };
+        Ok(Self {
+            robot: robot.with_base_joint(BaseJoint::FREE)?,
+            angles: PoseAngles::new(skeleton),
+            up,
+            names: skeleton
+                .bones()
+                .iter()
+                .map(|bone| bone.name.clone())
+                .collect(),
+            topmost: skeleton.bone_ids().filter(is_topmost).collect(),
+        })
+    }
+
+    /// The bones of an armature, those of `turning` free to turn and the others still: of a scene
+    /// [those of its skins](crate::io::gltf::Scene::turning_bones).
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and a bone with children that scales by different numbers along its axes.
+    pub fn of_armature(
+        armature: &Armature,
+        turning: &BTreeSet<BoneId>,
+        up: UpAxis,
+    ) -> Result<Self, RetargetError> {
+        Self::new(&armature.turning_skeleton("figure", turning)?, up)
+    }
+
+    getters! {
+        /// The figure as a robot on a free base, z upward: what a [`Retargeting`](super::Retargeting) is made for.
+        pub fn robot(&self) -> &Robot = &self.robot;
+        /// The axis that points upward in the file.
+        pub fn up(&self) -> UpAxis = self.up;
+    }
+
+    /// Poses of an armature whose first bones are the figure's, in the axes of its file, one a configuration of the
+    /// [robot](Self::robot); bones that do not turn are as in `stands`.
+    ///
+    /// # Errors
+    /// An armature or a pose of other bones, and bones that would have to shear.
+    pub fn poses(
+        &self,
+        armature: &Armature,
+        stands: &Pose,
+        q: &[f64],
+    ) -> Result<Vec<Pose>, RetargetError> {
+        let theirs = armature.names();
+        let other = (0..self.names.len()).find(|&bone| theirs.get(bone) != self.names.get(bone));
+        if let Some(bone) = other {
+            return Err(RetargetError::OtherBone {
+                given: theirs.get(bone).cloned().unwrap_or_default(),
+                bone: self.names[bone].clone(),
+            });
+        }
+        let width = self.robot.model().configuration_len();
+        let frames = q.chunks_exact(width).map(|q| {
+            let mut pose = stands.clone();
+            let (base, angles) = q.split_at(BASE);
+            self.angles.pose_of(angles, &mut pose);
+            let moved = self.moved(base);
+            for &bone in &self.topmost {
+                let stood = armature.model_from_bone(&pose, bone)?;
+                armature.set_model_from_bone(&mut pose, bone, moved * stood)?;
+            }
+            Ok(pose)
+        });
+        frames.collect()
+    }
+
+    /// A movement, so many frames a second, as a clip of an armature whose first bones are the figure's; all others are at rest.
+    ///
+    /// # Errors
+    /// As [`poses`](Self::poses), no frames, and a rate by which times do not rise.
+    pub fn clip(
+        &self,
+        name: impl Into<String>,
+        armature: &Armature,
+        q: &[f64],
+        frame_rate: f64,
+    ) -> Result<Clip, RetargetError> {
+        let poses = self.poses(armature, armature.rest(), q)?;
+        let times = (0..poses.len()).map(|frame| (frame as f64 / frame_rate) as f32);
+        let times: Vec<f32> = times.collect();
+        Ok(Clip::through_poses(name, armature, &times, &poses)?)
+    }
+
+    /// How the base moves the figure, in the axes of its file.
+    fn moved(&self, base: &[f64]) -> Affine3A {
+        let &[x, y, z, w, i, j, k] = base else {
+            return Affine3A::IDENTITY;
+        };
+        let (turn, way) = (DQuat::from_xyzw(i, j, k, w), DVec3::new(x, y, z));
+        let file_from_upright = match self.up {
+            UpAxis::Y => DQuat::from_xyzw(-FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2),
+            UpAxis::Z => DQuat::IDENTITY,
+        };
+        let turn = file_from_upright * turn * file_from_upright.inverse();
+        let way = file_from_upright * way;
+        Affine3A::from_rotation_translation(turn.as_quat().normalize(), way.as_vec3())
+    }
+}
+
+/// From y upward to z upward.
+fn z_from_y() -> Matrix3<f64> {
+    let [x, y, z] = Vector3::UNITS;
+    Matrix3::from_columns(x, z, y * -1.0)
+}
