@@ -94,7 +94,8 @@ impl Arm {
         let Some(lanes) = self.lanes_within(&workspace.bounded_lanes) else {
             return self.attempts_by_core(workspace, query, first, count);
         };
-        let end = (first + count) as usize;
+        let begun = workspace.outcomes.len();
+        let end = begun + count as usize;
         workspace.found.resize(end * n, 0.0);
         workspace.outcomes.resize(end, PoseOutcome::default());
         lanes.run(lanes::Work {
@@ -103,8 +104,8 @@ impl Arm {
             search: lanes::Prefer::Start,
             attempts_from: Some(first),
             attempts: 1,
-            q: &mut workspace.found[first as usize * n..],
-            outcomes: &mut workspace.outcomes[first as usize..],
+            q: &mut workspace.found[begun * n..],
+            outcomes: &mut workspace.outcomes[begun..],
         });
     }
 

@@ -29,6 +29,8 @@ mod pose_solver;
 mod prepared;
 mod query;
 mod seeds;
+#[cfg(feature = "collision")]
+mod seeds_about;
 mod settings;
 mod single_query;
 mod stages;

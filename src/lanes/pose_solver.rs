@@ -254,6 +254,24 @@ impl PoseSolver {
         Ok(())
     }
 
+    /// Appends the atlas's seeds for a target from the cells beside its own, of which `cells` says which, radians and metres within the
+    /// bounds; whether there are more.
+    #[cfg(feature = "collision")]
+    pub(crate) fn seeds_about(
+        &self,
+        target: &Placement<f64>,
+        cells: std::ops::Range<usize>,
+        q: &mut Vec<f64>,
+    ) -> bool {
+        self.prepared.seeds_about(target, cells, q)
+    }
+
+    /// Adds whole turns to the joints that can make them, as near to the start as bounds allow; radians and metres.
+    #[cfg(feature = "collision")]
+    pub(crate) fn unwrap_towards(&self, start: &[f64], q: &mut [f64]) {
+        super::turns::unwrap_towards(&self.prepared, start, q);
+    }
+
     /// Runs a batch that is checked already.
     pub(crate) fn run(&self, work: Work<'_>) {
         instruction_set::batch(&self.prepared, work);

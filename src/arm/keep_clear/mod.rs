@@ -48,6 +48,9 @@ pub(super) struct ClearRoom {
     q_from: Vec<f64>,
     /// Up to eight configurations.
     several: Vec<f64>,
+    /// Where attempts begin, and their targets.
+    seeds: Vec<f64>,
+    targets: Vec<Placement<f64>>,
 }
 
 impl Arm {
@@ -172,6 +175,8 @@ impl KeepClear {
             q_model: self.rest.clone(),
             q_from: self.rest.clone(),
             several: Vec::new(),
+            seeds: Vec::new(),
+            targets: Vec::new(),
         }
     }
 

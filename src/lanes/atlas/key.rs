@@ -50,6 +50,35 @@ impl Atlas {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn cell(&self, key: &Key) -> usize {
+        self.cell_number(self.bins(key))
+    }
+
+    /// The cell so many cells from a key's own along each coordinate, if the table goes so far.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn cell_beside(&self, key: &Key, beside: [i8; 4]) -> Option<usize> {
+        let mut bins = self.bins(key);
+        if beside != [0; 4] {
+            let r = &self.resolution;
+            let counts = [r.radius, r.height, r.direction, r.direction];
+            for k in 0..4 {
+                bins[k] = bins[k].checked_add_signed(isize::from(beside[k]))?;
+                if bins[k] >= counts[k] {
+                    return None;
+                }
+            }
+        }
+        Some(self.cell_number(bins))
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn cell_number(&self, [i, j, k, l]: [usize; 4]) -> usize {
+        let r = &self.resolution;
+        ((i * r.height + j) * r.direction + k) * r.direction + l
+    }
+
+    /// A key's cell along each coordinate.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn bins(&self, key: &Key) -> [usize; 4] {
         let bin = |value: f64, count: usize| (value.max(0.0) as usize).min(count - 1);
         let r = &self.resolution;
         let i = bin((key.place[0] - self.low[0]) * self.scale[0], r.radius);
@@ -64,7 +93,7 @@ impl Atlas {
         let half = 0.5 * r.direction as f64;
         let k = bin((u + 1.0) * half, r.direction);
         let l = bin((v + 1.0) * half, r.direction);
-        ((i * r.height + j) * r.direction + k) * r.direction + l
+        [i, j, k, l]
     }
 
     /// The middle direction of a cell and a unit vector across it.

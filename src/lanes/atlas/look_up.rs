@@ -20,6 +20,18 @@ impl TooledAtlas {
         goal_from_first: &Placement<f64>,
         found: &mut Candidates,
     ) {
+        self.look_up_beside::<V>(links, goal_from_first, [0; 4], found);
+    }
+
+    /// Seeds for a goal, best first, from the cell that is so many cells from the goal's own, if there is one.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn look_up_beside<V: LaneScalar>(
+        &self,
+        links: &Links,
+        goal_from_first: &Placement<f64>,
+        beside: [i8; 4],
+        found: &mut Candidates,
+    ) {
         let c = V::Four::constant;
         let atlas = &*self.atlas;
         let n = atlas.joints;
@@ -30,7 +42,9 @@ impl TooledAtlas {
         place.translation -= place.rotation.x * last.along_x + place.rotation.y * last.along_y;
         let place = self.place(place);
         let key = atlas.key(&place);
-        let cell = atlas.cell(&key);
+        let Some(cell) = atlas.cell_beside(&key, beside) else {
+            return;
+        };
         let count = usize::from(atlas.counts[cell]);
         if count == 0 {
             return;

@@ -1,0 +1,70 @@
+//! More seeds for a goal than its own cell of the atlas holds: those of the cells about it as well.
+
+use std::ops::Range;
+
+use super::atlas::Candidates;
+use super::chain::MAX_JOINTS;
+use super::lane::Lanes;
+use super::prepared::Prepared;
+use crate::spatial::Placement;
+
+/// A cell and those about it, along four coordinates.
+const ABOUT: usize = 3_usize.pow(4);
+
+impl Prepared {
+    /// Appends the seeds of a target's own cell and of those about it, of which `cells` says which, in the order of how many coordinates lead
+    /// there; radians and metres within the bounds. Whether there are more.
+    ///
+    /// A cell's seeds are corrected in first order to the target, so that from beside it they still end there in a few steps, and each cell has
+    /// samples of its own: of other branches, and of other places on one.
+    pub(super) fn seeds_about(
+        &self,
+        target: &Placement<f64>,
+        cells: Range<usize>,
+        q: &mut Vec<f64>,
+    ) -> bool {
+        let (Some(atlas), false) = (&self.atlas, self.settings.weighted) else {
+            return false;
+        };
+        let goal = self.links.goal_from_first(target, false);
+        let (mut seed, n) = ([0.0; MAX_JOINTS], self.joints());
+        for &beside in &WAYS[cells.start.min(ABOUT)..cells.end.min(ABOUT)] {
+            let mut found = Candidates::none();
+            atlas.look_up_beside::<Lanes<4, false>>(&self.links, &goal, beside, &mut found);
+            for index in 0..found.count {
+                found.fill(index, &mut seed);
+                for (q, link) in seed.iter_mut().zip(&self.links.links) {
+                    *q = q.max(link.lower).min(link.upper);
+                }
+                self.links.to_metres(&mut seed[..n]);
+                q.extend_from_slice(&seed[..n]);
+            }
+        }
+        cells.end < ABOUT
+    }
+}
+
+/// The ways from a cell to itself and to those about it, those along few coordinates first.
+const WAYS: [[i8; 4]; ABOUT] = {
+    let mut ways = [[0; 4]; ABOUT];
+    let (mut count, mut along) = (0, 0);
+    while along <= 4 {
+        let mut code = 0;
+        while code < ABOUT {
+            let (mut way, mut rest, mut steps, mut k) = ([0; 4], code, 0, 0);
+            while k < 4 {
+                way[k] = (rest % 3) as i8 - 1;
+                steps += (way[k] != 0) as usize;
+                rest /= 3;
+                k += 1;
+            }
+            if steps == along {
+                ways[count] = way;
+                count += 1;
+            }
+            code += 1;
+        }
+        along += 1;
+    }
+    ways
+};
