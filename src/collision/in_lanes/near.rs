@@ -51,30 +51,42 @@ pub(super) fn near<V: LaneScalar>(
     margin: f64,
     room: &mut Room<V>,
 ) -> u32 {
-    let all = (1u32 << V::WIDTH) - 1;
     place(chain, room);
-    let mut touched = 0;
+    let mut touched = none::<V>();
     // Hands first, as they are where things are.
     for index in (0..chain.bodies.len()).rev() {
-        touched |= near_solids(chain, index, solids, margin, room);
+        touched = near_solids(chain, index, solids, margin, room, touched);
         if let Some(many) = solids.many() {
-            touched |= near_many(chain, index, many, margin, room, touched);
+            touched = near_many(chain, index, many, margin, room, touched);
         }
-        if touched == all {
-            return touched;
+        if !any::<V>(!touched) {
+            return V::mask_bits(touched);
         }
     }
     for &[a, b] in &chain.pairs {
         let middles = (room.middles[a], room.middles[b]);
         let reach = chain.bodies[a].bound.radius + chain.bodies[b].bound.radius + margin;
-        if within(middles, reach) & !touched != 0 {
-            touched |= near_each_other(chain, [a, b], margin, room, touched);
-            if touched == all {
-                return touched;
+        if any::<V>(within(middles, reach) & !touched) {
+            touched = near_each_other(chain, [a, b], margin, room, touched);
+            if !any::<V>(!touched) {
+                break;
             }
         }
     }
-    touched
+    V::mask_bits(touched)
+}
+
+/// No lane.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn none<V: LaneScalar>() -> V::Mask {
+    V::zero().less_than(V::zero())
+}
+
+/// Whether a mask holds in any lane. Masks are kept as they are and only asked this: to gather their bits takes as long as a comparison of
+/// distances.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn any<V: LaneScalar>(mask: V::Mask) -> bool {
+    V::mask_bits(mask) != 0
 }
 
 /// Where the bodies stand.
@@ -129,7 +141,7 @@ fn place_spheres<V: LaneScalar>(
     range
 }
 
-/// The lanes in which a body is near solids.
+/// Those lanes, beside the ones known already, in which a body is near solids.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn near_solids<V: LaneScalar>(
     chain: &BodyChain,
@@ -137,7 +149,8 @@ fn near_solids<V: LaneScalar>(
     solids: &Solids,
     margin: f64,
     room: &mut Room<V>,
-) -> u32 {
+    known: V::Mask,
+) -> V::Mask {
     let body = &chain.bodies[index];
     solids.near(
         index,
@@ -147,19 +160,19 @@ fn near_solids<V: LaneScalar>(
         &mut room.near_solids,
     );
     if room.near_solids.is_empty() {
-        return 0;
+        return known;
     }
     let range = place_spheres(chain, index, room);
-    let mut touched = 0;
+    let mut touched = known;
     for (&middle, sphere) in room.spheres[range].iter().zip(&body.spheres) {
         for &number in &room.near_solids {
-            touched |= solids.near_one(number, middle, sphere.radius + margin);
+            touched = touched | solids.near_one(number, middle, sphere.radius + margin);
         }
     }
     touched
 }
 
-/// The lanes, beside those known already, in which a body is near some of many solids.
+/// Those lanes, beside the ones known already, in which a body is near some of many solids.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn near_many<V: LaneScalar>(
     chain: &BodyChain,
@@ -167,42 +180,44 @@ fn near_many<V: LaneScalar>(
     many: &ManySolids,
     margin: f64,
     room: &mut Room<V>,
-    known: u32,
-) -> u32 {
+    known: V::Mask,
+) -> V::Mask {
     let body = &chain.bodies[index];
+    let known_bits = V::mask_bits(known);
     let mut open = 0;
     for lane in 0..V::WIDTH {
-        let unknown = known >> lane & 1 == 0;
+        let unknown = known_bits >> lane & 1 == 0;
         let middle = in_lane(&room.middles[index], lane);
         if unknown && !many.surely_apart(middle, body.bound.radius + margin) {
             open |= 1 << lane;
         }
     }
     if open == 0 {
-        return 0;
+        return known;
     }
     let range = place_spheres(chain, index, room);
-    let mut touched = 0;
+    let mut touched = V::zero();
     for (middle, sphere) in room.spheres[range].iter().zip(&body.spheres) {
         for lane in 0..V::WIDTH {
-            let asked = (open & !touched) >> lane & 1 == 1;
+            let asked = open >> lane & 1 == 1;
             if asked && many.near(in_lane(middle, lane), sphere.radius + margin) {
-                touched |= 1 << lane;
+                touched.set_lane(lane, 1.0);
+                open &= !(1 << lane);
             }
         }
     }
-    touched
+    known | V::zero().less_than(touched)
 }
 
-/// The lanes, beside those known already, in which two bodies are near each other.
+/// Those lanes, beside the ones known already, in which two bodies are near each other.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn near_each_other<V: LaneScalar>(
     chain: &BodyChain,
     [a, b]: [usize; 2],
     margin: f64,
     room: &mut Room<V>,
-    known: u32,
-) -> u32 {
+    known: V::Mask,
+) -> V::Mask {
     // No closure: what is in one is compiled for any processor.
     let of_a = place_spheres(chain, a, room);
     let of_b = place_spheres(chain, b, room);
@@ -210,20 +225,21 @@ fn near_each_other<V: LaneScalar>(
     let (a, b) = (&chain.bodies[a], &chain.bodies[b]);
     // Of either those that are near the other's bound.
     room.near.clear();
-    for (place, ball) in of_b.zip(&b.spheres) {
+    let placed = &room.spheres[of_b.clone()];
+    for ((place, middle), ball) in of_b.zip(placed).zip(&b.spheres) {
         let reach = ball.radius + margin + a.bound.radius;
-        if within((room.spheres[place], about_a), reach) & !known != 0 {
+        if any::<V>(within((*middle, about_a), reach) & !known) {
             room.near.push((place, ball.radius));
         }
     }
-    let mut touched = 0;
-    for (place, ball) in of_a.zip(&a.spheres) {
-        let (middle, reach) = (room.spheres[place], ball.radius + margin);
-        if within((middle, about_b), reach + b.bound.radius) & !known == 0 {
+    let mut touched = known;
+    for (&middle, ball) in room.spheres[of_a].iter().zip(&a.spheres) {
+        let reach = ball.radius + margin;
+        if !any::<V>(within((middle, about_b), reach + b.bound.radius) & !known) {
             continue;
         }
         for &(other, radius) in &room.near {
-            touched |= within((middle, room.spheres[other]), reach + radius);
+            touched = touched | within((middle, room.spheres[other]), reach + radius);
         }
     }
     touched
@@ -247,6 +263,6 @@ pub(super) fn in_lane<V: LaneScalar>(points: &Vector3<V>, lane: usize) -> Vector
 
 /// The lanes in which two points are nearer than so far.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn within<V: LaneScalar>((a, b): (Vector3<V>, Vector3<V>), reach: f64) -> u32 {
-    V::mask_bits((a - b).norm_squared().less_than(V::constant(reach * reach)))
+fn within<V: LaneScalar>((a, b): (Vector3<V>, Vector3<V>), reach: f64) -> V::Mask {
+    (a - b).norm_squared().less_than(V::constant(reach * reach))
 }

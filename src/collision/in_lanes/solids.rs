@@ -2,7 +2,7 @@
 
 use super::bodies::BodyChain;
 use super::many_solids::ManySolids;
-use super::near::in_lane;
+use super::near::{any, in_lane};
 use crate::collision::{Ball, BoundingBox, Shape, ShapeKind};
 use crate::lanes::lane::LaneScalar;
 use crate::spatial::{Placement, Vector3};
@@ -106,26 +106,27 @@ impl Solids {
     ) {
         found.clear();
         for &number in &self.within_reach[body] {
-            if self.near_one(number, centre, ball.radius + margin) != 0 {
+            if any::<V>(self.near_one(number, centre, ball.radius + margin)) {
                 found.push(number);
             }
         }
     }
 
-    /// The lanes, bit by bit, in which a point is nearer than so far to a solid, or in it: by the ball around that first.
+    /// The lanes in which a point is nearer than so far to a solid, or in it: by the ball around that first.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn near_one<V: LaneScalar>(
         &self,
         number: u32,
         point: Vector3<V>,
         reach: f64,
-    ) -> u32 {
+    ) -> V::Mask {
         let bound = &self.listed[number as usize].bound;
         let around = reach + bound.radius;
         let away = point - Vector3::constant(bound.centre);
-        match V::mask_bits(away.norm_squared().less_than(V::constant(around * around))) {
-            0 => 0,
-            _ => V::mask_bits(self.is_near(number, point, reach)),
+        let near = away.norm_squared().less_than(V::constant(around * around));
+        match any::<V>(near) {
+            true => self.is_near(number, point, reach),
+            false => near,
         }
     }
 
