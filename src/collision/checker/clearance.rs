@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::Checker;
 use super::parts::{Pair, Scene};
+use super::rooms::Rooms;
 use crate::collision::Separation;
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -47,6 +48,7 @@ pub struct Clearance(Numeric<Distances>);
 struct Distances {
     scene: Arc<Scene>,
     distance: f64,
+    rooms: Rooms,
 }
 
 impl Clearance {
@@ -56,6 +58,7 @@ impl Clearance {
         Self(Numeric(Distances {
             scene: Arc::clone(&checker.scene),
             distance,
+            rooms: Rooms::default(),
         }))
     }
 
@@ -82,11 +85,14 @@ impl Distances {
         frames: &[Placement<f64>],
         mut each: impl FnMut(Pair, usize, f64, &Separation),
     ) {
-        self.scene.visit(frames, self.distance, |pair, separation| {
-            let (Pair::Standing(row, _) | Pair::Parts(row, _)) = pair;
-            each(pair, row, self.distance - separation.distance, separation);
-            true
-        });
+        let mut room = self.rooms.take();
+        self.scene
+            .visit(frames, self.distance, &mut room, |pair, separation| {
+                let (Pair::Standing(row, _) | Pair::Parts(row, _)) = pair;
+                each(pair, row, self.distance - separation.distance, separation);
+                true
+            });
+        self.rooms.put_back(room);
     }
 }
 

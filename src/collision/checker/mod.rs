@@ -8,6 +8,7 @@ mod motion_bound;
 mod of_robot;
 mod parts;
 mod placed;
+mod rooms;
 mod way;
 mod workspace;
 
@@ -135,10 +136,10 @@ impl Checker {
         workspace: &mut CheckerWorkspace,
         q: &[f64],
     ) -> Result<Vec<Collision>, KinematicsError> {
-        let placements = workspace.place(q)?;
+        let (placements, room) = workspace.place(q)?;
         let mut found = Vec::new();
         self.scene
-            .visit(placements, self.margin, |pair, separation| {
+            .visit(placements, self.margin, room, |pair, separation| {
                 if separation.distance < self.margin {
                     found.push(self.collision(pair, separation.distance));
                 }
@@ -157,12 +158,13 @@ impl Checker {
         workspace: &mut CheckerWorkspace,
         q: &[f64],
     ) -> Result<bool, KinematicsError> {
-        let placements = workspace.place(q)?;
+        let (placements, room) = workspace.place(q)?;
         let mut free = true;
-        self.scene.visit(placements, self.margin, |_, separation| {
-            free &= separation.distance >= self.margin;
-            free
-        });
+        self.scene
+            .visit(placements, self.margin, room, |_, separation| {
+                free &= separation.distance >= self.margin;
+                free
+            });
         Ok(free)
     }
 
@@ -176,14 +178,15 @@ impl Checker {
         q: &[f64],
         within: f64,
     ) -> Result<Option<Collision>, KinematicsError> {
-        let placements = workspace.place(q)?;
+        let (placements, room) = workspace.place(q)?;
         let mut nearest: Option<(Pair, f64)> = None;
-        self.scene.visit(placements, within, |pair, separation| {
-            if nearest.is_none_or(|(_, known)| separation.distance < known) {
-                nearest = Some((pair, separation.distance));
-            }
-            true
-        });
+        self.scene
+            .visit(placements, within, room, |pair, separation| {
+                if nearest.is_none_or(|(_, known)| separation.distance < known) {
+                    nearest = Some((pair, separation.distance));
+                }
+                true
+            });
         Ok(nearest.map(|(pair, distance)| self.collision(pair, distance)))
     }
 

@@ -1,4 +1,6 @@
-//! How far anything on a model can move between two configurations.
+//! How far the parts of a model can come towards each other between two configurations.
+
+use std::ops::Range;
 
 use crate::model::{FrameId, JointId, Model, ModelError, SegmentKind};
 use crate::spatial::Vector3;
@@ -6,8 +8,17 @@ use crate::spatial::Vector3;
 /// What it takes to bound motions of one model's parts.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MotionBound {
-    /// By joint: from its origin to the farthest place of what it carries itself.
-    own: Vec<f64>,
+    parts: Vec<PartChain>,
+    /// The joints above each part, from its own upwards, part by part.
+    joints: Vec<usize>,
+}
+
+/// The joints that move a part.
+#[derive(Clone, Debug)]
+struct PartChain {
+    joints: Range<usize>,
+    /// From the origin of its own joint to its farthest place.
+    reach: f64,
 }
 
 /// Room for a bound.
@@ -17,9 +28,7 @@ pub(super) struct BoundRoom {
     velocity: Vec<f64>,
     /// By joint: how far it turns or slides, and whether that is an angle.
     moves: Vec<f64>,
-    /// By joint: from its origin to the farthest place of all that it carries.
-    reach: Vec<f64>,
-    /// By joint: how far what it carries moves at most.
+    /// By joint above each part: how far any place of the part moves at most, as seen from above that joint.
     motion: Vec<f64>,
 }
 
@@ -29,75 +38,96 @@ impl MotionBound {
         model: &Model,
         parts: impl Iterator<Item = (FrameId, Vec<(Vector3<f64>, f64)>)>,
     ) -> Self {
-        let mut own = vec![0.0_f64; model.joints().len()];
+        let mut bound = Self::default();
         for (frame, balls) in parts {
             let frame = &model.frames()[frame.index()];
-            let Some(joint) = frame.joint else { continue };
-            for (centre, radius) in balls {
-                let far = frame.joint_from_frame.apply(centre).norm() + radius;
-                own[joint.index()] = own[joint.index()].max(far);
+            let far = |(centre, radius): &(Vector3<f64>, f64)| {
+                frame.joint_from_frame.apply(*centre).norm() + radius
+            };
+            let first = bound.joints.len();
+            let mut joint = frame.joint;
+            while let Some(id) = joint {
+                bound.joints.push(id.index());
+                joint = model.joints()[id.index()].parent;
             }
+            bound.parts.push(PartChain {
+                joints: first..bound.joints.len(),
+                reach: balls.iter().map(far).fold(0.0, f64::max),
+            });
         }
-        Self { own }
+        bound
     }
 
-    /// The most that any place of any part moves on the way from one configuration to another, on which all joints move evenly:
-    /// each joint by at most its turn times how far what it carries reaches, or by its slide.
-    pub(super) fn of(
+    /// Bounds how far the parts move on the way from one configuration to another, on which all joints move evenly: by each joint above
+    /// them at most by its turn times how far it is from there to the part's farthest place, or by its slide.
+    pub(super) fn take(
         &self,
         model: &Model,
         (from, to): (&[f64], &[f64]),
         room: &mut BoundRoom,
-    ) -> Result<f64, ModelError> {
+    ) -> Result<(), ModelError> {
         room.velocity.resize(model.degrees_of_freedom(), 0.0);
         model.difference(from, to, &mut room.velocity)?;
-        self.take_moves(model, room);
-        let joints = model.joints();
-        room.reach.clone_from(&self.own);
-        // Children come after their parents.
-        for (index, joint) in joints.iter().enumerate().rev() {
-            let Some(parent) = joint.parent else { continue };
-            let slide = match model.coordinate(JointId::new(index)) {
-                Some(at) if joint.kind.slides() => from[at].abs().max(to[at].abs()),
-                _ => 0.0,
-            };
-            let way = joint.parent_from_joint.translation.norm() + slide;
-            let reach = &mut room.reach;
-            reach[parent.index()] = reach[parent.index()].max(way + reach[index]);
-        }
+        take_moves(model, room);
         room.motion.clear();
-        let mut most = 0.0_f64;
-        for (index, joint) in joints.iter().enumerate() {
-            let before = joint
-                .parent
-                .map_or(0.0, |parent| room.motion[parent.index()]);
-            let arm = match joint.kind.slides() {
-                true => 1.0,
-                false => room.reach[index],
-            };
-            let motion = before + room.moves[index] * arm;
-            room.motion.push(motion);
-            most = most.max(motion);
+        for part in &self.parts {
+            let (mut motion, mut reach) = (0.0, part.reach);
+            for &index in &self.joints[part.joints.clone()] {
+                let joint = &model.joints()[index];
+                let slides = joint.kind.slides();
+                let moves = room.moves[index];
+                // What stands still keeps still, however far it reaches.
+                if moves > 0.0 {
+                    motion += moves * if slides { 1.0 } else { reach };
+                }
+                room.motion.push(motion);
+                let slide = match model.coordinate(JointId::new(index)) {
+                    Some(at) if slides => from[at].abs().max(to[at].abs()),
+                    _ => 0.0,
+                };
+                reach += joint.parent_from_joint.translation.norm() + slide;
+            }
         }
-        Ok(most)
+        Ok(())
     }
 
-    /// How far each joint turns or slides.
-    fn take_moves(&self, model: &Model, room: &mut BoundRoom) {
-        room.moves.clear();
-        room.moves.resize(self.own.len(), 0.0);
-        let norm = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
-        for segment in model.segments() {
-            let joint = |coordinate: usize| model.moving_joints()[coordinate].index();
-            let (at, v) = (segment.coordinate, &room.velocity[segment.velocity..]);
-            match segment.kind {
-                SegmentKind::Scalar => room.moves[joint(at)] = v[0].abs(),
-                SegmentKind::Ball => room.moves[joint(at)] = norm(&v[..3]),
-                SegmentKind::Free => {
-                    // Its origin's way is as long as its velocity, whichever slides make it.
-                    room.moves[joint(at)] = norm(&v[..3]);
-                    room.moves[joint(at + 3)] = norm(&v[3..6]);
-                }
+    /// The most that any place of a part moves in the world.
+    pub(super) fn of_part(&self, part: usize, room: &BoundRoom) -> f64 {
+        self.beyond(part, 0, room)
+    }
+
+    /// The most that two parts come towards each other: joints above both move neither against the other.
+    pub(super) fn of_pair(&self, [a, b]: [usize; 2], room: &BoundRoom) -> f64 {
+        let above = |part: usize| self.joints[self.parts[part].joints.clone()].iter().rev();
+        let shared = above(a).zip(above(b)).take_while(|(a, b)| a == b).count();
+        self.beyond(a, shared, room) + self.beyond(b, shared, room)
+    }
+
+    /// The motion of a part as seen from below the uppermost so many joints.
+    fn beyond(&self, part: usize, shared: usize, room: &BoundRoom) -> f64 {
+        let joints = &self.parts[part].joints;
+        match joints.len().checked_sub(shared + 1) {
+            Some(last) => room.motion[joints.start + last],
+            None => 0.0,
+        }
+    }
+}
+
+/// How far each joint turns or slides.
+fn take_moves(model: &Model, room: &mut BoundRoom) {
+    room.moves.clear();
+    room.moves.resize(model.joints().len(), 0.0);
+    let norm = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
+    for segment in model.segments() {
+        let joint = |coordinate: usize| model.moving_joints()[coordinate].index();
+        let (at, v) = (segment.coordinate, &room.velocity[segment.velocity..]);
+        match segment.kind {
+            SegmentKind::Scalar => room.moves[joint(at)] = v[0].abs(),
+            SegmentKind::Ball => room.moves[joint(at)] = norm(&v[..3]),
+            SegmentKind::Free => {
+                // Its origin's way is as long as its velocity, whichever slides make it.
+                room.moves[joint(at)] = norm(&v[..3]);
+                room.moves[joint(at + 3)] = norm(&v[3..6]);
             }
         }
     }

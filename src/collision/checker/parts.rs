@@ -3,9 +3,9 @@
 use std::ops::Range;
 
 use super::CheckerError;
-use super::cover::Cover;
+use super::cover::{Cover, PlacedCover};
 use super::motion_bound::MotionBound;
-use super::placed::{Placed, part_to_part};
+use super::placed::{PartShape, Placed, PlacedShapes, part_to_part};
 use crate::collision::box_tree::BoxTree;
 use crate::collision::model::pairs_apart;
 use crate::collision::{
@@ -28,7 +28,7 @@ struct Standing {
 struct Part {
     name: String,
     frame: FrameId,
-    shapes: Vec<(Shape, Placement<f64>)>,
+    shapes: Vec<PartShape>,
     /// Around all of its shapes, where that was given.
     cover: Option<Cover>,
 }
@@ -40,6 +40,17 @@ pub(super) enum Pair {
     Standing(usize, usize),
     /// Two parts.
     Parts(usize, usize),
+}
+
+/// Memory for checks of one configuration after another: what was placed by now, as most is told apart before, and what a part is near to.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SceneRoom {
+    shapes: Vec<Placed>,
+    /// By part, whether its shapes are there.
+    has_shapes: Vec<bool>,
+    covers: Vec<PlacedCover>,
+    /// What stands near a part, by place.
+    pub(super) near: Vec<(u32, Separation)>,
 }
 
 /// All of them.
@@ -62,7 +73,7 @@ impl Scene {
             name: model.name_of(*link).to_owned(),
             frame: *link,
             shapes: (model.objects_of(*link))
-                .map(|object| (object.shape.clone(), object.link_from_shape))
+                .map(|object| PartShape::new(object.shape.clone(), object.link_from_shape))
                 .collect(),
             cover: None,
         };
@@ -87,7 +98,7 @@ impl Scene {
                     parts.push(Part {
                         name,
                         frame,
-                        shapes: vec![(shape, obstacle.placement)],
+                        shapes: vec![PartShape::new(shape, obstacle.placement)],
                         cover: None,
                     });
                 }
@@ -134,57 +145,112 @@ impl Scene {
         }
     }
 
+    getters! {
+        /// The parts that are kept apart, by place.
+        pub(super) fn pairs(&self) -> &[[usize; 2]] = &self.pairs;
+    }
+
     /// Visits all pairs that are at most `within` apart, each by its shapes that are nearest, until told to stop.
     pub(super) fn visit(
         &self,
         placements: &[Placement<f64>],
         within: f64,
+        room: &mut SceneRoom,
         mut each: impl FnMut(Pair, &Separation) -> bool,
     ) {
-        // Every shape is placed once, though it is in many pairs.
-        let shapes = self
-            .parts
-            .iter()
-            .zip(placements)
-            .flat_map(|(part, placement)| {
-                (part.shapes.iter()).map(|(shape, part_from_shape)| {
-                    Placed::new(shape, *placement * *part_from_shape)
-                })
-            });
-        let shapes: Vec<Placed<'_>> = shapes.collect();
-        let mut near: Vec<(u32, Separation)> = Vec::new();
-        for place in 0..self.parts.len() {
-            near.clear();
-            self.near(
-                &shapes[self.shapes_of(place)],
-                within,
-                |standing, separation| match near.iter_mut().find(|(known, _)| *known == standing) {
-                    Some((_, known)) if known.distance <= separation.distance => {}
-                    Some((_, known)) => *known = separation,
-                    None => near.push((standing, separation)),
-                },
-            );
-            near.sort_by_key(|(standing, _)| *standing);
-            for (standing, separation) in &near {
-                if !each(Pair::Standing(place, *standing as usize), separation) {
+        self.begin(room);
+        for part in 0..self.parts.len() {
+            self.find_standing(part, placements, within, room);
+            for (standing, separation) in &room.near {
+                if !each(Pair::Standing(part, *standing as usize), separation) {
                     return;
                 }
             }
         }
-        let covers = self.parts.iter().zip(placements);
-        let covers = covers.map(|(part, at)| part.cover.as_ref().map(|own| own.placed(at)));
-        let covers: Vec<Option<Cover>> = covers.collect();
-        for &[a, b] in &self.pairs {
-            if let (Some(first), Some(second)) = (&covers[a], &covers[b])
-                && first.is_apart(second, within)
-            {
-                continue;
-            }
-            let [first, second] = [a, b].map(|part| &shapes[self.shapes_of(part)]);
-            if let Some(separation) = part_to_part(first, second, within)
-                && !each(Pair::Parts(a, b), &separation)
+        for &pair in &self.pairs {
+            if let Some(separation) = self.apart(pair, placements, within, room)
+                && !each(Pair::Parts(pair[0], pair[1]), &separation)
             {
                 return;
+            }
+        }
+    }
+
+    /// Forgets where anything stood.
+    pub(super) fn begin(&self, room: &mut SceneRoom) {
+        room.has_shapes.clear();
+        room.has_shapes.resize(self.parts.len(), false);
+        let count = self.shape_ends.last().copied().unwrap_or(0);
+        room.shapes.resize(count, Placed::nowhere());
+        room.covers
+            .resize_with(self.parts.len(), PlacedCover::default);
+        for cover in &mut room.covers {
+            cover.forget();
+        }
+    }
+
+    /// Finds what stands at most `within` from a part, each by the shape that is nearest to it, into the room.
+    pub(super) fn find_standing(
+        &self,
+        part: usize,
+        placements: &[Placement<f64>],
+        within: f64,
+        room: &mut SceneRoom,
+    ) {
+        room.near.clear();
+        if self.standing.is_empty() {
+            return;
+        }
+        self.place(part, placements, room);
+        let SceneRoom { shapes, near, .. } = room;
+        let placed = (&*self.parts[part].shapes, &shapes[self.shapes_of(part)]);
+        self.near(placed, within, |standing, separation| {
+            match near.iter_mut().find(|(known, _)| *known == standing) {
+                Some((_, known)) if known.distance <= separation.distance => {}
+                Some((_, known)) => *known = separation,
+                None => near.push((standing, separation)),
+            }
+        });
+        near.sort_by_key(|(standing, _)| *standing);
+    }
+
+    /// How far two parts are apart, if that is at most `within`.
+    pub(super) fn apart(
+        &self,
+        [a, b]: [usize; 2],
+        placements: &[Placement<f64>],
+        within: f64,
+        room: &mut SceneRoom,
+    ) -> Option<Separation> {
+        if let (Some(first), Some(second)) = (&self.parts[a].cover, &self.parts[b].cover) {
+            let at = [&placements[a], &placements[b]];
+            room.covers[a].place(first, at[0]);
+            room.covers[b].place(second, at[1]);
+            if !room.covers[a].meets(&room.covers[b], within) {
+                return None;
+            }
+            room.covers[a].place_spheres(first, at[0]);
+            room.covers[b].place_spheres(second, at[1]);
+            if room.covers[a].is_apart(&room.covers[b], within) {
+                return None;
+            }
+        }
+        self.place(a, placements, room);
+        self.place(b, placements, room);
+        let placed = |part: usize| {
+            let own = &*self.parts[part].shapes;
+            (own, &room.shapes[self.shapes_of(part)])
+        };
+        part_to_part(placed(a), placed(b), within)
+    }
+
+    /// Places the shapes of a part, once.
+    fn place(&self, part: usize, placements: &[Placement<f64>], room: &mut SceneRoom) {
+        if !std::mem::replace(&mut room.has_shapes[part], true) {
+            let own = &self.parts[part].shapes;
+            let places = room.shapes[self.shapes_of(part)].iter_mut();
+            for (place, own) in places.zip(own) {
+                *place = own.placed(&placements[part]);
             }
         }
     }
@@ -196,21 +262,26 @@ impl Scene {
     }
 
     /// Visits what stands at most `within` from a part's shapes.
-    fn near(&self, shapes: &[Placed<'_>], within: f64, mut each: impl FnMut(u32, Separation)) {
-        for own in shapes {
-            let reach = own.radius + within;
-            let apart = |bounds: &BoundingBox| bounds.squared_distance(own.centre);
+    fn near(
+        &self,
+        (shapes, placed): PlacedShapes<'_>,
+        within: f64,
+        mut each: impl FnMut(u32, Separation),
+    ) {
+        for (own, at) in shapes.iter().zip(placed) {
+            let reach = own.ball.radius + within;
+            let apart = |bounds: &BoundingBox| bounds.squared_distance(at.centre);
             // Nothing is ever nearer than the bound: all whose boxes the ball meets are visited.
             self.tree
                 .nearest((reach * reach).next_up(), apart, |index, bound| {
                     let standing = &self.standing[index as usize];
                     // The leaves of the tree hold several.
-                    if standing.bounds.squared_distance(own.centre) > reach * reach {
+                    if standing.bounds.squared_distance(at.centre) > reach * reach {
                         return bound;
                     }
                     let separation = separation_within(
-                        own.shape,
-                        &own.world_from_shape,
+                        &own.shape,
+                        &at.world_from_shape,
                         &standing.shape,
                         &standing.world_from_shape,
                         within,
@@ -227,9 +298,9 @@ impl Scene {
 impl Part {
     /// Its frame, and balls around its shapes there.
     fn balls(&self) -> (FrameId, Vec<(Vector3<f64>, f64)>) {
-        let ball = |(shape, frame_from_shape): &(Shape, Placement<f64>)| {
-            let ball = shape.bounding_sphere();
-            (frame_from_shape.apply(ball.centre), ball.radius)
+        let ball = |own: &PartShape| {
+            let middle = own.part_from_shape.apply(own.ball.centre);
+            (middle, own.ball.radius)
         };
         (self.frame, self.shapes.iter().map(ball).collect())
     }

@@ -1,43 +1,74 @@
 //! Shapes of a part where they stand.
 
-use crate::collision::{Separation, Shape, separation_within};
+use crate::collision::{Ball, Separation, Shape, separation_within};
 use crate::spatial::{Placement, Vector3};
 
-/// A part's shape where it stands, and the ball around it.
-pub(super) struct Placed<'a> {
-    pub(super) shape: &'a Shape,
-    pub(super) world_from_shape: Placement<f64>,
-    pub(super) centre: Vector3<f64>,
-    pub(super) radius: f64,
+/// A shape of a part.
+#[derive(Clone, Debug)]
+pub(super) struct PartShape {
+    pub(super) shape: Shape,
+    pub(super) part_from_shape: Placement<f64>,
+    /// Around it, in its own coordinates: a hull of thousands of corners takes as long to bound as to check.
+    pub(super) ball: Ball,
 }
 
-impl<'a> Placed<'a> {
-    pub(super) fn new(shape: &'a Shape, world_from_shape: Placement<f64>) -> Self {
-        let ball = shape.bounding_sphere();
+/// Where one stands.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Placed {
+    pub(super) world_from_shape: Placement<f64>,
+    /// The middle of its ball.
+    pub(super) centre: Vector3<f64>,
+}
+
+impl Placed {
+    pub(super) fn nowhere() -> Self {
         Self {
+            world_from_shape: Placement::identity(),
+            centre: Vector3::zero(),
+        }
+    }
+}
+
+/// The shapes of a part where they stand.
+pub(super) type PlacedShapes<'a> = (&'a [PartShape], &'a [Placed]);
+
+impl PartShape {
+    pub(super) fn new(shape: Shape, part_from_shape: Placement<f64>) -> Self {
+        Self {
+            ball: shape.bounding_sphere(),
             shape,
-            centre: world_from_shape.apply(ball.centre),
-            radius: ball.radius,
+            part_from_shape,
+        }
+    }
+
+    pub(super) fn placed(&self, world_from_part: &Placement<f64>) -> Placed {
+        let world_from_shape = *world_from_part * self.part_from_shape;
+        Placed {
+            centre: world_from_shape.apply(self.ball.centre),
             world_from_shape,
         }
     }
 }
 
 /// The least distance of two parts, if that is at most `within`.
-pub(super) fn part_to_part(a: &[Placed<'_>], b: &[Placed<'_>], within: f64) -> Option<Separation> {
+pub(super) fn part_to_part(
+    a: PlacedShapes<'_>,
+    b: PlacedShapes<'_>,
+    within: f64,
+) -> Option<Separation> {
     let mut nearest: Option<Separation> = None;
-    for first in a {
-        for second in b {
+    for (first, first_at) in a.0.iter().zip(a.1) {
+        for (second, second_at) in b.0.iter().zip(b.1) {
             // By the balls around them.
-            let reach = first.radius + second.radius + within;
-            if (first.centre - second.centre).norm_squared() > reach * reach {
+            let reach = first.ball.radius + second.ball.radius + within;
+            if (first_at.centre - second_at.centre).norm_squared() > reach * reach {
                 continue;
             }
             let separation = separation_within(
-                first.shape,
-                &first.world_from_shape,
-                second.shape,
-                &second.world_from_shape,
+                &first.shape,
+                &first_at.world_from_shape,
+                &second.shape,
+                &second_at.world_from_shape,
                 within,
             );
             if let Some(separation) = separation {

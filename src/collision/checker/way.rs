@@ -1,5 +1,6 @@
 //! Whether the way between two configurations is free, by a bound on how far anything moves: not by samples and hope.
 
+use super::parts::Pair;
 use super::{Checker, CheckerWorkspace};
 use crate::kinematics::KinematicsError;
 use crate::search::Collision;
@@ -17,13 +18,31 @@ pub struct Way {
     pub blocked_by: Option<Collision>,
 }
 
+/// What is kept apart, and how long it surely stays so.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Watched {
+    what: What,
+    /// How far it can come together on the whole way, metres.
+    motion: f64,
+    /// So far on the way it is surely apart.
+    free: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum What {
+    /// A part and all that stands.
+    Part(usize),
+    Pair([usize; 2]),
+}
+
 impl Checker {
     /// How much of the way from one configuration to another is free, on which all joints move evenly
     /// ([`Model::interpolate`](crate::Model::interpolate)).
     ///
-    /// Conservative advancement (Mirtich 1996, "Impulse-based dynamic simulation", ch. 3): where the nearest pair is d beyond the
-    /// margin, nothing comes to it before d of motion is used up, and the motion of any place of any part is bounded by what
-    /// the joints turn times how far they reach. A way that comes within a micrometre of the margin counts as blocked.
+    /// Conservative advancement (Mirtich 1996, "Impulse-based dynamic simulation", ch. 3), for each pair by itself: where it is d beyond the
+    /// margin, it does not come to it before d of its motion is used up, and the motion of any place of a part is bounded by what
+    /// the joints turn times how far they are from it; joints above both of a pair move neither against the other. A way that comes within a
+    /// micrometre of the margin counts as blocked.
     ///
     /// # Errors
     /// Configurations of the wrong length or not finite, or a quaternion of length zero.
@@ -36,48 +55,98 @@ impl Checker {
         // Checks both.
         workspace.place(to)?;
         workspace.place(from)?;
-        let model = self.model.model();
-        let bound = self.scene.motion_bound();
-        let motion = bound.of(model, (from, to), &mut workspace.bound);
-        // Lengths and numbers were checked.
-        let motion = motion.unwrap_or(f64::INFINITY);
+        let mut watched = std::mem::take(&mut workspace.watched);
         let mut between = std::mem::take(&mut workspace.between);
+        self.watch(workspace, (from, to), &mut watched);
         between.resize(from.len(), 0.0);
-        // Two parts may come towards each other.
-        let whole = 2.0 * motion;
         let mut free = 0.0;
         let way = loop {
-            let reached = model.interpolate(from, to, free, &mut between);
+            let reached = self.model.model().interpolate(from, to, free, &mut between);
             debug_assert!(reached.is_ok(), "both ends were checked");
-            let left = self.margin + RESOLUTION + whole * (1.0 - free);
-            let nearest = match self.nearest(workspace, &between, left) {
-                Ok(Some(nearest)) => nearest,
-                Ok(None) => {
-                    break Ok(Way {
-                        free: 1.0,
-                        blocked_by: None,
-                    });
-                }
+            match self.advance(workspace, &between, free, &mut watched) {
+                Ok(None) => {}
+                Ok(blocked_by) => break Ok(Way { free, blocked_by }),
                 Err(error) => break Err(error),
-            };
-            let room = nearest.distance - self.margin;
-            // Not a number where the motion has no bound.
-            let share = room / whole;
-            if room.is_nan() || share.is_nan() || room < RESOLUTION {
-                break Ok(Way {
-                    free,
-                    blocked_by: Some(nearest),
-                });
             }
-            free += share;
-            if free >= 1.0 {
+            watched.retain(|one| one.free < 1.0);
+            let Some(next) = watched.iter().map(|one| one.free).reduce(f64::min) else {
                 break Ok(Way {
                     free: 1.0,
                     blocked_by: None,
                 });
-            }
+            };
+            free = next;
         };
+        workspace.watched = watched;
         workspace.between = between;
         way
+    }
+
+    /// All that is kept apart, and how far it can come together on a way.
+    fn watch(
+        &self,
+        workspace: &mut CheckerWorkspace,
+        way: (&[f64], &[f64]),
+        watched: &mut Vec<Watched>,
+    ) {
+        let (bound, room) = (self.scene.motion_bound(), &mut workspace.bound);
+        // Lengths and numbers were checked.
+        let bounded = bound.take(self.model.model(), way, room).is_ok();
+        let watch = |what, motion: f64| Watched {
+            what,
+            motion: if bounded { motion } else { f64::INFINITY },
+            free: 0.0,
+        };
+        watched.clear();
+        let parts = 0..self.scene.frames().len();
+        watched.extend(parts.map(|part| watch(What::Part(part), bound.of_part(part, room))));
+        let pairs = self.scene.pairs().iter();
+        watched.extend(pairs.map(|&pair| watch(What::Pair(pair), bound.of_pair(pair, room))));
+    }
+
+    /// Measures again what is surely apart until here and no further; what is in the way, if anything is.
+    fn advance(
+        &self,
+        workspace: &mut CheckerWorkspace,
+        q: &[f64],
+        here: f64,
+        watched: &mut [Watched],
+    ) -> Result<Option<Collision>, KinematicsError> {
+        let (placements, room) = workspace.place(q)?;
+        self.scene.begin(room);
+        let mut blocked: Option<(Pair, f64)> = None;
+        for one in watched.iter_mut().filter(|one| one.free <= here) {
+            // What is farther apart stays so to the end.
+            let within = self.margin + RESOLUTION + one.motion * (1.0 - here);
+            let nearest = match one.what {
+                What::Part(part) => {
+                    self.scene.find_standing(part, placements, within, room);
+                    let standing = room.near.iter();
+                    let near = standing.map(|(standing, separation)| {
+                        let pair = Pair::Standing(part, *standing as usize);
+                        (pair, separation.distance)
+                    });
+                    near.reduce(|a, b| if b.1 < a.1 { b } else { a })
+                }
+                What::Pair(pair) => {
+                    let separation = self.scene.apart(pair, placements, within, room);
+                    separation.map(|found| (Pair::Parts(pair[0], pair[1]), found.distance))
+                }
+            };
+            let Some((pair, distance)) = nearest else {
+                one.free = 1.0;
+                continue;
+            };
+            let room = distance - self.margin;
+            // What reaches without end may be anywhere once it turns.
+            if !room.is_finite() || !one.motion.is_finite() || room < RESOLUTION {
+                if blocked.is_none_or(|(_, known)| distance < known) {
+                    blocked = Some((pair, distance));
+                }
+                continue;
+            }
+            one.free = here + room / one.motion;
+        }
+        Ok(blocked.map(|(pair, distance)| self.collision(pair, distance)))
     }
 }

@@ -1,6 +1,8 @@
 //! Memory for checks.
 
 use super::motion_bound::BoundRoom;
+use super::parts::SceneRoom;
+use super::way::Watched;
 use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::{FrameId, Model};
 use crate::spatial::Placement;
@@ -9,9 +11,11 @@ use crate::spatial::Placement;
 #[derive(Clone, Debug)]
 pub struct CheckerWorkspace {
     kinematics: ForwardKinematics<f64>,
+    scene: SceneRoom,
     pub(super) bound: BoundRoom,
-    /// A configuration on a way.
+    /// A configuration on a way, and what is watched there.
     pub(super) between: Vec<f64>,
+    pub(super) watched: Vec<Watched>,
 }
 
 impl CheckerWorkspace {
@@ -19,13 +23,18 @@ impl CheckerWorkspace {
         let frames: Vec<FrameId> = frames.collect();
         Self {
             kinematics: ForwardKinematics::of_configurations(model, &frames),
+            scene: SceneRoom::default(),
             bound: BoundRoom::default(),
             between: Vec::new(),
+            watched: Vec::new(),
         }
     }
 
-    /// Where the parts stand at a configuration.
-    pub(super) fn place(&mut self, q: &[f64]) -> Result<&[Placement<f64>], KinematicsError> {
-        self.kinematics.place(q)
+    /// Where the parts stand at a configuration, and room for a visit.
+    pub(super) fn place(
+        &mut self,
+        q: &[f64],
+    ) -> Result<(&[Placement<f64>], &mut SceneRoom), KinematicsError> {
+        Ok((self.kinematics.place(q)?, &mut self.scene))
     }
 }

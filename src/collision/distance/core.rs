@@ -1,6 +1,6 @@
 //! Convex bodies as cores with a radius around them: a sphere is a point, a capsule a segment.
 
-use crate::collision::shape::{BoundingBox, ShapeKind};
+use crate::collision::shape::{BoundingBox, ConvexHull, ShapeKind};
 use crate::spatial::{Placement, Vector3};
 
 /// A convex body without its radius, in its own coordinates.
@@ -17,7 +17,7 @@ pub(crate) enum Core<'a> {
         radius: f64,
         half: f64,
     },
-    Hull(&'a [Vector3<f64>]),
+    Hull(&'a ConvexHull),
 }
 
 impl<'a> Core<'a> {
@@ -32,7 +32,7 @@ impl<'a> Core<'a> {
                 (Self::Cylinder { radius, half }, 0.0)
             }
             ShapeKind::Cuboid { size } => (Self::Box(Vector3::from(*size) * 0.5), 0.0),
-            ShapeKind::Convex(hull) => (Self::Hull(hull.vertices()), 0.0),
+            ShapeKind::Convex(hull) => (Self::Hull(hull), 0.0),
             _ => return None,
         })
     }
@@ -54,8 +54,21 @@ impl<'a> Core<'a> {
                 let scale = if across > 0.0 { radius / across } else { 0.0 };
                 Vector3::new(along.x * scale, along.y * scale, half.copysign(along.z))
             }
-            Self::Hull(vertices) => farthest(vertices, along),
+            Self::Hull(hull) => hull.farthest(along),
         }
+    }
+
+    /// The same, or by rounding nearly so, which of a hull of many corners is found much sooner.
+    fn support_nearly(&self, along: Vector3<f64>) -> Vector3<f64> {
+        match self {
+            Self::Hull(hull) => hull.climbed(along),
+            other => other.support(along),
+        }
+    }
+
+    /// Whether that may differ.
+    fn is_climbed(&self) -> bool {
+        matches!(self, Self::Hull(hull) if hull.is_climbed())
     }
 
     /// How far its points are from its origin at most.
@@ -70,7 +83,7 @@ impl<'a> Core<'a> {
             Self::Triangle(corners) => farthest(corners),
             Self::Box(half) => half.norm(),
             Self::Cylinder { radius, half } => radius + half,
-            Self::Hull(vertices) => farthest(vertices),
+            Self::Hull(hull) => hull.reach(),
         }
     }
 
@@ -116,7 +129,7 @@ impl<'a> Core<'a> {
         match self {
             Self::Point(at) => *at,
             Self::Triangle(corners) => mean(corners),
-            Self::Hull(vertices) => mean(vertices),
+            Self::Hull(hull) => hull.middle(),
             _ => Vector3::zero(),
         }
     }
@@ -163,6 +176,20 @@ impl Pair<'_> {
             on_a: self.a.support(along),
             on_b: self.a_from_b.apply(self.b.support(back)),
         }
+    }
+
+    /// The same, or by rounding nearly so, which of hulls of many corners is found much sooner.
+    pub(super) fn support_nearly(&self, along: Vector3<f64>) -> Corner {
+        let back = self.a_from_b.rotation.transpose_mul(-along);
+        Corner {
+            on_a: self.a.support_nearly(along),
+            on_b: self.a_from_b.apply(self.b.support_nearly(back)),
+        }
+    }
+
+    /// Whether that may differ.
+    pub(super) fn is_climbed(&self) -> bool {
+        self.a.is_climbed() || self.b.is_climbed()
     }
 
     /// How much room there is between both along a unit direction from A to B; less than none where they overlap

@@ -29,7 +29,7 @@ struct Plane {
 
 /// The way by which B leaves A soonest, or by how little they are apart; `meeting` is where they do.
 pub(super) fn depth(pair: &Pair<'_>, meeting: Corner) -> Gap {
-    let scale = pair.scale();
+    let (scale, climbed) = (pair.scale(), pair.is_climbed());
     let corners = match spanning(pair, scale, meeting) {
         Ok(corners) => corners,
         Err(flat) => return flat,
@@ -50,16 +50,20 @@ pub(super) fn depth(pair: &Pair<'_>, meeting: Corner) -> Gap {
         if !surface.facets[nearest.facet as usize].alive {
             continue;
         }
-        let corner = pair.support(nearest.normal);
-        let point = corner.difference();
+        let mut corner = pair.support_nearly(nearest.normal);
         // Along any direction the two are free of each other after as much.
-        let enough = point.dot(nearest.normal);
-        if best.is_none_or(|(depth, _)| enough < depth) {
-            best = Some((enough, nearest.normal));
+        let enough = |corner: &Corner| corner.difference().dot(nearest.normal);
+        let closed = |corner: &Corner| enough(corner) - nearest.depth <= CLOSED * scale;
+        if climbed && closed(&corner) {
+            corner = pair.support(nearest.normal);
         }
-        if enough - nearest.depth <= CLOSED * scale {
+        if best.is_none_or(|(depth, _)| enough(&corner) < depth) {
+            best = Some((enough(&corner), nearest.normal));
+        }
+        if closed(&corner) {
             break;
         }
+        let point = corner.difference();
         // A sliver's normal may be off by so much; its neighbours know better.
         if !surface.sees(nearest.facet, point) {
             continue;
@@ -68,14 +72,18 @@ pub(super) fn depth(pair: &Pair<'_>, meeting: Corner) -> Gap {
         surface.insert(point, nearest.facet);
         queue.extend(surface.made.iter().filter_map(|&f| plane(&surface, f)));
     }
-    let (depth, normal) = best.unwrap_or((0.0, Vector3::UNITS[2]));
+    let (mut depth, normal) = best.unwrap_or((0.0, Vector3::UNITS[2]));
+    if climbed && best.is_some() {
+        // Of all corners, where one of few may have been told before.
+        depth = -pair.gap_along(normal);
+    }
     witness(&surface, &corners, normal, depth)
 }
 
 /// Four corners that span a volume, or the gap across what is flat.
 fn spanning(pair: &Pair<'_>, scale: f64, meeting: Corner) -> Result<[Corner; 4], Gap> {
     let least = FLAT * scale;
-    let widest = Vector3::UNITS.map(|axis| [pair.support(axis), pair.support(-axis)]);
+    let widest = Vector3::UNITS.map(|axis| [pair.support_nearly(axis), pair.support_nearly(-axis)]);
     let width = |[a, b]: &[Corner; 2]| (a.difference() - b.difference()).norm();
     let [a, b] = widest.into_iter().fold(widest[0], |best, ends| {
         if width(&ends) > width(&best) {
@@ -99,7 +107,7 @@ fn spanning(pair: &Pair<'_>, scale: f64, meeting: Corner) -> Result<[Corner; 4],
     let third = unit(along.cross(sideways)).unwrap_or(sideways);
     let from_line = |c: &Corner| along.cross(c.difference() - a.difference()).norm() / along.norm();
     let c = [sideways, -sideways, third, -third]
-        .map(|direction| pair.support(direction))
+        .map(|direction| pair.support_nearly(direction))
         .into_iter()
         .fold(a, |best, c| {
             if from_line(&c) > from_line(&best) {
@@ -118,7 +126,7 @@ fn spanning(pair: &Pair<'_>, scale: f64, meeting: Corner) -> Result<[Corner; 4],
     let normal = along.cross(c.difference() - a.difference());
     let normal = unit(normal).unwrap_or(sideways);
     let above = |corner: &Corner| (corner.difference() - a.difference()).dot(normal).abs();
-    let [up, down] = [normal, -normal].map(|direction| pair.support(direction));
+    let [up, down] = [normal, -normal].map(|direction| pair.support_nearly(direction));
     let d = if above(&up) >= above(&down) { up } else { down };
     if above(&d) <= least {
         // A plane: out on the side where the origin is.

@@ -12,6 +12,9 @@ const ROUNDING: f64 = 4e-16;
 /// Of the size of both: nearer than this the distance's direction is rounding, and faces tell it better.
 const TOUCHING: f64 = 1e-12;
 
+/// Of the size of both: farther beyond what was asked for than going from corner to corner may lose to rounding.
+const SURELY: f64 = 1e-9;
+
 /// What became of a search.
 pub(super) enum Found {
     /// Apart, by as much.
@@ -31,7 +34,8 @@ pub(super) fn distance(pair: &Pair<'_>, most: f64) -> Found {
     } else {
         Vector3::UNITS[0]
     };
-    let mut simplex = Simplex::point(pair.support(-toward));
+    let climbed = pair.is_climbed();
+    let mut simplex = Simplex::point(pair.support_nearly(-toward));
     let mut apart = f64::INFINITY;
     for _ in 0..ITERATIONS {
         let nearest = simplex.nearest();
@@ -44,13 +48,23 @@ pub(super) fn distance(pair: &Pair<'_>, most: f64) -> Found {
         let stuck = length >= apart;
         apart = length;
         let normal = face_normal(&simplex, offset);
-        let corner = pair.support(-normal);
+        let mut corner = pair.support_nearly(-normal);
         // No point of A − B is nearer than the plane through the farthest corner against the way.
-        let least = corner.difference().dot(normal);
+        let mut least = corner.difference().dot(normal);
+        if least > most + SURELY * scale {
+            return Found::Beyond;
+        }
+        let settled = |corner: &Corner, least: f64| {
+            stuck || length - least <= ROUNDING * scale || simplex.corners().contains(corner)
+        };
+        if climbed && (least > most || settled(&corner, least)) {
+            corner = pair.support(-normal);
+            least = corner.difference().dot(normal);
+        }
         if least > most {
             return Found::Beyond;
         }
-        if stuck || length - least <= ROUNDING * scale || simplex.corners().contains(&corner) {
+        if settled(&corner, least) {
             return Found::Apart(Gap {
                 distance: length,
                 on_a: nearest.on_a,

@@ -141,7 +141,7 @@ fn features(
                 Vector3::new(side(1, half.x), side(2, half.y), side(4, half.z))
             })
             .collect(),
-        Core::Hull(vertices) => vertices.to_vec(),
+        Core::Hull(hull) => hull.vertices().to_vec(),
     };
     let mut corners: Vec<_> = corners.into_iter().map(|p| at.apply(p)).collect();
     corners.sort_by(|p, q| q.dot(along).total_cmp(&p.dot(along)));

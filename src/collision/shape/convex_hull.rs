@@ -2,6 +2,7 @@
 
 use super::ShapeError;
 use super::error::check_points;
+use super::hull_climb::HullClimb;
 use crate::collision::convex_surface::ConvexSurface;
 use crate::spatial::Vector3;
 
@@ -15,6 +16,10 @@ pub struct ConvexHull {
     triangles: Vec<[u32; 3]>,
     /// Unit outward normals and offsets n · x of the triangles wide enough to have one.
     planes: Vec<(Vector3<f64>, f64)>,
+    climb: Option<HullClimb>,
+    /// The mean of its corners, and how far the farthest is from the origin.
+    middle: Vector3<f64>,
+    reach: f64,
 }
 
 impl ConvexHull {
@@ -60,7 +65,12 @@ impl ConvexHull {
                 planes.push((normal, normal.dot(a)));
             }
         }
+        let sum = vertices.iter().fold(Vector3::zero(), |sum, &p| sum + p);
+        let lengths = vertices.iter().map(|p| p.norm_squared());
         Self {
+            climb: HullClimb::of(&vertices, &triangles),
+            middle: sum * (vertices.len() as f64).recip(),
+            reach: lengths.fold(0.0, f64::max).sqrt(),
             vertices,
             triangles,
             planes,
@@ -72,6 +82,35 @@ impl ConvexHull {
         pub fn vertices(&self) -> &[Vector3<f64>] = &self.vertices;
         /// Triangles between them, counter-clockwise seen from outside.
         pub fn triangles(&self) -> &[[u32; 3]] = &self.triangles;
+    }
+
+    getters! {
+        /// The mean of its corners.
+        pub(crate) fn middle(&self) -> Vector3<f64> = self.middle;
+        /// How far its corners are from its origin at most.
+        pub(crate) fn reach(&self) -> f64 = self.reach;
+        /// Whether [`climbed`](Self::climbed) may stop short by rounding.
+        pub(crate) fn is_climbed(&self) -> bool = self.climb.is_some();
+    }
+
+    /// The first of the corners that are farthest along a direction.
+    pub(crate) fn farthest(&self, along: Vector3<f64>) -> Vector3<f64> {
+        let mut best = (f64::NEG_INFINITY, self.vertices[0]);
+        for &corner in &self.vertices {
+            let far = along.dot(corner);
+            if far > best.0 {
+                best = (far, corner);
+            }
+        }
+        best.1
+    }
+
+    /// A corner that is farthest along a direction, or by rounding nearly so: of many corners few are looked at.
+    pub(crate) fn climbed(&self, along: Vector3<f64>) -> Vector3<f64> {
+        match &self.climb {
+            Some(climb) => climb.farthest(&self.vertices, along),
+            None => self.farthest(along),
+        }
     }
 
     /// The face's plane that a point is farthest beyond: by how much, negative inside, and its normal.

@@ -6,6 +6,7 @@ mod convex_hull;
 mod error;
 mod geodesic;
 mod height_field;
+mod hull_climb;
 mod point_cloud;
 mod signed_distance;
 mod triangle_mesh;

@@ -104,7 +104,7 @@ fn convex(p: Vector3<f64>, hull: &ConvexHull) -> Nearest {
         return (beyond, p - normal * beyond);
     }
     let pair = Pair {
-        a: Core::Hull(hull.vertices()),
+        a: Core::Hull(hull),
         b: Core::Point(p),
         a_from_b: Placement::identity(),
     };
