@@ -2,7 +2,7 @@
 //! stand where nalgebra's isometries put them, and the Jacobian is what moving along a velocity does.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::kinematics::{ForwardKinematics, frame_jacobian};
+use kinopt::kinematics::{ForwardKinematics, KinematicsError, frame_jacobian};
 use kinopt::model::{Limits, Model, ModelError};
 use kinopt::spatial::{Placement, Vector3};
 use nalgebra as na;
@@ -168,10 +168,44 @@ fn a_wrong_number_or_quaternion_is_named() {
     assert!(model.interpolate(&q, &q, f64::NAN, &mut to).is_err());
     assert!(!model.is_within_limits(&q[1..]));
     let mut kinematics = ForwardKinematics::<f64>::of_frames(&model, &frames).unwrap();
-    assert!(kinematics.place(&none).is_err());
+    assert!(matches!(
+        kinematics.place(&none),
+        Err(KinematicsError::NoRotation { index: 3, .. })
+    ));
     // A direction is enough.
     none[3] = 1e-200;
     assert!(model.integrate(&none, &v, &mut to).is_ok());
+}
+
+/// Numbers of a configuration, of which a ball has four, and not variables, of which it has three.
+#[test]
+fn what_is_no_number_or_rotation_is_told_by_its_place() {
+    let mut builder = Model::builder("balls");
+    let (z, still) = (Vector3::new(0.0, 0.0, 1.0), Placement::identity());
+    let mut last = None;
+    for name in ["first", "second", "third"] {
+        last = Some(builder.ball(name, last, still, z, None));
+    }
+    builder.frame("tip", last, Placement::translation(z));
+    let model = builder.build().unwrap();
+    let mut kinematics = ForwardKinematics::<f64>::new(&model);
+    for ball in 0..3 {
+        let mut q = model.neutral();
+        q[4 * ball..4 * ball + 4].fill(0.0);
+        let told = kinematics.place(&q).unwrap_err();
+        let expected = 4 * ball;
+        assert!(
+            matches!(told, KinematicsError::NoRotation { index, .. } if index == expected),
+            "{told}"
+        );
+        q[4 * ball + 2] = f64::NAN;
+        let told = kinematics.place(&q).unwrap_err();
+        let expected = 4 * ball + 2;
+        assert!(
+            matches!(told, KinematicsError::NotFinite { index, .. } if index == expected),
+            "{told}"
+        );
+    }
 }
 
 #[test]
@@ -186,10 +220,20 @@ fn limits_that_no_ball_can_have_are_refused() {
         BallLimits::cone(1.0, Limits::new(1.0, -1.0)),
         BallLimits::cone(1.0, Limits::new(-4.0, 1.0)),
         BallLimits::elliptic(z, [1.0, 0.5], free),
+        BallLimits::within_angle(0.0),
+        BallLimits::within_angle(-1.0),
+        BallLimits::within_angle(f64::NAN),
+        // A twist by 0.5 at least is a turn by so much.
+        BallLimits::cone(1.0, Limits::new(0.5, 1.0)).with_angle(0.4),
+        BallLimits::cone(1.0, Limits::new(-1.0, -0.5)).with_angle(0.4),
     ] {
         let mut builder = Model::builder("ball");
         builder.ball("shoulder", None, Placement::identity(), z, Some(limits));
         let error = builder.build().unwrap_err();
         assert!(matches!(&error, ModelError::BadBallLimits { joint, .. } if joint == "shoulder"));
     }
+    let mut builder = Model::builder("ball");
+    let room = BallLimits::cone(1.0, Limits::new(-1.0, -0.5)).with_angle(0.6);
+    builder.ball("shoulder", None, Placement::identity(), z, Some(room));
+    assert!(builder.build().is_ok());
 }

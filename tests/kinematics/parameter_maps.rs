@@ -2,8 +2,12 @@
 //! bounds of variables are those of all that hangs on them.
 #![allow(clippy::unwrap_used)]
 
+use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{Limits, ParameterMap};
-use support::planar_arm;
+use kinopt::spatial::rotation_log;
+use support::figures::Figure;
+use support::random::Random;
+use support::{placement, planar_arm};
 
 #[test]
 fn what_is_not_freed_is_held_within_its_limits() {
@@ -45,4 +49,30 @@ fn what_is_reduced_is_within_its_bounds() {
     let mut x = [0.0; 3];
     map.reduce(&[9.0, -9.0, 0.5], &mut x).unwrap();
     assert_eq!(x, [2.0, -1.0, 0.5]);
+}
+
+/// Whichever joints are held, balls and bases among them, frames stand where the whole configuration puts them.
+#[test]
+fn what_is_held_stands_where_it_was() {
+    let random = &mut Random::new(61);
+    for seed in 0..20 {
+        let figure = Figure::new(seed, 7);
+        let model = &figure.model;
+        let q = model.random_configuration(seed);
+        let mut free: Vec<_> = model.joint_ids().collect();
+        free.retain(|_| random.within(0.0, 1.0) < 0.4);
+        let map = ParameterMap::builder(model).only(&free, &q).build();
+        let map = map.unwrap();
+        let mut x = vec![0.0; map.variables()];
+        map.reduce(&q, &mut x).unwrap();
+        let kinematics = ForwardKinematics::under(model, &map, &figure.frames);
+        let mut kinematics = kinematics.unwrap();
+        let placed = kinematics.place(&x).unwrap();
+        for (own, expected) in placed.iter().zip(figure.frames_at(&q)) {
+            let expected = placement(&expected);
+            assert!((own.translation - expected.translation).norm() < 1e-10);
+            let turned = own.rotation.transpose() * expected.rotation;
+            assert!(rotation_log(&turned).norm() < 1e-10, "seed {seed}");
+        }
+    }
 }

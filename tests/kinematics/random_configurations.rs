@@ -50,6 +50,20 @@ fn within_limits_and_finite() {
     }
 }
 
+/// Also where no limit of a joint is near zero: its neutral value is what the range is about.
+#[test]
+fn spread_where_the_range_is() {
+    let model = model();
+    let drawn = (0..500).map(|seed| model.random_configuration(seed));
+    let drawn: Vec<Vec<f64>> = drawn.collect();
+    for (coordinate, [lower, upper]) in [(1, [7.0, 8.5]), (2, [-10.5, -9.0])] {
+        let within = |q: &&Vec<f64>| (lower..=upper).contains(&q[coordinate]);
+        let count = drawn.iter().filter(within).count();
+        // About half of what is drawn over half a turn lies in 1.5 rad.
+        assert!((150..350).contains(&count), "{count} of joint {coordinate}");
+    }
+}
+
 #[test]
 fn spread_over_the_whole_range() {
     let model = model();

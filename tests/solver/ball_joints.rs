@@ -223,6 +223,40 @@ fn a_twist_too_far_is_held_and_named() {
     );
 }
 
+/// Twisted and swung too far at once: the twist and the whole angle are both in the way, each told by its own side and value.
+#[test]
+fn a_twist_and_a_whole_angle_in_the_way_are_named_together() {
+    let x = Vector3::UNITS[0];
+    for (twist, side) in [(-2.4, Side::Lower), (2.4, Side::Upper)] {
+        let mut builder = Model::builder("arm");
+        let limits = BallLimits::cone(3.0, Limits::new(-0.5, 0.5)).with_angle(0.8);
+        let still = Placement::identity();
+        let shoulder = builder.ball("shoulder", None, still, x, Some(limits));
+        let hand = builder.frame("hand", Some(shoulder), still);
+        let model = builder.build().unwrap();
+        let (y, x) = (nalgebra::Vector3::y_axis(), nalgebra::Vector3::x_axis());
+        let turned = nalgebra::Rotation3::from_axis_angle(&y, 1.2)
+            * nalgebra::Rotation3::from_axis_angle(&x, twist);
+        let mut tasks = Problem::builder(&model);
+        tasks.add(Orientation::new(
+            hand,
+            kinopt::spatial::Matrix3::from(turned),
+        ));
+        let problem = tasks.build().unwrap();
+        let solution = Solver::default().solve_once(&problem, &model.neutral());
+        let solution = solution.unwrap();
+        assert!(!solution.reached);
+        let limits = solution.active_limits();
+        let told: Vec<_> = limits.map(|limit| (limit.joint, limit.side)).collect();
+        assert!(told.contains(&("shoulder twist", side)), "{told:?}");
+        let limits = solution.active_limits();
+        let mut values: Vec<_> = limits.map(|limit| limit.value.abs()).collect();
+        values.sort_by(f64::total_cmp);
+        assert_eq!(values.len(), 2, "{}", solution.explain());
+        assert!((values[0] - 0.5).abs() < 1e-6 && (values[1] - 0.8).abs() < 1e-6);
+    }
+}
+
 #[test]
 fn a_ball_turns_no_further_in_a_frame_of_a_drag_than_it_may() {
     for seed in 0..10 {

@@ -253,3 +253,86 @@ fn a_ball_on_the_edge_of_its_whole_angle_is_named() {
         }
     }
 }
+
+/// A twist without room is no limit that the solution could leave: it has a derivative, in which the ball does not twist.
+#[test]
+fn what_has_no_room_is_no_limit_to_leave() {
+    let [x, y, z] = Vector3::UNITS;
+    let mut builder = Model::builder("arm");
+    let limits = BallLimits::cone(1.5, Limits::new(0.2, 0.2));
+    let still = Placement::identity();
+    let shoulder = builder.ball("shoulder", None, still, x, Some(limits));
+    let elbow = Placement::translation(x + y * 0.2);
+    let turns = Limits::new(-2.0, 2.0);
+    let elbow = builder.revolute("elbow", Some(shoulder), elbow, z, turns);
+    let tip = builder.frame("tip", Some(elbow), Placement::translation(x));
+    let model = builder.build().unwrap();
+    let mut q = model.neutral();
+    model
+        .integrate(&q.clone(), &[0.0, 0.2, -0.3, 0.9], &mut q)
+        .unwrap();
+    // What is nearest within the limits, and there the tip.
+    let mut tasks = Problem::builder(&model);
+    tasks.add(Point::new(tip, tip_of(&model, &q)));
+    let solution = Solver::default().solve_once(&tasks.build().unwrap(), &q);
+    let q = solution.unwrap().q;
+    let mut tasks = Problem::builder(&model);
+    tasks.add(Point::new(tip, tip_of(&model, &q)));
+    let problem = tasks.build().unwrap();
+    let mut workspace = DerivativeWorkspace::default();
+    let mut derivative = SolutionDerivative::new(&problem, &q, &mut workspace).unwrap();
+    assert_eq!(*derivative.existence(), Existence::Unique);
+    let by_target = derivative.by_target(0).unwrap();
+    let jacobian = frame_jacobian(&model, tip, &q).unwrap();
+    let moved = jacobian.rows(0, 3) * by_target;
+    assert!((moved - nalgebra::Matrix3::identity()).amax() < 1e-9);
+}
+
+/// What a goal that does not pull weighs changes nothing, and the weights of those after it keep their own derivatives.
+#[test]
+fn a_goal_that_does_not_pull_keeps_no_others_weights() {
+    let mut builder = Model::builder("two arms");
+    let (z, turns) = (Vector3::UNITS[2], Limits::new(-2.0, 2.0));
+    let (still, link) = (
+        Placement::identity(),
+        Placement::translation(Vector3::UNITS[0]),
+    );
+    let mut tips = Vec::new();
+    for side in ["left", "right"] {
+        let shoulder = builder.revolute(format!("{side} shoulder"), None, still, z, turns);
+        let elbow = builder.revolute(format!("{side} elbow"), Some(shoulder), link, z, turns);
+        tips.push(builder.frame(side, Some(elbow), link));
+    }
+    let model = builder.build().unwrap();
+    let start = [0.3, 0.5, -0.4, 0.9];
+    let mut tasks = Problem::builder(&model);
+    // The left hand stands exactly where it is asked for.
+    tasks.add(Point::new(tips[0], tip_of(&model, &start)));
+    tasks.add(Point::new(tips[1], [1.0, 1.0, 0.0]));
+    tasks.add(Plane::new(tips[1], [1.5, 0.0, 0.0], [1.0, 0.0, 0.0]));
+    let problem = tasks.build().unwrap();
+    let solution = Solver::default().solve_once(&problem, &start).unwrap();
+    let mut workspace = DerivativeWorkspace::default();
+    let mut derivative = SolutionDerivative::new(&problem, &solution.q, &mut workspace).unwrap();
+    assert_eq!(*derivative.existence(), Existence::Unique);
+    // ⟨slope, dq/dp · rate⟩ = ⟨dq/dpᵀ · slope, rate⟩, where the slope is of the right arm alone.
+    let slope = [0.0, 0.0, 0.7, -0.2];
+    let mut gradient = ParameterVector::new(&problem);
+    derivative.gradient(&slope, &mut gradient).unwrap();
+    let mut largest = 0.0_f64;
+    for weight in 0..gradient.weights().len() {
+        let mut rates = ParameterVector::new(&problem);
+        rates.weights_mut()[weight] = 1.0;
+        let mut velocity = [0.0; 4];
+        derivative.velocity(&rates, &mut velocity).unwrap();
+        let forward: f64 = slope.iter().zip(velocity).map(|(s, v)| s * v).sum();
+        let off = (forward - gradient.weights()[weight]).abs();
+        assert!(
+            off < 1e-9,
+            "weight {weight}: {forward} {:?}",
+            gradient.weights()
+        );
+        largest = largest.max(forward.abs());
+    }
+    assert!(largest > 1e-3, "no weight matters");
+}

@@ -6,7 +6,7 @@ use kinopt::model::{Limits, Model, ParameterMap};
 use kinopt::problem::{Preferences, Problem};
 use kinopt::solver::Stopping;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Point, Pose, Posture, Quantity, Task};
+use kinopt::task::{Plane, Point, Pose, Posture, Quantity, Task};
 use kinopt::{Solution, Solver};
 use support::arms::panda;
 use support::random::Random;
@@ -354,4 +354,30 @@ fn preferences_have_levels_too_and_are_traded_with_the_last_level_of_goals() {
             .into_iter()
             .any(|rows| rows.quantity == Quantity::JointUnits)
     );
+}
+
+/// A level of goals in which a preference is traded ends where both are best, not where the goals are just within their tolerance.
+#[test]
+fn a_traded_preference_is_followed_within_the_goals_tolerance() {
+    let mut builder = Model::builder("slides");
+    let [x, y, _] = Vector3::UNITS;
+    let (still, wide) = (Placement::identity(), Limits::new(-5.0, 5.0));
+    let along = builder.prismatic("along", None, still, x, wide);
+    let aside = builder.prismatic("aside", Some(along), still, y, wide);
+    let hand = builder.frame("hand", Some(aside), still);
+    let model = builder.build().unwrap();
+    let mut tasks = Problem::builder(&model);
+    let plane = |normal| Plane::new(hand, [0.0; 3], normal);
+    tasks.add(plane(x + y));
+    // Within a metre counts as reached.
+    let level = Task::new(plane(y)).at_level(1);
+    tasks.add(level.tolerance(Quantity::Metres, 1.0));
+    tasks.add(Posture::new(&model, &[0.0, 2.0]));
+    tasks.preferences(Preferences::Traded);
+    let problem = tasks.build().unwrap();
+    let solution = Solver::default().solve_once(&problem, &[0.7, 0.4]).unwrap();
+    // With x = −y, ½ y² + ½ x² + ½ (y − 2)² is least at 2/3.
+    for (q, best) in solution.q.iter().zip([-2.0, 2.0]) {
+        assert!((q - best / 3.0).abs() < 1e-6, "{:?}", solution.q);
+    }
 }

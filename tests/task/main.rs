@@ -2,6 +2,7 @@
 
 mod builder_errors;
 mod derivative_routes;
+mod error_units;
 mod look_at_from_behind;
 mod mouse_rays;
 mod numeric_residuals;

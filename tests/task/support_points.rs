@@ -1,5 +1,5 @@
 //! Promise: what a centre of mass may be over does not depend on the order in which points of support are given, also
-//! where many stand on one line.
+//! where many stand on one line, nor on the order in which it is told of points, margin and vertical.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Problem;
@@ -10,8 +10,8 @@ use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::SupportPolygon;
 use support::random::Random;
 
-#[test]
-fn the_points_of_a_square_hold_it_in_any_order() {
+/// A mass that slides over the floor.
+fn sledge() -> (Model, Masses) {
     let mut builder = Model::builder("sledge");
     let [x, y, _] = Vector3::UNITS;
     let (still, wide) = (Placement::identity(), Limits::new(-5.0, 5.0));
@@ -21,6 +21,12 @@ fn the_points_of_a_square_hold_it_in_any_order() {
     let model = builder.build().unwrap();
     let (at, mass) = (Vector3::zero(), 2.0);
     let masses = Masses::new(&model, [PointMass { frame, at, mass }]).unwrap();
+    (model, masses)
+}
+
+#[test]
+fn the_points_of_a_square_hold_it_in_any_order() {
+    let (model, masses) = sledge();
     // Corners, the middles of the sides and the middle of all.
     let mut points: Vec<[f64; 3]> = (0..9)
         .map(|k| [f64::from(k % 3) - 1.0, f64::from(k / 3) - 1.0, 0.0])
@@ -42,5 +48,27 @@ fn the_points_of_a_square_hold_it_in_any_order() {
             let off = residual[0].hypot(residual[1]) - beyond_x.hypot(beyond_y);
             assert!(off.abs() < 1e-12, "{q:?}: {residual:?} by {points:?}");
         }
+    }
+}
+
+#[test]
+fn a_polygon_is_the_same_in_whichever_order_it_is_told() {
+    let (_, masses) = sledge();
+    let points = [[0.0; 3], [1.0, 0.0, 0.3], [1.0, 0.2, 1.0], [0.0, 0.1, 1.0]];
+    let (up, margin) = ([0.1, 1.0, 0.2], 0.07);
+    let new = || SupportPolygon::new(&masses);
+    let first = new().with_up(up).with_margin(margin).with_points(points);
+    assert_ne!(first, new().with_margin(margin).with_points(points));
+    assert_ne!(first, new().with_up(up).with_points(points));
+    for other in [
+        new().with_points(points).with_up(up).with_margin(margin),
+        new().with_points(points).with_margin(margin).with_up(up),
+        new().with_margin(margin).with_points(points).with_up(up),
+        new().with_up(up).with_points(points).with_margin(margin),
+        (points.into_iter()).fold(new().with_margin(margin).with_up(up), |own, point| {
+            own.with_points([point])
+        }),
+    ] {
+        assert_eq!(other, first);
     }
 }

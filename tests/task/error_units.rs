@@ -1,0 +1,78 @@
+//! Promise: a task's error is told, weighed and judged in the unit of what it asks for: metres of a place, radians of a turn, and
+//! of a relation between joints the unit of the first.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::Problem;
+use kinopt::model::{Limits, Model};
+use kinopt::problem::Evaluation;
+use kinopt::solver::LeastSquares;
+use kinopt::spatial::{Matrix3, Placement, Vector3};
+use kinopt::task::{
+    Distance, FrameVelocity, Gaze, JointCoupling, LimitCentring, LookAt, Orientation, Plane, Point,
+    Pose, Posture, Quantity, Ray, Residual, Smoothness, Task, Within,
+};
+
+fn quantities(residual: &impl Residual) -> Vec<Quantity> {
+    let rows = residual.rows();
+    rows.iter().map(|rows| rows.quantity).collect()
+}
+
+#[test]
+fn every_task_has_the_unit_of_what_it_asks() {
+    use Quantity::{
+        JointUnits, JointUnitsPerSecond, Metres, MetresPerSecond, Radians, RadiansPerSecond, Ratio,
+    };
+    let mut builder = Model::builder("crane");
+    let (x, z, here) = (Vector3::UNITS[0], Vector3::UNITS[2], Placement::identity());
+    let limits = Limits::new(-1.0, 1.0);
+    let hinge = builder.revolute("hinge", None, here, z, limits);
+    let slide = builder.prismatic("slide", Some(hinge), here, x, limits);
+    let base = builder.frame("base", Some(hinge), here);
+    let hook = builder.frame("hook", Some(slide), Placement::translation(x));
+    let model = builder.build().unwrap();
+    let q = model.neutral();
+    let pair = |a, b| JointCoupling::new(&model, [(a, 1.0), (b, 2.0)], 0.3);
+    let slow = FrameVelocity::new(hook, here, 0.1, ([0.0; 3], z));
+    for (told, expected) in [
+        (quantities(&pair(hinge, slide)), vec![Radians]),
+        (quantities(&pair(slide, hinge)), vec![Metres]),
+        (quantities(&Point::new(hook, x)), vec![Metres]),
+        (quantities(&Ray::new(hook, z, x)), vec![Metres]),
+        (quantities(&Distance::new(base, hook, 0.5)), vec![Metres]),
+        (quantities(&Plane::new(hook, x, z)), vec![Metres]),
+        (
+            quantities(&Orientation::new(hook, Matrix3::identity())),
+            vec![Radians],
+        ),
+        (quantities(&LookAt::new(hook, x, z)), vec![Radians]),
+        (quantities(&Gaze::along(hook, x, z, 0.1)), vec![Radians]),
+        (quantities(&Pose::new(hook, here)), vec![Metres, Radians]),
+        (quantities(&slow), vec![MetresPerSecond, RadiansPerSecond]),
+        (quantities(&Posture::new(&model, &q)), vec![JointUnits]),
+        (
+            quantities(&Smoothness::new(&model, &q, 0.1)),
+            vec![JointUnitsPerSecond],
+        ),
+        (quantities(&LimitCentring::new(&model)), vec![Ratio]),
+        // Room changes no unit.
+        (
+            quantities(&Within::at_least(pair(slide, hinge), 0.0)),
+            vec![Metres],
+        ),
+    ] {
+        assert_eq!(told, expected);
+    }
+
+    // So a weight on metres weighs a coupling of slides, and one on radians does not.
+    let slope = |quantity| {
+        let mut tasks = Problem::builder(&model);
+        tasks.add(Task::new(pair(slide, hinge)).weight(quantity, 3.0));
+        let problem = tasks.build().unwrap();
+        let mut residual = [0.0];
+        let scratch = &mut problem.scratch();
+        Evaluation::new(&problem, scratch).residual(&[0.1, 0.2], &mut residual);
+        residual[0]
+    };
+    // 0.2 + 2 · 0.1 − 0.3.
+    assert!((slope(Metres) - 0.3).abs() < 1e-15);
+}
