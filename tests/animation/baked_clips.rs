@@ -86,6 +86,23 @@ fn a_baked_clip_is_the_clip_at_its_samples() {
     assert!(apart < 1e-5, "{apart} at the end");
 }
 
+/// A clip that does not come back to where it began ends where it ended.
+#[test]
+fn the_last_sample_is_the_end_and_not_the_beginning() {
+    let random = &mut Random::new(34);
+    let armature = armature(4, random);
+    let (times, poses) = poses(&armature, 5, random);
+    let clip = Clip::through_poses("way", &armature, &times, &poses).unwrap();
+    assert!(difference(&poses[0], &poses[4]) > 0.1);
+    for rate in [3.0, 30.0] {
+        let baked = clip.baked(&armature, rate).unwrap();
+        assert_eq!(baked.span(), clip.span());
+        let [first, last] = clip.span().map(|time| at(&baked, &armature, time));
+        assert!(difference(&first, &poses[0]) < 1e-5);
+        assert!(difference(&last, &poses[4]) < 1e-5);
+    }
+}
+
 #[test]
 fn what_makes_no_clip_is_a_named_error() {
     let random = &mut Random::new(33);

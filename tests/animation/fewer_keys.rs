@@ -145,3 +145,47 @@ fn a_jump_keeps_its_keys() {
         .unwrap();
     assert_eq!(fewer, clip);
 }
+
+/// After a whole turn a quaternion has the other sign: it is the same rotation, and what stands still there needs no more keys.
+#[test]
+fn a_whole_turn_and_what_stands_still_after_it() {
+    let random = &mut Random::new(44);
+    let armature = armature(1, random);
+    let bone = armature.bone("bone 0").unwrap();
+    let third = std::f32::consts::TAU / 3.0;
+    let times: Vec<f32> = (0..40).map(|key| key as f32).collect();
+    let turn = |key: usize| Quat::from_rotation_z(third * key.min(3) as f32);
+    let turns = (0..40).map(turn).collect();
+    let mut builder = Clip::builder("turn", &armature);
+    let curve = RotationCurve::slerp(times, turns).unwrap();
+    builder.channel(bone, Channel::Rotation(curve)).unwrap();
+    let tolerance = KeyTolerance {
+        rotation: 1e-4,
+        ..KeyTolerance::EXACT
+    };
+    let fewer = builder.build();
+    let fewer = fewer.with_fewer_keys(&armature, &tolerance).unwrap();
+    // Three thirds of a turn, and the end.
+    assert_eq!(keys(&fewer, &armature), 5);
+}
+
+/// A clip may begin before its first key and end after its last: with fewer keys, at another rest or with another seam it lasts as long.
+#[test]
+fn a_clip_lasts_as_long_as_it_did() {
+    let random = &mut Random::new(45);
+    let armature = armature(2, random);
+    let bone = armature.bone("bone 1").unwrap();
+    let line = [0.0, 1.0, 2.0].map(Vec3A::splat).to_vec();
+    let mut builder = Clip::builder("line", &armature);
+    let curve = KeyedCurve::linear(vec![1.0, 2.0, 3.0], line).unwrap();
+    builder.channel(bone, Channel::Translation(curve)).unwrap();
+    builder.span(-0.5, 4.25).unwrap();
+    let clip = builder.build();
+    let fewer = clip.with_fewer_keys(&armature, &KeyTolerance::EXACT);
+    let elsewhere = clip.at_rest_in(&armature, &armature);
+    for changed in [fewer, elsewhere] {
+        let changed = changed.unwrap();
+        assert_eq!(changed.span(), [-0.5, 4.25]);
+        assert_eq!(changed.duration(), 4.75);
+    }
+}

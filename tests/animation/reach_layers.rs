@@ -208,6 +208,43 @@ fn the_optimiser_holds_bones_and_turns_them_by_their_weights() {
     assert!(reached.iter().all(|&count| count >= 6), "{reached:?} of 8");
 }
 
+/// A weight is a share of the way: above 1 it is 1, below 0 and where it is no number there is none.
+#[test]
+fn weights_are_shares_of_the_way() {
+    let rig = RandomRig::new(301);
+    let (skeleton, bone) = (&rig.skeleton, rig.tips[0]);
+    let (armature, bridge) = (Armature::of_skeleton(skeleton), PoseAngles::new(skeleton));
+    let inward = |share: f64| -> Vec<f64> {
+        let limits = skeleton.model().limits();
+        limits
+            .map(|l| l.lower + (l.upper - l.lower) * share)
+            .collect()
+    };
+    let mut pose = armature.rest().clone();
+    bridge.pose_of(&inward(0.5), &mut pose);
+    let there = skeleton.pose(&inward(0.52)).unwrap();
+    let target = there.tip(skeleton, bone).unwrap();
+    let mut layer = ReachLayer::holding(skeleton, &[bone], &[bone], Solver::default()).unwrap();
+    let mut applied = |goal: f64, turn: f64| {
+        layer.set_goal(bone, target, goal).unwrap();
+        let turned = Quat::from_rotation_y(0.1);
+        layer.set_rotation(bone, turned, turn).unwrap();
+        let mut posed = pose.clone();
+        layer.apply(&mut posed).unwrap();
+        posed
+    };
+    let (whole, held, turned) = (applied(1.0, 0.0), applied(0.0, 0.0), applied(0.0, 1.0));
+    assert_ne!(whole, held);
+    assert_ne!(turned, held);
+    for above in [1.5, 40.0, f64::INFINITY] {
+        assert_eq!(applied(above, 0.0), whole, "{above}");
+        assert_eq!(applied(0.0, above), turned, "{above}");
+    }
+    for none in [-0.5, f64::NEG_INFINITY, f64::NAN] {
+        assert_eq!(applied(none, none), held, "{none}");
+    }
+}
+
 #[test]
 fn what_cannot_be_reached_for_is_refused_or_left_alone() {
     let rig = RandomRig::new(300);

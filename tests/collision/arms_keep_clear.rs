@@ -145,6 +145,25 @@ fn the_nearest_solution_that_is_free_is_as_near_as_any_that_is() {
     }
 }
 
+/// What is spent before something is found to be in the way counts as well.
+#[test]
+fn a_search_that_goes_on_tells_all_that_it_spent() {
+    let mut random = Random::new(8);
+    let near = panda(Search::Nearest);
+    let plain = near.arm.with_search(Search::Nearest).unwrap();
+    let near = near.among(&cluttered(&mut random), 0.0);
+    let searched_on = (0..60).find_map(|_| {
+        let (goal, start) = (near.free(&mut random), near.drawn(&mut random));
+        let target = near.arm.base_from_tool(&goal).unwrap();
+        let first = plain.solve(target, &start).unwrap();
+        let touches = !near.arm.collisions(&first.q).unwrap().is_empty();
+        touches.then(|| (first, near.arm.solve(target, &start).unwrap()))
+    });
+    let (first, clear) = searched_on.unwrap();
+    assert!(clear.iterations > first.iterations);
+    assert!(clear.attempts > first.attempts);
+}
+
 #[test]
 fn a_target_in_an_obstacle_is_reached_nowhere_and_says_so() {
     let goal = [0.3, 0.2, 0.1, -1.8, 0.1, 2.0, 0.5];

@@ -164,6 +164,12 @@ fn parts_are_told_apart() {
             .all(|part| part.points.len() == 8 && part.triangles.len() == 12)
     );
     assert_eq!(one.parts().len(), 1);
+    // Corners that are written twice are one place, also where one has a zero and the other a negative zero.
+    let touching = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv -0.0 -0 0\nv 0 1 -0\nv -1 1 0\nf 1 2 3\nf 4 5 6\n";
+    let touching = MeshFile::parse(touching.as_bytes(), "two.obj").unwrap();
+    let parts = touching.parts();
+    assert_eq!(parts.len(), 1);
+    assert_eq!(parts[0].triangles.len(), 2);
 }
 
 #[test]

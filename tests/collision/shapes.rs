@@ -95,3 +95,61 @@ fn a_height_field_is_as_deep_as_its_longer_side() {
         );
     }
 }
+
+/// What lies in a shape lies in its box and in its ball; and neither is much larger than it must be.
+#[test]
+fn the_box_and_the_ball_of_a_shape_hold_it() {
+    let corner = |k: u32| {
+        let side = |bit| if k & bit == 0 { -0.4 } else { 0.2 };
+        Vector3::new(0.5 * side(1), side(2), 2.0 * side(4))
+    };
+    let corners: Vec<_> = (0..8).map(corner).collect();
+    let quads = [
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+    ];
+    let halves = quads.map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    let triangles = halves.as_flattened().to_vec();
+    let shapes = [
+        Shape::sphere(0.3),
+        Shape::capsule(0.1, 0.7),
+        Shape::cylinder(0.4, 0.2),
+        Shape::cylinder(0.1, 0.9),
+        Shape::cuboid([0.2, 0.5, 0.9]),
+        Shape::convex(&corners),
+        Shape::mesh(corners.clone(), triangles),
+        Shape::height_field(vec![0.1, 0.3, 0.2, 0.5, -0.1, 0.4], 3, [0.8, 0.6]),
+        Shape::points(corners[..5].to_vec(), 0.15),
+    ];
+    let mut random = Random::new(5);
+    for shape in shapes {
+        let shape = shape.unwrap();
+        let (bounds, ball) = (shape.bounding_box(), shape.bounding_sphere());
+        let middle = (bounds.min + bounds.max) * 0.5;
+        let half = (bounds.max - bounds.min).to_array();
+        let (mut farthest, mut reach) = (0.0_f64, [0.0_f64; 3]);
+        for _ in 0..3000 {
+            let off = half.map(|half| half * random.within(-0.8, 0.8));
+            let at = middle + Vector3::from(off);
+            if shape.signed_distance(at) > 0.0 {
+                continue;
+            }
+            for k in 0..3 {
+                assert!(off[k].abs() <= 0.5 * half[k] + 1e-9, "{shape:?} {at:?}");
+                reach[k] = reach[k].max(off[k].abs() / (0.5 * half[k]));
+            }
+            let away = (at - ball.centre).norm();
+            assert!(away <= ball.radius + 1e-9, "{shape:?} {at:?}: {away}");
+            farthest = farthest.max(away);
+        }
+        assert!(
+            reach.iter().all(|reach| *reach > 0.85),
+            "{shape:?} {reach:?}"
+        );
+        assert!(farthest > 0.7 * ball.radius, "{shape:?}: {farthest}");
+    }
+}

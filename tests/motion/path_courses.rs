@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use kinopt::Arm;
-use kinopt::motion::path::{CartesianPath, Course, PathError, PathSolver};
+use kinopt::motion::path::{CartesianPath, Course, PathError, PathSolution, PathSolver};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::robot;
 
@@ -97,6 +97,46 @@ fn a_closed_path_is_entered_where_that_is_best() {
         let point = &points[(best.entry + row) % 120];
         assert!((at.translation - point.translation).norm() < 1.1e-6);
     }
+}
+
+/// Twice round, which the last joint of a Panda does nowhere without a reconfiguration: of the entries that have as few, the shortest.
+#[test]
+fn of_entries_that_save_as_much_the_shortest_is_taken() {
+    let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
+    let begin = arm
+        .base_from_tool(&[0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8])
+        .unwrap();
+    let turn = |k: u32| {
+        let angle = 2.0 * TAU * f64::from(k) / 30.0;
+        let turned = begin.rotation * rotation_exp(Vector3::new(0.0, 0.0, angle));
+        Placement::new(turned, begin.translation)
+    };
+    let points: Vec<_> = (0..30).map(turn).collect();
+    let solver = PathSolver::new(&arm).with_samples(24).with_max_step(0.5);
+    let from = |entry: usize| {
+        let entered = [&points[entry..], &points[..=entry]].concat();
+        let path = CartesianPath::new(entered).unwrap();
+        solver.solve(&path).unwrap()
+    };
+    let first = from(0);
+    let rank = |told: &PathSolution| {
+        assert!(told.missed.is_empty());
+        (told.reconfigurations.len(), told.length)
+    };
+    let others = first
+        .reconfigurations
+        .iter()
+        .map(|told| rank(&from(told.index)));
+    let (fewest, shortest) = others
+        .chain([rank(&first)])
+        .min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)))
+        .unwrap();
+    let path = CartesianPath::new(points.clone()).unwrap();
+    let anywhere = path.with_course(Course::AnyStart);
+    let best = solver.solve(&anywhere).unwrap();
+    assert_eq!(best.reconfigurations.len(), fewest);
+    assert!((best.length - shortest).abs() < 1e-9);
+    assert_ne!(best.entry, 0);
 }
 
 #[test]

@@ -13,9 +13,10 @@ const PANDA: &str = r#"<?xml version="1.0"?>
   <group name="all"><group name="both"/><joint name="joint1"/></group>
   <group name="both"><group name="arm"/><group name="hand"/></group>
   <group_state name="ready" group="arm"><joint name="joint2" value="-0.5"/><joint name="root_joint" value="1 2 3 0 0 0.6 0.8"/>
-    <joint name="joint4" value=" -2.0 "/><joint name="flange_mount" value="0"/></group_state>
+    <joint name="joint4" value=" -2.0 "/><joint name="flange_mount" value="0"/><joint name="stand" value="0"/></group_state>
   <end_effector name="gripper" parent_link="flange" group="hand" parent_group="arm"/>
   <passive_joint name="joint7"/><passive_joint name="finger_right_slide"/>
+  <passive_joint name="stand"/><passive_joint name="flange_mount"/>
   <disable_collisions link1="link1" link2="link2" reason="Adjacent"/>
   <link_sphere_approximation link="link1"/>
 </robot>"#;
@@ -68,6 +69,13 @@ fn groups_are_joints_links_chains_and_groups_together() {
         (["link1", "link2"], "Adjacent")
     );
     assert_eq!(srdf.virtual_joints[0].kind, "fixed");
+    // Those that move: neither a virtual joint nor a fixed one has a value to be passive with.
+    let passive = srdf.passive_joints.iter();
+    let passive = passive.map(|id| robot.model().joints()[id.index()].name.as_str());
+    assert_eq!(
+        passive.collect::<Vec<_>>(),
+        ["joint7", "finger_right_slide"]
+    );
 }
 
 #[test]
