@@ -27,7 +27,7 @@ def model(kind, folder):
     rig = kinopt.Rig.read(MODELS / "robot-arm" / "robot-arm.json")
     person = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
     match kind:
-        case "panda" | "obstacles":
+        case "panda" | "obstacles" | "window":
             return MODELS / "franka_panda.urdf"
         case "humanoid":
             return MODELS / "humanoid" / "humanoid.json"
@@ -44,6 +44,7 @@ def model(kind, folder):
 SCENES = {
     "panda": ("tool", [0.15, 0.2, -0.1], None),
     "obstacles": ("tool", [0.1, -0.1, -0.45], None),
+    "window": ("tool", [0.1, 0.06, -0.08], None),
     "humanoid": ("left_hand/tip", [0.05, 0.0, 0.28], None),
     "gltf": (None, [0.0, 0.15, 0.0], 1.0),
     "capture": ("left_hand/tip", [0.05, 0.12, 0.08], 1.2),
@@ -52,7 +53,7 @@ SCENES = {
 
 
 #: What bodies keep clear of.
-WORLDS = {"obstacles": MODELS / "worlds" / "table.json"}
+WORLDS = {"obstacles": MODELS / "worlds" / "table.json", "window": MODELS / "worlds" / "window.json"}
 
 
 @pytest.mark.parametrize("kind", SCENES)
