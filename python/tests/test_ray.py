@@ -186,6 +186,12 @@ def test_problems_are_answered_as_without_tables(problem):
     starts = seeded.uniform(-0.2, 0.2, (3, len(start)))
     answers = kr.SolveProblem(problem, starts="from")(kr.table(**{"from": starts}))
     assert np.array_equal(kr.numbers(answers, "q"), kinopt.Solver().solve_batch(problem, starts).q)
+    # No joint moves further than it may.
+    near = kr.SolveProblem(problem, start, targets=columns, max_move=0.05)(asked)
+    want = kinopt.Solver().solve_batch(problem, start, targets, max_move=0.05)
+    assert np.array_equal(kr.numbers(near, "q"), want.q) and np.abs(want.q - start).max() <= 0.05
+    with pytest.raises(kinopt.InvalidValueError):
+        kr.SolveProblem(problem, start, max_move=-1.0)(asked)
     assert kr.SolveProblem(problem, start)(asked.select(["number"])).num_rows == count
     assert kr.SolveProblem(problem, start, targets={"hand": "to_hand"})(asked.slice(0, 0)).num_rows == 0
 

@@ -68,15 +68,15 @@ class SolveProblem:
     ``targets`` names the column that each task's target is in: {"hand": "hand_target"}; other tasks keep the
     problem's own. A row holds the numbers of a target, row by row: 3 for a point, 16 for a pose, 9 for an orientation, 6 for
     a plane (point, normal) or a ray (eye, through), 1 for a distance, dof for a posture. ``start`` is one start
-    for all, shape (dof,), or ``starts`` names a column of them. ``solver`` is a ``kinopt.Solver``, ``keep`` and
-    ``threads`` are as for ``SolveArm``.
+    for all, shape (dof,), or ``starts`` names a column of them. ``solver`` is a ``kinopt.Solver``, ``max_move`` how far joints may
+    move from their start, as of its ``solve_batch``; ``keep`` and ``threads`` are as for ``SolveArm``.
 
     Called with a table it returns one of as many rows in the same order, with the same columns as ``SolveArm``, to the
     bit what ``solver.solve_batch`` says; errors are empty where no goal measures any in their unit. It
     goes to workers as far as the residuals of the problem pickle.
 
     Raises ``UnknownNameError`` for tasks that do not exist and ``InvalidValueError`` for a start that does not fit;
-    when called, for columns that are missing or of other shapes and for targets that cannot be.
+    when called, for columns that are missing or of other shapes and for targets and moves that cannot be.
     """
 
     def __init__(
@@ -87,6 +87,7 @@ class SolveProblem:
         targets: Mapping[str, str] | None = None,
         starts: str | None = None,
         solver: Solver | None = None,
+        max_move: ArrayLike | Mapping[str, float] | None = None,
         keep: Sequence[str] | None = None,
         threads: int | None = 1,
     ) -> None:
@@ -97,6 +98,7 @@ class SolveProblem:
         self.targets = dict(targets or {})
         self.starts = starts
         self.solver = Solver() if solver is None else solver
+        self.max_move = max_move
         self.keep = keep
         self.threads = threads
         for name in self.targets:
@@ -116,7 +118,9 @@ class SolveProblem:
         wanted = {
             name: numbers(targets, place, self._shapes[name]) for name, place in self.targets.items()
         }
-        batch = self.solver.solve_batch(self.problem, starts, wanted, threads=self.threads)
+        batch = self.solver.solve_batch(
+            self.problem, starts, wanted, max_move=self.max_move, threads=self.threads
+        )
         return answered(kept(targets, self.keep, (*self.targets.values(), self.starts)), batch)
 
 
