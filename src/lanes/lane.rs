@@ -40,6 +40,9 @@ pub trait LaneScalar: Scalar {
 
     /// The mask with bit `i` set where lane `i` is true.
     fn mask_bits(mask: Self::Mask) -> u32;
+
+    /// Whether any lane is true, which is told sooner than which one.
+    fn any(mask: Self::Mask) -> bool;
 }
 
 impl<const L: usize, const FMA: bool> LaneScalar for Lanes<L, FMA> {
@@ -74,6 +77,16 @@ impl<const L: usize, const FMA: bool> LaneScalar for Lanes<L, FMA> {
             i += 1;
         }
         bits
+    }
+
+    #[inline(always)]
+    fn any(mask: LaneMask<L>) -> bool {
+        let (mut all, mut i) = (0, 0);
+        while i < L {
+            all |= mask.0[i];
+            i += 1;
+        }
+        all != 0
     }
 }
 

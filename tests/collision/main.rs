@@ -11,6 +11,7 @@ mod convex_pieces;
 mod figures_of_capsules;
 mod free_paths_are_followed;
 mod hostile;
+mod hulls_of_many_corners;
 mod identities;
 mod mesh_files;
 mod paths_keep_clear;

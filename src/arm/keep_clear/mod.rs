@@ -209,8 +209,7 @@ impl KeepClear {
             }
             return Ok(free);
         };
-        let margin = self.checker.margin() + SLACK;
-        let near = in_lanes::near(&lanes.bodies, &lanes.solids, margin, q, &mut room.rooms);
+        let near = in_lanes::near(&lanes.bodies, &lanes.solids, q, &mut room.rooms);
         Ok(!near & ((1 << (q.len() / n)) - 1))
     }
 

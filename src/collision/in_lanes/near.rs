@@ -42,15 +42,12 @@ impl<V> Default for Room<V> {
     }
 }
 
-/// The lanes, bit by bit, in which some body comes nearer than `margin` to a solid, or to a body that it is kept
-/// apart from, at the room's q.
+/// The lanes, bit by bit, in which some body comes nearer than the margin to a solid, or to a body that it is kept
+/// apart from, at the room's q. Masks stay masks as long as they are only asked whether any lane is left: to gather their bits takes as
+/// long as the distances.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn near<V: LaneScalar>(
-    chain: &BodyChain,
-    solids: &Solids,
-    margin: f64,
-    room: &mut Room<V>,
-) -> u32 {
+pub(super) fn near<V: LaneScalar>(chain: &BodyChain, solids: &Solids, room: &mut Room<V>) -> u32 {
+    let margin = solids.margin();
     place(chain, room);
     let mut touched = none::<V>();
     // Hands first, as they are where things are.
@@ -59,16 +56,16 @@ pub(super) fn near<V: LaneScalar>(
         if let Some(many) = solids.many() {
             touched = near_many(chain, index, many, margin, room, touched);
         }
-        if !any::<V>(!touched) {
+        if !V::any(!touched) {
             return V::mask_bits(touched);
         }
     }
     for &[a, b] in &chain.pairs {
         let middles = (room.middles[a], room.middles[b]);
         let reach = chain.bodies[a].bound.radius + chain.bodies[b].bound.radius + margin;
-        if any::<V>(within(middles, reach) & !touched) {
+        if V::any(within(middles, reach) & !touched) {
             touched = near_each_other(chain, [a, b], margin, room, touched);
-            if !any::<V>(!touched) {
+            if !V::any(!touched) {
                 break;
             }
         }
@@ -80,13 +77,6 @@ pub(super) fn near<V: LaneScalar>(
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn none<V: LaneScalar>() -> V::Mask {
     V::zero().less_than(V::zero())
-}
-
-/// Whether a mask holds in any lane. Masks are kept as they are and only asked this: to gather their bits takes as long as a comparison of
-/// distances.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn any<V: LaneScalar>(mask: V::Mask) -> bool {
-    V::mask_bits(mask) != 0
 }
 
 /// Where the bodies stand.
@@ -152,13 +142,7 @@ fn near_solids<V: LaneScalar>(
     known: V::Mask,
 ) -> V::Mask {
     let body = &chain.bodies[index];
-    solids.near(
-        index,
-        room.middles[index],
-        &body.bound,
-        margin,
-        &mut room.near_solids,
-    );
+    solids.near(index, room.middles[index], chain, &mut room.near_solids);
     if room.near_solids.is_empty() {
         return known;
     }
@@ -228,14 +212,14 @@ fn near_each_other<V: LaneScalar>(
     let placed = &room.spheres[of_b.clone()];
     for ((place, middle), ball) in of_b.zip(placed).zip(&b.spheres) {
         let reach = ball.radius + margin + a.bound.radius;
-        if any::<V>(within((*middle, about_a), reach) & !known) {
+        if V::any(within((*middle, about_a), reach) & !known) {
             room.near.push((place, ball.radius));
         }
     }
     let mut touched = known;
     for (&middle, ball) in room.spheres[of_a].iter().zip(&a.spheres) {
         let reach = ball.radius + margin;
-        if !any::<V>(within((middle, about_b), reach + b.bound.radius) & !known) {
+        if !V::any(within((middle, about_b), reach + b.bound.radius) & !known) {
             continue;
         }
         for &(other, radius) in &room.near {

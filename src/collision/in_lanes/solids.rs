@@ -1,8 +1,8 @@
 //! What stands still around a chain, and how near points in lanes are to it.
 
-use super::bodies::BodyChain;
+use super::bodies::{Body, BodyChain};
 use super::many_solids::ManySolids;
-use super::near::{any, in_lane};
+use super::near::in_lane;
 use crate::collision::{Ball, BoundingBox, Shape, ShapeKind};
 use crate::lanes::lane::LaneScalar;
 use crate::spatial::{Placement, Vector3};
@@ -43,9 +43,20 @@ pub(crate) struct Solids {
     /// Looked at one after another.
     listed: Vec<Placed>,
     /// Those of them that each body can ever come near to.
-    within_reach: Vec<Vec<u32>>,
+    within_reach: Vec<Vec<Reached>>,
     /// All others.
     many: Option<ManySolids>,
+    /// How near to a solid, or to each other, bodies are not to come, metres.
+    margin: f64,
+}
+
+/// The ball around a solid, as one body's ball meets it.
+#[derive(Clone, Copy, Debug)]
+struct Reached {
+    centre: Vector3<f64>,
+    /// Squared, how near both middles may come.
+    apart: f64,
+    number: u32,
 }
 
 impl Solids {
@@ -71,21 +82,32 @@ impl Solids {
         let boxes: Vec<BoundingBox> = (listed.iter())
             .map(|(shape, base_from_solid)| shape.bounding_box().placed(base_from_solid))
             .collect();
-        let reached = |room: &Ball| {
+        let listed: Vec<Placed> = listed.into_iter().map(Placed::new).collect();
+        let reached = |(room, body): (&Ball, &Body)| {
             let reach = room.radius + margin;
             let near = (0..).zip(&boxes).filter(|(_, solid)| {
                 let apart = solid.squared_distance(room.centre);
                 // Not a number about a half-space's corner at infinity.
                 apart.is_nan() || apart <= reach * reach
             });
-            near.map(|(number, _)| number).collect()
+            let near = near.map(|(number, _)| {
+                let bound = &listed[number as usize].bound;
+                let apart = body.bound.radius + margin + bound.radius;
+                Reached {
+                    centre: bound.centre,
+                    apart: apart * apart,
+                    number,
+                }
+            });
+            near.collect()
         };
         let largest =
             (chain.bodies.iter()).fold(0.0, |most: f64, body| most.max(body.bound.radius));
         Self {
-            within_reach: rooms.iter().map(reached).collect(),
-            listed: listed.into_iter().map(Placed::new).collect(),
+            within_reach: rooms.iter().zip(&chain.bodies).map(reached).collect(),
+            margin,
             many: (!many.is_empty()).then(|| ManySolids::new(many, &rooms, largest + margin)),
+            listed,
         }
     }
 
@@ -94,20 +116,27 @@ impl Solids {
         self.many.as_ref()
     }
 
-    /// Those listed that the ball about a body comes nearer to in any lane than `margin`, by number.
+    /// How near to a solid, or to each other, bodies are not to come, metres.
+    pub(super) fn margin(&self) -> f64 {
+        self.margin
+    }
+
+    /// Those listed that the ball about a body comes nearer to in any lane than the margin, by number: by the balls around them first.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn near<V: LaneScalar>(
         &self,
         body: usize,
         centre: Vector3<V>,
-        ball: &Ball,
-        margin: f64,
+        chain: &BodyChain,
         found: &mut Vec<u32>,
     ) {
+        let reach = chain.bodies[body].bound.radius + self.margin;
         found.clear();
-        for &number in &self.within_reach[body] {
-            if any::<V>(self.near_one(number, centre, ball.radius + margin)) {
-                found.push(number);
+        for solid in &self.within_reach[body] {
+            let away = centre - Vector3::constant(solid.centre);
+            let near = away.norm_squared().less_than(V::constant(solid.apart));
+            if V::any(near) && V::any(self.is_near(solid.number, centre, reach)) {
+                found.push(solid.number);
             }
         }
     }
@@ -124,7 +153,7 @@ impl Solids {
         let around = reach + bound.radius;
         let away = point - Vector3::constant(bound.centre);
         let near = away.norm_squared().less_than(V::constant(around * around));
-        match any::<V>(near) {
+        match V::any(near) {
             true => self.is_near(number, point, reach),
             false => near,
         }
