@@ -19,5 +19,6 @@ mod shapes;
 mod sphere_covers;
 mod sphere_files;
 mod tops;
+mod ways_that_slide;
 mod world_files;
 mod worlds;

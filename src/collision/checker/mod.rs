@@ -9,6 +9,8 @@ mod of_robot;
 mod parts;
 mod placed;
 mod rooms;
+mod scene_room;
+mod slide;
 mod way;
 mod workspace;
 

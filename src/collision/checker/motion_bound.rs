@@ -30,6 +30,8 @@ pub(super) struct BoundRoom {
     moves: Vec<f64>,
     /// By joint above each part: how far any place of the part moves at most, as seen from above that joint.
     motion: Vec<f64>,
+    /// By part: the bound on the acceleration of its places.
+    bends: Vec<f64>,
 }
 
 impl MotionBound {
@@ -70,8 +72,9 @@ impl MotionBound {
         model.difference(from, to, &mut room.velocity)?;
         take_moves(model, room);
         room.motion.clear();
+        room.bends.clear();
         for part in &self.parts {
-            let (mut motion, mut reach) = (0.0, part.reach);
+            let (mut motion, mut reach, mut turns) = (0.0, part.reach, 0.0);
             for &index in &self.joints[part.joints.clone()] {
                 let joint = &model.joints()[index];
                 let slides = joint.kind.slides();
@@ -79,6 +82,7 @@ impl MotionBound {
                 // What stands still keeps still, however far it reaches.
                 if moves > 0.0 {
                     motion += moves * if slides { 1.0 } else { reach };
+                    turns += if slides { 0.0 } else { moves };
                 }
                 room.motion.push(motion);
                 let slide = match model.coordinate(JointId::new(index)) {
@@ -87,6 +91,7 @@ impl MotionBound {
                 };
                 reach += joint.parent_from_joint.translation.norm() + slide;
             }
+            room.bends.push(2.0 * turns * motion);
         }
         Ok(())
     }
@@ -94,6 +99,12 @@ impl MotionBound {
     /// The most that any place of a part moves in the world.
     pub(super) fn of_part(&self, part: usize, room: &BoundRoom) -> f64 {
         self.beyond(part, 0, room)
+    }
+
+    /// The most that any place of a part is accelerated by in the world, the way taken in a unit of time: joints that turn at rates ω accelerate
+    /// a place by Σ ωᵢ rᵢ (ωᵢ + 2 Σ ωⱼ) over the joints j above i at most, which is no more than twice all rates times its motion.
+    pub(super) fn bend_of(&self, part: usize, room: &BoundRoom) -> f64 {
+        room.bends[part]
     }
 
     /// The most that two parts come towards each other: joints above both move neither against the other.

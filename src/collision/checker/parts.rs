@@ -1,11 +1,10 @@
 //! The parts of a robot and the obstacles of a world, put together.
 
-use std::ops::Range;
-
 use super::CheckerError;
-use super::cover::{Cover, PlacedCover};
+use super::cover::Cover;
 use super::motion_bound::MotionBound;
-use super::placed::{PartShape, Placed, PlacedShapes, part_to_part};
+use super::placed::{PartShape, PlacedShapes, part_to_part};
+use super::scene_room::SceneRoom;
 use crate::collision::box_tree::BoxTree;
 use crate::collision::model::pairs_apart;
 use crate::collision::{
@@ -25,10 +24,10 @@ struct Standing {
 
 /// What moves with one frame.
 #[derive(Clone, Debug)]
-struct Part {
+pub(super) struct Part {
     name: String,
     frame: FrameId,
-    shapes: Vec<PartShape>,
+    pub(super) shapes: Vec<PartShape>,
     /// Around all of its shapes, where that was given.
     cover: Option<Cover>,
 }
@@ -42,23 +41,12 @@ pub(super) enum Pair {
     Parts(usize, usize),
 }
 
-/// Memory for checks of one configuration after another: what was placed by now, as most is told apart before, and what a part is near to.
-#[derive(Clone, Debug, Default)]
-pub(super) struct SceneRoom {
-    shapes: Vec<Placed>,
-    /// By part, whether its shapes are there.
-    has_shapes: Vec<bool>,
-    covers: Vec<PlacedCover>,
-    /// What stands near a part, by place.
-    pub(super) near: Vec<(u32, Separation)>,
-}
-
 /// All of them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scene {
-    parts: Vec<Part>,
+    pub(super) parts: Vec<Part>,
     /// Where the shapes of each part end, among those of all.
-    shape_ends: Vec<usize>,
+    pub(super) shape_ends: Vec<usize>,
     /// Parts that are kept apart, by place.
     pairs: Vec<[usize; 2]>,
     standing: Vec<Standing>,
@@ -176,19 +164,6 @@ impl Scene {
         }
     }
 
-    /// Forgets where anything stood.
-    pub(super) fn begin(&self, room: &mut SceneRoom) {
-        room.has_shapes.clear();
-        room.has_shapes.resize(self.parts.len(), false);
-        let count = self.shape_ends.last().copied().unwrap_or(0);
-        room.shapes.resize(count, Placed::nowhere());
-        room.covers
-            .resize_with(self.parts.len(), PlacedCover::default);
-        for cover in &mut room.covers {
-            cover.forget();
-        }
-    }
-
     /// Finds what stands at most `within` from a part, each by the shape that is nearest to it, into the room.
     pub(super) fn find_standing(
         &self,
@@ -244,21 +219,10 @@ impl Scene {
         part_to_part(placed(a), placed(b), within)
     }
 
-    /// Places the shapes of a part, once.
-    fn place(&self, part: usize, placements: &[Placement<f64>], room: &mut SceneRoom) {
-        if !std::mem::replace(&mut room.has_shapes[part], true) {
-            let own = &self.parts[part].shapes;
-            let places = room.shapes[self.shapes_of(part)].iter_mut();
-            for (place, own) in places.zip(own) {
-                *place = own.placed(&placements[part]);
-            }
-        }
-    }
-
-    /// Where a part's shapes are among those of all.
-    fn shapes_of(&self, part: usize) -> Range<usize> {
-        let end = |part: usize| self.shape_ends[part];
-        part.checked_sub(1).map_or(0, end)..end(part)
+    /// Something that stands, and where.
+    pub(super) fn standing_at(&self, index: usize) -> (&Shape, &Placement<f64>) {
+        let standing = &self.standing[index];
+        (&standing.shape, &standing.world_from_shape)
     }
 
     /// Visits what stands at most `within` from a part's shapes.

@@ -1,12 +1,18 @@
 //! Whether the way between two configurations is free, by a bound on how far anything moves: not by samples and hope.
 
 use super::parts::Pair;
+use super::scene_room::SceneRoom;
 use super::{Checker, CheckerWorkspace};
+use crate::collision::Separation;
 use crate::kinematics::KinematicsError;
 use crate::search::Collision;
+use crate::spatial::{Placement, Vector3};
 
 /// So near to the margin nothing is told apart from touching, metres.
 const RESOLUTION: f64 = 1e-6;
+
+/// Steps of more than such a share of what is left are long enough.
+const LONG: f64 = 0.2;
 
 /// How much of a way is free.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +32,15 @@ pub(super) struct Watched {
     motion: f64,
     /// So far on the way it is surely apart.
     free: f64,
+}
+
+/// What comes no further in a step than its room over its motion, which is little, and the direction in which it is apart.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slow {
+    pub(super) pair: Pair,
+    pub(super) normal: Vector3<f64>,
+    /// How far beyond the margin it is, metres.
+    pub(super) room: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -64,7 +79,11 @@ impl Checker {
             let reached = self.model.model().interpolate(from, to, free, &mut between);
             debug_assert!(reached.is_ok(), "both ends were checked");
             match self.advance(workspace, &between, free, &mut watched) {
-                Ok(None) => {}
+                Ok(None) => {
+                    if let Err(error) = self.slide(workspace, (from, to), free, &mut watched) {
+                        break Err(error);
+                    }
+                }
                 Ok(blocked_by) => break Ok(Way { free, blocked_by }),
                 Err(error) => break Err(error),
             }
@@ -112,25 +131,38 @@ impl Checker {
         here: f64,
         watched: &mut [Watched],
     ) -> Result<Option<Collision>, KinematicsError> {
+        let mut slow = std::mem::take(&mut workspace.slow);
+        slow.clear();
         let (placements, room) = workspace.place(q)?;
         self.scene.begin(room);
         let mut blocked: Option<(Pair, f64)> = None;
-        for one in watched.iter_mut().filter(|one| one.free <= here) {
+        for (index, one) in watched.iter_mut().enumerate() {
+            if one.free > here {
+                continue;
+            }
             // What is farther apart stays so to the end.
             let within = self.margin + RESOLUTION + one.motion * (1.0 - here);
             let nearest = match one.what {
                 What::Part(part) => {
                     self.scene.find_standing(part, placements, within, room);
-                    let standing = room.near.iter();
-                    let near = standing.map(|(standing, separation)| {
-                        let pair = Pair::Standing(part, *standing as usize);
-                        (pair, separation.distance)
-                    });
-                    near.reduce(|a, b| if b.1 < a.1 { b } else { a })
+                    let mut nearest: Option<(Pair, f64)> = None;
+                    for place in 0..room.near.len() {
+                        let (standing, found) = room.near[place];
+                        let pair = Pair::Standing(part, standing as usize);
+                        if nearest.is_none_or(|(_, known)| found.distance < known) {
+                            nearest = Some((pair, found.distance));
+                        }
+                        slow.push((index, self.slow(pair, &found, placements, room)));
+                    }
+                    nearest
                 }
                 What::Pair(pair) => {
                     let separation = self.scene.apart(pair, placements, within, room);
-                    separation.map(|found| (Pair::Parts(pair[0], pair[1]), found.distance))
+                    separation.map(|found| {
+                        let pair = Pair::Parts(pair[0], pair[1]);
+                        slow.push((index, self.slow(pair, &found, placements, room)));
+                        (pair, found.distance)
+                    })
                 }
             };
             let Some((pair, distance)) = nearest else {
@@ -147,6 +179,50 @@ impl Checker {
             }
             one.free = here + room / one.motion;
         }
+        workspace.slow = slow;
         Ok(blocked.map(|(pair, distance)| self.collision(pair, distance)))
+    }
+
+    /// What is apart along a direction: all shapes of both, not only those that are nearest.
+    fn slow(
+        &self,
+        pair: Pair,
+        found: &Separation,
+        placements: &[Placement<f64>],
+        room: &mut SceneRoom,
+    ) -> Slow {
+        let gap = self.scene.gap_along(pair, found.normal, placements, room);
+        Slow {
+            pair,
+            normal: found.normal,
+            room: gap.map_or(0.0, |gap| gap.min(found.distance) - self.margin),
+        }
+    }
+
+    /// Takes longer steps where something slides past another.
+    fn slide(
+        &self,
+        workspace: &mut CheckerWorkspace,
+        way: (&[f64], &[f64]),
+        here: f64,
+        watched: &mut [Watched],
+    ) -> Result<(), KinematicsError> {
+        let measured = std::mem::take(&mut workspace.slow);
+        let mut slow = Vec::new();
+        let mut result = Ok(());
+        for of_one in measured.chunk_by(|a, b| a.0 == b.0) {
+            let one = &mut watched[of_one[0].0];
+            if one.free >= here + LONG * (1.0 - here) {
+                continue;
+            }
+            slow.clear();
+            slow.extend(of_one.iter().map(|(_, slow)| *slow));
+            match self.slides_until(workspace, way, here, one.free, &slow, RESOLUTION) {
+                Ok(until) => one.free = until,
+                Err(error) => result = Err(error),
+            }
+        }
+        workspace.slow = measured;
+        result
     }
 }

@@ -1,8 +1,8 @@
 //! Memory for checks.
 
 use super::motion_bound::BoundRoom;
-use super::parts::SceneRoom;
-use super::way::Watched;
+use super::scene_room::SceneRoom;
+use super::way::{Slow, Watched};
 use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::{FrameId, Model};
 use crate::spatial::Placement;
@@ -16,6 +16,9 @@ pub struct CheckerWorkspace {
     /// A configuration on a way, and what is watched there.
     pub(super) between: Vec<f64>,
     pub(super) watched: Vec<Watched>,
+    /// What slides, by the place of what is watched, and where that is looked at.
+    pub(super) slow: Vec<(usize, Slow)>,
+    pub(super) there: Vec<f64>,
 }
 
 impl CheckerWorkspace {
@@ -27,6 +30,8 @@ impl CheckerWorkspace {
             bound: BoundRoom::default(),
             between: Vec::new(),
             watched: Vec::new(),
+            slow: Vec::new(),
+            there: Vec::new(),
         }
     }
 

@@ -59,7 +59,7 @@ impl<'a> Core<'a> {
     }
 
     /// The same, or by rounding nearly so, which of a hull of many corners is found much sooner.
-    fn support_nearly(&self, along: Vector3<f64>) -> Vector3<f64> {
+    pub(super) fn support_nearly(&self, along: Vector3<f64>) -> Vector3<f64> {
         match self {
             Self::Hull(hull) => hull.climbed(along),
             other => other.support(along),

@@ -6,6 +6,7 @@ mod epa;
 mod gjk;
 mod half_space;
 mod many;
+mod reach;
 mod round;
 mod simplex;
 mod stationary;

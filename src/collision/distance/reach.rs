@@ -1,0 +1,22 @@
+//! How far a shape reaches along a direction.
+
+use super::core::Core;
+use crate::collision::{Shape, ShapeKind};
+use crate::spatial::{Placement, Vector3};
+
+impl Shape {
+    pub(crate) fn is_half_space(&self) -> bool {
+        matches!(self.kind(), ShapeKind::HalfSpace)
+    }
+
+    /// How far it reaches along a unit direction from where it stands, in the world; a half-space along its own normal. `None` for what is
+    /// not convex.
+    pub(crate) fn reach_along(&self, at: &Placement<f64>, along: Vector3<f64>) -> Option<f64> {
+        if self.is_half_space() {
+            return Some(at.translation.dot(along));
+        }
+        let (core, radius) = Core::of(self.kind())?;
+        let farthest = core.support_nearly(at.rotation.transpose_mul(along));
+        Some(at.apply(farthest).dot(along) + radius)
+    }
+}
