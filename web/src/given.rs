@@ -106,6 +106,7 @@ impl Given {
     }
 
     /// Whole numbers of at least 0.
+    #[cfg(feature = "paths")]
     pub(crate) fn wholes(&self, name: &str) -> Result<Option<Vec<usize>>, JsError> {
         let numbers = self.numbers(name)?;
         let each = |list: Vec<f64>| {

@@ -10,7 +10,8 @@ const BOX = 0xb98a5b;
 const GROUND = 0x8f9aa3;
 /** Sides of the squares on the ground, for the size of what is seen, and how many there are. */
 const [SQUARE, SQUARES] = [0.2, 40];
-const FREE = 0x8f9aa3;
+/** What may be grabbed: dark, as skins, sticks and links are light. */
+const FREE = 0x46525c;
 const PINNED = 0x1f6fb2;
 const GRABBED = 0xe08a1e;
 const LIMITED = 0xc8442f;
@@ -41,10 +42,13 @@ export class BodyView {
     }
 
     #extent() {
-        const { positions, places, links, person = [], boxes = [] } = this.opened;
+        const { positions, places, links, person = [] } = this.opened;
         if (positions) return positions;
         if (!links) return places;
-        return [...this.#origins(links), ...person, ...boxes.flatMap(({ at }) => at)];
+        this.#place(links);
+        this.group.updateMatrixWorld(true);
+        const filled = [...this.links, ...this.boxes].map((part) => new THREE.Box3().setFromObject(part)).filter((box) => !box.isEmpty());
+        return [...this.#origins(links), ...person, ...filled.flatMap(corners)];
     }
 
     /** Where links begin, three numbers each. */
@@ -112,11 +116,12 @@ export class BodyView {
             this.limbs = new StickFigure(sticks, STICK * sizeOf(this.#origins(this.opened.links)), solid(LINK));
             this.group.add(this.limbs.sticks);
         }
-        for (const { size, at } of this.opened.boxes) {
+        this.boxes = this.opened.boxes.map(({ size, at }) => {
             const box = new THREE.Mesh(new THREE.BoxGeometry(...size), solid(BOX));
             box.position.set(...at);
             this.group.add(box);
-        }
+            return box;
+        });
     }
 
     /** What the files of meshes hold, `[file, where it goes]`. */
@@ -173,11 +178,7 @@ export class BodyView {
                 normal.needsUpdate = true;
             }
         }
-        this.limbs?.show(this.#origins(links));
-        this.links?.forEach((link, k) => {
-            link.matrix.fromArray(links, 16 * k);
-            link.matrixWorldNeedsUpdate = true;
-        });
+        if (links) this.#place(links);
         const at = new THREE.Matrix4();
         for (let k = 0; k < this.count; k += 1) {
             this.balls.setMatrixAt(k, at.makeTranslation(places[3 * k], places[3 * k + 1], places[3 * k + 2]));
@@ -185,6 +186,14 @@ export class BodyView {
         this.balls.instanceMatrix.needsUpdate = true;
         if (ground) this.#walk(ground);
         this.stage.touch();
+    }
+
+    #place(links) {
+        this.limbs?.show(this.#origins(links));
+        this.links.forEach((link, k) => {
+            link.matrix.fromArray(links, 16 * k);
+            link.matrixWorldNeedsUpdate = true;
+        });
     }
 
     /** The view goes with who walks, and so does the ground, by whole squares. */
@@ -232,6 +241,10 @@ export class BodyView {
         });
     }
 }
+
+/** The eight corners of a box, three numbers each. */
+const corners = ({ min, max }) =>
+    [min.x, max.x].flatMap((x) => [min.y, max.y].flatMap((y) => [min.z, max.z].map((z) => [x, y, z]))).flat();
 
 /** The library's cylinders and capsules stand along z, three.js's along y. */
 function primitive({ kind, size, radius, length, radii }, color) {

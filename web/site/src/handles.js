@@ -24,9 +24,16 @@ export class Handles {
     }
 }
 
+/** Of what a solution explains, that which a hand can do something about: how far out of reach it is, else what misses and why. */
+function shortly(solution) {
+    const [, ...lines] = solution.explain().split("\n").map((line) => line.trim());
+    const far = solution.isOutOfReach ? lines.filter((line) => line.startsWith("Out of reach")) : [];
+    return [...far, ...lines].slice(0, far.length || 3).join(" ");
+}
+
 /** What a solution says for the page; a miss that nobody sees needs no words. */
 export const told = (solution, reach) => ({
     reached: solution.reached,
     limits: solution.activeLimits.map(({ joint }) => joint),
-    words: solution.reached || solution.positionError < 0.005 * reach ? "" : solution.explain(),
+    words: solution.reached || solution.positionError < 0.005 * reach ? "" : shortly(solution),
 });

@@ -9,7 +9,17 @@ import { Stage } from "./stage.js";
 import { WholeMovement } from "./whole_movement.js";
 
 const element = (id) => document.getElementById(id);
-const stage = new Stage(element("stage"));
+
+/** Where all is drawn; a browser that draws nothing is told. */
+function staged() {
+    try {
+        return new Stage(element("stage"));
+    } catch (error) {
+        say("This page draws by WebGL, which this browser has not, or has switched off.", true);
+        throw error;
+    }
+}
+const stage = staged();
 const library = new Library();
 const whole = new WholeMovement();
 
@@ -37,10 +47,13 @@ const page = {
 globalThis.kinoptPage = page;
 const { playback } = page;
 
+/** What can be done, and what can be dropped. */
+const DROP = "Drop your own robot (.urdf, .xml, meshes), character (.glb, .gltf, .bvh) or rig here.";
 const HINTS = {
-    character: "Grab any joint and pull, while its clip plays too. Blue tips are pinned. Drop a .urdf, .glb, .gltf, .bvh or a rig's files here.",
-    robot: "Pull the tool. Drop a .urdf with its folder of meshes, or a .glb, .gltf, .bvh or a rig's files here.",
-    movement: "A robot follows a captured person, live. Drop a .bvh for it to follow, or another robot's .urdf.",
+    character: ["Grab any joint and pull, while its clip plays too. Blue is pinned, red is at a limit.", DROP],
+    robot: ["Pull its tool.", DROP],
+    body: ["Pull the end of any limb.", DROP],
+    movement: ["A robot follows a captured person, live.", "Drop a .bvh for it to follow, or another robot's .urdf."],
 };
 
 function say(words, bad = false) {
@@ -89,12 +102,16 @@ async function open(wanted, name) {
 
 /** What the tools say and do of what is open. */
 function tools() {
-    const { kind, triangles, seconds } = page.opened ?? {};
+    const { kind, triangles, seconds, handles = [] } = page.opened ?? {};
     const isCharacter = kind === "character";
-    element("hint").textContent = HINTS[kind] ?? "";
-    element("pin").hidden = element("skin").hidden = !isCharacter;
+    const [toDo = "", toDrop = ""] = HINTS[kind === "robot" && handles.length > 1 ? "body" : kind] ?? [];
+    element("to-do").textContent = toDo && `${toDo} Beside it the view turns.`;
+    element("to-drop").textContent = toDrop;
+    element("pin").hidden = !isCharacter;
+    element("skin").hidden = !(triangles?.length > 0);
+    element("play").hidden = kind === "robot";
     element("pin").textContent = (playback.running ? page.kept : page.pins).has(page.grabbed) ? "Free" : "Pin";
-    element("skin").disabled = !(triangles?.length > 0);
+    element("skin").disabled = element("skin").hidden;
     element("skin").textContent = page.method === "lbs" ? "Skin: linear" : "Skin: dual quaternions";
     element("play").disabled = !(seconds > 0);
     element("play").textContent = playback.running ? "Pause" : "Play";
@@ -168,7 +185,7 @@ function follow(told) {
     if (page.opened.handles.length === 0) return;
     page.limits = told.limits;
     mark();
-    if (told.words || !element("status").classList.contains("bad")) say(told.words.split("\n").slice(0, 2).join(" "));
+    if (told.words || !element("status").classList.contains("bad")) say(told.words);
 }
 (function loop() {
     step();
@@ -252,7 +269,11 @@ async function openFiles(list) {
     }));
     await open(wanted, files[0].name);
 }
-element("file").onchange = ({ target }) => openFiles(target.files);
+element("file").onchange = ({ target }) => {
+    openFiles([...target.files]);
+    // The same file, mended, may be chosen again.
+    target.value = "";
+};
 const main = document.querySelector("main");
 addEventListener("dragover", (event) => {
     event.preventDefault();

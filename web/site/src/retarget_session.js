@@ -33,7 +33,7 @@ export class RetargetSession {
         return {
             kind: "movement",
             up: "z",
-            room: 2,
+            room: 1.6,
             from: [0.1, -1, 0.18],
             handles: [],
             pins: [],

@@ -40,15 +40,17 @@ export class Stage {
         this.touch();
     }
 
-    /** Looks at points of three numbers, whole, from a direction in which the figure looks back; `room` is how far away for their size. */
-    frame(points, { up, from, room = 1.5 }) {
+    /**
+     * Looks at points of three numbers, all of them seen, from a direction in which the figure looks back; `room` is how much
+     * farther away than that it stands.
+     */
+    frame(points, { up, from, room = 1.4 }) {
         const box = new THREE.Box3().setFromArray(points);
         const centre = box.getCenter(new THREE.Vector3());
         const size = Math.max(box.getSize(new THREE.Vector3()).length(), 1e-3);
-        const z = up === "z";
-        this.camera.up.set(0, z ? 0 : 1, z ? 1 : 0);
-        const narrow = Math.min(this.camera.aspect, 1);
-        this.camera.position.copy(centre).addScaledVector(new THREE.Vector3(...from).normalize(), (room * size) / narrow);
+        this.camera.up.set(0, up === "z" ? 0 : 1, up === "z" ? 1 : 0);
+        const back = new THREE.Vector3(...from).normalize();
+        this.camera.position.copy(centre).addScaledVector(back, room * this.#away(points, centre, back));
         this.camera.near = 0.01 * size;
         this.camera.far = 30 * size;
         this.camera.updateProjectionMatrix();
@@ -56,6 +58,22 @@ export class Stage {
         this.orbit.update();
         this.size = size;
         this.touch();
+    }
+
+    /** How far back from `centre` all points are seen. */
+    #away(points, centre, back) {
+        const high = Math.tan(0.5 * THREE.MathUtils.degToRad(this.camera.fov));
+        const wide = high * this.camera.aspect;
+        const right = new THREE.Vector3().crossVectors(this.camera.up, back).normalize();
+        const above = new THREE.Vector3().crossVectors(back, right);
+        const point = new THREE.Vector3();
+        let away = 1e-3;
+        for (let k = 0; k < points.length; k += 3) {
+            point.fromArray(points, k).sub(centre);
+            const aside = Math.max(Math.abs(point.dot(right)) / wide, Math.abs(point.dot(above)) / high);
+            away = Math.max(away, point.dot(back) + aside);
+        }
+        return away;
     }
 
     /** Goes gently along with who walks over the ground at x and y. */

@@ -12,18 +12,18 @@ const executablePath = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/goo
 /** Why tests in a browser are skipped, or false. */
 export const skip = executablePath ? false : "no Chromium is installed here";
 
-/** Serves the site and starts a browser; `close` ends both. */
-export async function started() {
+/** Serves the site, or another folder, and starts a browser; `close` ends both. */
+export async function started({ folder = dist, args: more = [] } = {}) {
     const server = createServer((request, response) => {
-        const path = join(dist, normalize(new URL(request.url, "http://page").pathname).replace(/\/$/, "/index.html"));
-        if (!path.startsWith(dist) || !existsSync(path)) return response.writeHead(404).end();
+        const path = join(folder, normalize(new URL(request.url, "http://page").pathname).replace(/\/$/, "/index.html"));
+        if (!path.startsWith(folder) || !existsSync(path)) return response.writeHead(404).end();
         response.setHeader("content-type", TYPES[extname(path)] ?? "application/octet-stream");
         return createReadStream(path).pipe(response);
     });
     await new Promise((listening) => server.listen(0, "127.0.0.1", listening));
     // Software drawing, so that no graphics card is needed.
     const args = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
-        "--disable-sync", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+        "--disable-sync", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", ...more];
     const browser = await chromium.launch({ executablePath, args });
     const close = async () => {
         await browser.close();

@@ -12,6 +12,8 @@ const RUNNERS = {
     python: (path) => path.startsWith("docs/") || path === "python/README.md",
     // web/tests/pages.test.js: all of docs/; web/tests/package.test.js: the package's page.
     js: (path) => path.startsWith("docs/") || path === "web/README.md",
+    // package.test.js beside this.
+    html: (path) => path === "web/README.md",
     // cli/tests/command/pages.rs.
     sh: (path) => path.startsWith("docs/"),
 };

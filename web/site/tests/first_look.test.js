@@ -1,0 +1,98 @@
+// What a visitor sees first: all of what is open, on any screen; a robot's limbs, each of them to pull; words where nothing can be drawn.
+import assert from "node:assert/strict";
+import { join } from "node:path";
+import test, { after, before } from "node:test";
+import { fileURLToPath } from "node:url";
+import { skip, started } from "./browser.js";
+
+const models = fileURLToPath(new URL("../../../models/", import.meta.url));
+let site;
+
+before(async () => {
+    if (!skip) site = await started();
+});
+after(() => site?.close());
+
+async function opened(browser, options) {
+    const page = await browser.newPage({ viewport: { width: 900, height: 640 }, ...options });
+    await page.goto(site.address);
+    return page;
+}
+
+/** How far what is drawn goes beyond the picture, in pixels: the corners of each part's box. */
+const beyond = (page) =>
+    page.evaluate(() => {
+        const { stage, view } = kinoptPage;
+        const { left, top, right, bottom } = stage.canvas.getBoundingClientRect();
+        view.group.updateMatrixWorld(true);
+        let most = 0;
+        view.group.traverse((part) => {
+            if (!part.isMesh || part.isInstancedMesh) return;
+            const { position } = part.geometry.attributes;
+            for (let k = 0; k < position.count; k += 1) {
+                const corner = stage.camera.position.clone().fromBufferAttribute(position, k).applyMatrix4(part.matrixWorld);
+                const { x, y } = stage.toScreen(corner);
+                most = Math.max(most, left - x, x - right, top - y, y - bottom);
+            }
+        });
+        return most;
+    });
+
+for (const [screen, viewport] of [["a desk's", { width: 1280, height: 800 }], ["a telephone's", { width: 390, height: 844 }], ["a telephone's on its side", { width: 844, height: 390 }]]) {
+    test(`all of what is open is in view on ${screen} screen`, { skip }, async () => {
+        const page = await opened(site.browser, { viewport });
+        await page.waitForFunction(() => globalThis.kinoptPage?.view);
+        assert.equal(await beyond(page), 0, "the humanoid");
+        assert.match(await page.locator("#hint").innerText(), /Grab any joint/);
+        await page.locator('[data-open="panda"]').click();
+        await page.waitForFunction(() => kinoptPage.opened.kind === "robot", undefined, { timeout: 60_000 });
+        assert.equal(await beyond(page), 0, "the arm and its boxes");
+        await page.locator("#file").setInputFiles(join(models, "aldebaran_nao.urdf"));
+        await page.waitForFunction(() => kinoptPage.opened.handles.includes("left_sole"), undefined, { timeout: 60_000 });
+        assert.equal(await beyond(page), 0, "a robot that was dropped");
+        await page.close();
+    });
+}
+
+test("a robot's limbs are pulled one after another, and the others stay", { skip }, async () => {
+    const page = await opened(site.browser);
+    await page.waitForFunction(() => globalThis.kinoptPage?.view);
+    await page.locator("#file").setInputFiles(join(models, "aldebaran_nao.urdf"));
+    await page.waitForFunction(() => kinoptPage.opened.kind === "robot", undefined, { timeout: 60_000 });
+    const places = () => page.evaluate(() => Object.fromEntries(kinoptPage.opened.handles.map((name) => [name, kinoptPage.view.place(name).toArray()])));
+    const away = (a, b) => Math.hypot(...a.map((value, k) => value - b[k]));
+    for (const pulled of ["left_hand", "right_hand", "left_hand"]) {
+        const before = await places();
+        const seen = await page.evaluate((name) => kinoptPage.stage.toScreen(kinoptPage.view.place(name)), pulled);
+        await page.mouse.move(seen.x, seen.y);
+        await page.mouse.down();
+        assert.equal(await page.evaluate(() => kinoptPage.grabbed), pulled);
+        await page.mouse.move(seen.x - 30, seen.y + 40, { steps: 20 });
+        await page.mouse.up();
+        await page.waitForFunction(() => !kinoptPage.busy && !kinoptPage.moved);
+        const later = await places();
+        for (const [name, place] of Object.entries(later)) {
+            const moved = away(place, before[name]);
+            assert.ok(name === pulled ? moved > 0.01 : moved < 1e-6, `${name} moved by ${moved} m while ${pulled} was pulled`);
+        }
+    }
+    await page.close();
+});
+
+test("a file that was wrong is chosen again under its name", { skip }, async () => {
+    const page = await opened(site.browser);
+    await page.waitForFunction(() => globalThis.kinoptPage?.view);
+    await page.locator("#file").setInputFiles({ name: "a.urdf", mimeType: "text/plain", buffer: Buffer.from("<robot") });
+    await page.waitForFunction(() => document.querySelector("#status.bad"));
+    assert.equal(await page.locator("#file").evaluate((input) => input.files.length), 0);
+    await page.close();
+});
+
+test("a browser that cannot draw is told so", { skip }, async () => {
+    const { browser, address, close } = await started({ args: ["--disable-3d-apis"] });
+    const page = await browser.newPage();
+    await page.goto(address);
+    await page.waitForFunction(() => document.querySelector("#status.bad"));
+    assert.match(await page.locator("#status").textContent(), /WebGL/);
+    await close();
+});
