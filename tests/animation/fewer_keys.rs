@@ -119,6 +119,28 @@ fn straight_lines_need_their_ends_alone() {
     assert_eq!(keys(&fewer, &armature), 5);
 }
 
+/// Weights of morph targets are shares like scales, and have their tolerance.
+#[test]
+fn morph_weights_have_the_tolerance_of_scales() {
+    let random = &mut Random::new(46);
+    let armature = armature(1, random);
+    let armature = armature.with_morph_targets(vec!["smile".into()]).unwrap();
+    let mut builder = Clip::builder("smile", &armature);
+    let curve = KeyedCurve::linear(vec![0.0, 1.0, 2.0], vec![0.0, 0.45, 1.0]);
+    builder.morph_weight(0, curve.unwrap()).unwrap();
+    let clip = builder.build();
+    for (scale, expected) in [(0.06, 2), (0.04, 3)] {
+        let tolerance = KeyTolerance {
+            translation: 0.1 - scale,
+            rotation: 0.1 - scale,
+            scale,
+        };
+        let fewer = clip.with_fewer_keys(&armature, &tolerance).unwrap();
+        let weights = fewer.morph_channels(&armature).unwrap();
+        assert_eq!(weights[0].1.times().len(), expected, "within {scale}");
+    }
+}
+
 #[test]
 fn a_jump_keeps_its_keys() {
     let random = &mut Random::new(43);
@@ -180,6 +202,7 @@ fn a_clip_lasts_as_long_as_it_did() {
     let curve = KeyedCurve::linear(vec![1.0, 2.0, 3.0], line).unwrap();
     builder.channel(bone, Channel::Translation(curve)).unwrap();
     builder.span(-0.5, 4.25).unwrap();
+    builder.event(0.5, "step").unwrap();
     let clip = builder.build();
     let fewer = clip.with_fewer_keys(&armature, &KeyTolerance::EXACT);
     let elsewhere = clip.at_rest_in(&armature, &armature);
@@ -187,5 +210,6 @@ fn a_clip_lasts_as_long_as_it_did() {
         let changed = changed.unwrap();
         assert_eq!(changed.span(), [-0.5, 4.25]);
         assert_eq!(changed.duration(), 4.75);
+        assert_eq!(changed.events(), clip.events());
     }
 }

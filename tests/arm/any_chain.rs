@@ -289,6 +289,13 @@ fn what_cannot_be_an_arm_is_named() {
         error.contains("wrist") && error.contains("shoulder"),
         "{error}"
     );
+    // Of several the first is named.
+    let several = builder().with_locked("knee", 0.0).with_locked("wrist", 0.0);
+    let error = several.build().unwrap_err().to_string();
+    assert!(
+        error.contains("`knee`") && !error.contains("`wrist`"),
+        "{error}"
+    );
     for value in [9.0, f64::NAN, f64::INFINITY] {
         let error = builder().with_locked("lift", value);
         let error = error.build().unwrap_err().to_string();

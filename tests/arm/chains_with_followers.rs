@@ -252,3 +252,56 @@ fn followers_stay_within_their_limits() {
         }
     }
 }
+
+/// Leaders that turn by more than once round: a whole turn of one is none of its follower's, so that what is found stays where it is
+/// also when the start is turns away.
+#[test]
+fn leaders_are_not_turned_round_whichever_of_them_is_followed() {
+    let joint = |k: usize, kind: &str, axis: &str, more: &str| {
+        format!(
+            r#"<joint name="j{k}" type="revolute"><parent link="l{}"/><child link="l{k}"/><origin xyz="{kind}"/><axis xyz="{axis}"/>
+            <limit lower="-20" upper="20" effort="1" velocity="1"/>{more}</joint><link name="l{k}"/>"#,
+            k - 1
+        )
+    };
+    let text = [
+        joint(1, "0 0 0.3", "0 0 1", ""),
+        joint(2, "0.3 0 0", "0 1 0", ""),
+        joint(
+            3,
+            "0 0.1 0.4",
+            "0 1 0",
+            r#"<mimic joint="j1" multiplier="0.4"/>"#,
+        ),
+        joint(
+            4,
+            "0.3 0 0.1",
+            "1 0 0",
+            r#"<mimic joint="j2" multiplier="-0.3"/>"#,
+        ),
+        joint(5, "0.1 0 0.2", "0 0 1", ""),
+    ];
+    let text = format!(
+        r#"<robot name="r"><link name="l0"/>{}</robot>"#,
+        text.concat()
+    );
+    let robot = Robot::parse(&text, "leaders.urdf").unwrap();
+    let goal = kinopt::arm::Goal::position();
+    let arm = Arm::builder(&robot, "l0", "l5").with_goal(goal);
+    let arm = arm.with_atlas(false).build().unwrap();
+    let mut random = Random(9);
+    let mut reached = 0;
+    for _ in 0..30 {
+        let q: Vec<f64> = (0..arm.joint_count())
+            .map(|_| 2.0 * random.unit() - 1.0)
+            .collect();
+        let target = arm.base_from_tool(&q).unwrap();
+        let start: Vec<f64> = q.iter().map(|q| q + 13.0).collect();
+        let solution = arm.solve(target, &start).unwrap();
+        let there = arm.base_from_tool(&solution.q).unwrap();
+        let away = (there.translation - target.translation).norm();
+        assert_eq!(solution.reached, away <= 1e-6, "{away}");
+        reached += usize::from(solution.reached);
+    }
+    assert!(reached >= 20, "{reached} of 30");
+}

@@ -2,7 +2,7 @@
 //! dragged touches nothing from frame to frame, but slides along what is in its way.
 
 use kinopt::collision::{Checker, Clearance, CollisionModel, CollisionObject, Shape, World};
-use kinopt::ik::{Drag, bent_stance};
+use kinopt::ik::{Drag, Restarts, bent_stance};
 use kinopt::io::rig::Rig;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{Limits, Loop, Model, ParameterMap};
@@ -68,6 +68,40 @@ impl Nao {
         }
         (tasks.build().unwrap(), hand)
     }
+}
+
+/// What follows preferences once a place is found is no further attempt.
+#[test]
+fn preferences_take_no_attempt_of_their_own() {
+    let mut builder = Model::builder("arm");
+    let z = Vector3::UNITS[2];
+    let link = Placement::translation(Vector3::UNITS[0]);
+    let (mut last, mut objects) = (None, Vec::new());
+    for k in 0..4 {
+        let limits = Limits::new(-2.0, 2.0);
+        let joint = builder.revolute(format!("joint {k}"), last, link, z, limits);
+        let end = builder.frame(format!("link {k}"), Some(joint), Placement::identity());
+        let ball = Shape::sphere(0.1).unwrap();
+        objects.push(CollisionObject::new(
+            "ball",
+            end,
+            Placement::identity(),
+            ball,
+        ));
+        last = Some(joint);
+    }
+    let hand = builder.frame("hand", last, link);
+    let model = builder.build().unwrap();
+    let checker = Checker::new(CollisionModel::new(&model, objects).unwrap());
+    let mut tasks = Problem::builder(&model);
+    tasks.add(Point::new(hand, [2.5, 2.0, 0.0]));
+    tasks.add(Posture::new(&model, &[0.3, -0.4, 0.5, 0.6]));
+    tasks.keep_clear(&checker);
+    let problem = tasks.build().unwrap();
+    let once = Solver::default().with_restarts(Restarts::none());
+    let solution = once.solve_once(&problem, &[0.2; 4]).unwrap();
+    assert!(solution.reached, "{}", solution.explain());
+    assert_eq!(solution.attempts, 1);
 }
 
 #[test]

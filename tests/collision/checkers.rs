@@ -63,6 +63,29 @@ fn pairs_are_told_with_their_distance_the_deepest_first() {
     assert!((found[2].distance - 0.85).abs() < 1e-9);
 }
 
+/// Of a link's several shapes the nearest tells how near the link is, in whichever order they are listed.
+#[test]
+fn a_link_is_as_near_as_the_nearest_of_its_shapes() {
+    let (model, ends) = model();
+    // 1.05, 0.75 and 0.65 from a wall at 3.95 to 4.15, the middles at 2.8, 3.1 and 3.2.
+    for order in [[-0.2, 0.1, 0.2], [0.2, 0.1, -0.2], [0.1, 0.2, -0.2]] {
+        let shapes = order.map(|along| {
+            let at = Placement::translation(Vector3::new(along, 0.0, 0.0));
+            let shape = Shape::sphere(0.1).unwrap();
+            CollisionObject::new(format!("ball {along}"), ends[2], at, shape)
+        });
+        let bodies = CollisionModel::new(&model, shapes.to_vec()).unwrap();
+        let checker = Checker::new(bodies).with_world(&wall(4.05)).unwrap();
+        let mut workspace = checker.workspace();
+        let nearest = checker.nearest(&mut workspace, &[0.0; 3], 2.0).unwrap();
+        assert!((nearest.unwrap().distance - 0.65).abs() < 1e-9, "{order:?}");
+        let wide = checker.with_margin(1.5).unwrap();
+        let found = wide.collisions(&[0.0; 3]).unwrap();
+        assert_eq!(found.len(), 1);
+        assert!((found[0].distance - 0.65).abs() < 1e-9, "{order:?}");
+    }
+}
+
 #[test]
 fn links_touch_each_other_but_for_those_next_to_each_other() {
     let checker = Checker::new(balls());

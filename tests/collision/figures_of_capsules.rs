@@ -38,6 +38,28 @@ fn capsules_are_where_the_skin_is() {
     );
 }
 
+/// What several bones hold alike belongs to the first of them.
+#[test]
+fn skin_that_two_bones_share_is_the_first_ones() {
+    let (rig, _) = humanoid();
+    let (mesh, bones) = (rig.mesh.as_ref().unwrap(), rig.skeleton.bones().len());
+    let vertices = mesh.positions().len();
+    let [first, second] = ["spine", "left_forearm"].map(|bone| rig.skeleton.bone(bone).unwrap());
+    assert!(first.index() < second.index());
+    let mut weights = kinopt::skinning::SkinWeights::builder(vertices, bones);
+    for vertex in 0..vertices {
+        weights.add(vertex, second.index(), 0.5).unwrap();
+        weights.add(vertex, first.index(), 0.5).unwrap();
+    }
+    let weights = weights.build().unwrap();
+    let model = CollisionModel::of_skin(&rig.skeleton, mesh, &weights).unwrap();
+    assert!(!model.objects().is_empty());
+    for object in model.objects() {
+        let (bone, _) = rig.skeleton.bone_of_frame(object.link).unwrap();
+        assert_eq!(bone, first);
+    }
+}
+
 #[test]
 fn a_hand_in_the_belly_is_told() {
     let (rig, model) = humanoid();

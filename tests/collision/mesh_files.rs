@@ -170,6 +170,13 @@ fn parts_are_told_apart() {
     let parts = touching.parts();
     assert_eq!(parts.len(), 1);
     assert_eq!(parts[0].triangles.len(), 2);
+    // Triangles that share one corner are one part, whichever corner of theirs it is.
+    for face in ["1 4 5", "4 2 5", "4 5 3"] {
+        let points: String = (0..5).map(|k| format!("v {k} {} 0\n", k * k)).collect();
+        let file = format!("{points}f 1 2 3\nf {face}\n");
+        let touching = MeshFile::parse(file.as_bytes(), "two.obj").unwrap();
+        assert_eq!(touching.parts().len(), 1, "{face}");
+    }
 }
 
 #[test]

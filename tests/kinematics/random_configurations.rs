@@ -85,3 +85,23 @@ fn the_seed_decides() {
     assert_eq!(model.random_configuration(3), model.random_configuration(3));
     assert_ne!(model.random_configuration(3), model.random_configuration(4));
 }
+
+/// A ball that may turn by so much in all is drawn within that, and up to it.
+#[test]
+fn within_whole_angles() {
+    use kinopt::model::BallLimits;
+    let mut builder = Model::builder("ball");
+    let (z, still) = (Vector3::UNITS[2], Placement::identity());
+    let limits = BallLimits::cone(1.0, Limits::new(-1.0, 0.5)).with_angle(0.6);
+    builder.ball("shoulder", None, still, z, Some(limits));
+    let model = builder.build().unwrap();
+    let mut farthest = 0.0_f64;
+    for seed in 0..300 {
+        let q = model.random_configuration(seed);
+        assert!(model.is_within_limits(&q), "seed {seed}: {q:?}");
+        let angle = 2.0 * q[0].abs().min(1.0).acos();
+        assert!(angle <= 0.6 + 1e-9, "seed {seed}: {angle}");
+        farthest = farthest.max(angle);
+    }
+    assert!(farthest > 0.5, "{farthest}");
+}

@@ -110,6 +110,29 @@ fn what_a_long_slide_cannot_resolve_is_not_reached() {
     }
 }
 
+/// Nor is a direction to 1e-12 rad after a thousand turns, however roughly the place is asked for.
+#[test]
+fn what_many_turns_cannot_resolve_is_not_reached() {
+    let joint = ChainJoint {
+        parent_from_joint: Placement::identity(),
+        axis: Vector3::UNITS[2],
+        kind: JointKind::Revolute,
+        lower: -1e4,
+        upper: 1e4,
+    };
+    let tip = Placement::translation(Vector3::new(0.3, 0.0, 0.0));
+    let chain = Chain::new(vec![joint], tip).unwrap();
+    let options = LaneOptions::default().with_atlas(false);
+    let options = options.with_position_tolerance(1.0);
+    let options = options.with_orientation_tolerance(1e-12);
+    let solver = PoseSolver::new(&chain, options).unwrap();
+    for (turned, reached) in [(1.0, true), (9e3, false)] {
+        let (target, mut q) = (chain.base_from_tip(&[turned]), [0.0]);
+        let outcome = solver.solve(&target, &[turned], Prefer::Start, None, &mut q);
+        assert_eq!(outcome.unwrap().reached, reached, "{turned}");
+    }
+}
+
 /// Rounding of every link adds up: of links that would resolve the tolerance each alone, so many do not.
 #[test]
 fn what_many_long_links_cannot_resolve_is_not_reached() {

@@ -89,3 +89,32 @@ fn geoms_are_shapes_as_their_groups_and_contacts_have_it() {
     // The mass of a mesh is in its file.
     assert_eq!(link.inertial, None);
 }
+
+/// `meshdir` is for meshes, `assetdir` for all assets that have no folder of their own.
+#[test]
+fn the_folder_of_meshes_comes_before_that_of_all_assets() {
+    for (folders, expected) in [
+        (r#"meshdir="meshes" assetdir="assets""#, "meshes/hull.obj"),
+        (r#"assetdir="assets" meshdir="meshes""#, "meshes/hull.obj"),
+        (
+            r#"assetdir="assets" texturedir="textures""#,
+            "assets/hull.obj",
+        ),
+        (r#"texturedir="textures""#, "hull.obj"),
+    ] {
+        let text = format!(
+            r#"<mujoco><compiler {folders}/><asset><mesh file="hull.obj"/></asset><worldbody><body name="b">
+            <geom type="mesh" mesh="hull"/></body></worldbody></mujoco>"#
+        );
+        let robot = Robot::parse_mjcf(&text, "folders.xml").unwrap();
+        let link = robot.link(robot.model().frame("b").unwrap()).unwrap();
+        let file = link
+            .collisions
+            .iter()
+            .find_map(|shape| match &shape.geometry {
+                Geometry::Mesh { file, .. } => Some(file.as_str()),
+                _ => None,
+            });
+        assert_eq!(file, Some(expected), "{folders}");
+    }
+}

@@ -103,3 +103,36 @@ fn limits_and_errors_are_told_as_they_are() {
         }
     }
 }
+
+/// What creeps on the ground stands, and what creeps in the air as slowly does not: there a foot is followed.
+#[test]
+fn a_foot_stands_on_the_ground_and_not_in_the_air() {
+    let (robot, frames) = (nao(), 40);
+    let map = BodyMap::from_json(MAP, "").unwrap();
+    // Both feet creep ahead at half the speed that counts as still on a body a third as large, the right one up in the air.
+    let places = (0..frames).flat_map(|frame| {
+        let ahead = 0.012 * frame as f64;
+        let hips = 0.3 * ahead;
+        // It is lifted from the ground first.
+        let up = 0.3 * ((frame as f64 - 5.0) / 8.0).clamp(0.0, 1.0);
+        [hips, 0.0, 0.9, ahead, 0.15, 0.0, ahead, -0.15, up]
+    });
+    let names = map.joints.clone();
+    let capture = Capture::new(names, &places.collect::<Vec<_>>(), 30.0).unwrap();
+    let mut options = RetargetOptions::default();
+    options.contacts.height = 0.02;
+    let retargeting = Retargeting::new(&robot, &map, &capture, options).unwrap();
+    let mut live = retargeting.live().unwrap();
+    let model = robot.model();
+    let soles = ["left_sole", "right_sole"].map(|sole| model.frame(sole).unwrap());
+    let mut kinematics = ForwardKinematics::new(model);
+    let mut at = Vec::new();
+    for frame in 0..frames {
+        let q = live.step(capture.frame(frame).unwrap()).unwrap();
+        let placed = kinematics.place(q).unwrap();
+        at.push(soles.map(|sole| placed[sole.index()].translation));
+    }
+    let moved = |foot: usize| (at[39][foot] - at[18][foot]).norm();
+    assert!(moved(0) < 1e-3, "the left foot slipped by {}", moved(0));
+    assert!(moved(1) > 0.02, "the right foot moved by {}", moved(1));
+}

@@ -48,4 +48,7 @@ fn options() {
     let cyclic = path.clone().with_course(Course::Cyclic);
     let with_end = solver().with_end(&[0.0; 6]).solve(&cyclic);
     assert!(matches!(with_end, Err(PathError::Conflict(_))));
+    let anywhere = path.clone().with_course(Course::AnyStart);
+    let with_start = solver().with_start(&[0.0; 6]).solve(&anywhere);
+    assert!(matches!(with_start, Err(PathError::Conflict(_))));
 }

@@ -1,8 +1,9 @@
 //! Promise: a point that cannot be reached is told with the reason, and the others are reached all the same.
 
 use kinopt::Arm;
+use kinopt::arm::Goal;
 use kinopt::motion::path::{CartesianPath, MissReason, PathSolver};
-use kinopt::spatial::{Placement, Vector3};
+use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::{robot, within_limits};
 
 #[test]
@@ -62,5 +63,36 @@ fn one_point_and_points_all_the_same() {
         assert!(solution.is_whole());
         assert_eq!(solution.rows().len(), count);
         assert!(solution.length < 1e-4);
+    }
+}
+
+/// Where the position is left free no place is out of reach, however far it is: what is missed is the direction.
+#[test]
+fn what_is_asked_for_no_place_is_not_beyond_reach() {
+    let inf = f64::INFINITY;
+    let robot = robot("franka_panda");
+    let q = [0.3, -0.4, 0.5, -2.0, 0.2, 1.6, 0.8];
+    let mut whole = robot.model().neutral();
+    whole[..7].copy_from_slice(&q);
+    let arm = Arm::builder(&robot, "base", "flange");
+    let arm = arm.with_only(["joint1"], &whole);
+    let arm = arm
+        .with_goal(Goal::within([inf, inf, inf, 0.0, 0.0, 0.0]))
+        .build()
+        .unwrap();
+    let begin = arm.base_from_tool(&[0.3]).unwrap();
+    let far = begin.translation + Vector3::new(30.0, 0.0, 0.0);
+    // Tilted ever further, which the first joint cannot follow.
+    let points: Vec<_> = (0..8)
+        .map(|k| {
+            let tilt = rotation_exp(Vector3::new(0.1 * f64::from(k), 0.0, 0.0));
+            Placement::new(tilt * begin.rotation, far)
+        })
+        .collect();
+    let path = CartesianPath::new(points).unwrap();
+    let solution = PathSolver::new(&arm).solve(&path).unwrap();
+    assert!(solution.missed.len() > 5);
+    for missed in &solution.missed {
+        assert!(matches!(missed.reason, MissReason::NotFound), "{missed:?}");
     }
 }

@@ -1,8 +1,8 @@
 //! Promise: a problem is never asked for anything outside its bounds, where it may not be defined: not for a trial, not
-//! for a difference.
+//! for a difference; and how often it was asked is told.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::solver::{LeastSquares, Silent, SolverState, Stopping, minimise};
+use kinopt::solver::{Counts, LeastSquares, Silent, SolverState, Stopping, minimise};
 use nalgebra::DMatrix;
 use support::methods::methods;
 
@@ -12,6 +12,7 @@ struct Narrow {
     lower: [f64; 5],
     upper: [f64; 5],
     asked: usize,
+    counts: Counts,
 }
 
 impl Narrow {
@@ -54,6 +55,7 @@ impl LeastSquares for Narrow {
 
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
         self.enter(x);
+        self.counts.residuals += 1;
         for (row, value) in residual.iter_mut().enumerate() {
             let (_, [a, b]) = Self::parts(x, row);
             *value = a * a + b * b;
@@ -62,12 +64,28 @@ impl LeastSquares for Narrow {
 
     fn jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
         self.enter(x);
+        self.counts.jacobians += 1;
         for row in 0..20 {
             let (t, [a, b]) = Self::parts(x, row);
             let slopes = [2.0 * a, 2.0 * a * t, 2.0 * b, 2.0 * b * t.sin(), 0.0];
             for (column, slope) in slopes.into_iter().enumerate() {
                 jacobian[(row, column)] = slope;
             }
+        }
+    }
+
+    fn gradient(
+        &mut self,
+        x: &[f64],
+        residual: &[f64],
+        gradient: &mut [f64],
+        jacobian: &mut DMatrix<f64>,
+    ) {
+        self.jacobian(x, jacobian);
+        self.counts.jacobians -= 1;
+        self.counts.gradients += 1;
+        for (slope, column) in gradient.iter_mut().zip(jacobian.column_iter()) {
+            *slope = column.iter().zip(residual).map(|(j, r)| j * r).sum();
         }
     }
 }
@@ -83,6 +101,7 @@ fn a_problem_is_never_asked_beyond_its_bounds() {
                 lower: [-50.0, -50.0, -50.0, -50.0, 0.2],
                 upper: [50.0, 50.0, 50.0, 50.0, 0.2 + ROOM],
                 asked: 0,
+                counts: Counts::default(),
             };
             let start = [25.0, 5.0, -5.0, -1.0, 0.2 + at * ROOM];
             let mut memory = SolverState::default();
@@ -97,6 +116,16 @@ fn a_problem_is_never_asked_beyond_its_bounds() {
             )
             .unwrap();
             let counts = memory.counts();
+            // What is told is what was asked, but for residuals that only a difference of gradients needs.
+            let Counts {
+                residuals,
+                jacobians,
+                gradients,
+                ..
+            } = problem.counts;
+            assert_eq!(counts.jacobians, jacobians, "{}", method.name());
+            assert_eq!(counts.gradients, gradients, "{}", method.name());
+            assert!((counts.residuals..=counts.residuals + gradients).contains(&residuals));
             assert!(
                 problem.asked > 10 && memory.cost() < 1e5,
                 "{}",

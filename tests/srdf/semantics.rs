@@ -10,6 +10,7 @@ const PANDA: &str = r#"<?xml version="1.0"?>
   <group name="arm"><chain base_link="base" tip_link="link7"/></group>
   <group name="wrist"><joint name="joint6"/><joint name="joint7"/><joint name="flange_mount"/><joint name="stand"/></group>
   <group name="hand"><link name="finger_left"/><link name="finger_right"/></group>
+  <group name="mounted"><link name="flange"/><link name="link2"/></group>
   <group name="all"><group name="both"/><joint name="joint1"/></group>
   <group name="both"><group name="arm"/><group name="hand"/></group>
   <group_state name="ready" group="arm"><joint name="joint2" value="-0.5"/><joint name="root_joint" value="1 2 3 0 0 0.6 0.8"/>
@@ -50,6 +51,8 @@ fn groups_are_joints_links_chains_and_groups_together() {
         [&arm[..], &["finger_left_slide", "finger_right_slide"]].concat()
     );
     assert_eq!(names("all"), names("both"));
+    // A link that is fixed brings no joint.
+    assert_eq!(names("mounted"), ["joint2"]);
     assert!(srdf.group("leg").unwrap_err().to_string().contains("wrist"));
     let [end] = &srdf.end_effectors[..] else {
         unreachable!()
