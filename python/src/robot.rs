@@ -6,6 +6,7 @@ use std::sync::{Arc, OnceLock};
 use kinopt::collision::Checker;
 use kinopt::kinematics::{ForwardKinematics, Jacobian};
 use kinopt::model::Limits;
+use kinopt::motion::retarget::FootShapes;
 use kinopt::robot::BaseJoint;
 use kinopt::spatial::Placement;
 use numpy::{PyArray1, PyArray2};
@@ -35,6 +36,7 @@ pub(crate) struct Robot {
     source: Source,
     /// Its shapes and the spheres that cover them, made when a world is first kept clear of.
     checker: OnceLock<Checker>,
+    foot_shapes: OnceLock<FootShapes>,
 }
 
 /// What a robot is read from, and what was changed since.
@@ -144,6 +146,7 @@ impl Robot {
             inner: Arc::new(robot),
             source,
             checker: OnceLock::new(),
+            foot_shapes: OnceLock::new(),
         })
     }
 
@@ -154,6 +157,12 @@ impl Robot {
         }
         let made = Checker::of(&self.inner).or_raise()?;
         Ok(self.checker.get_or_init(|| made).clone())
+    }
+
+    /// The shapes that its feet stand on, found once.
+    pub(crate) fn foot_shapes(&self) -> FootShapes {
+        let found = || FootShapes::of_files(&self.inner);
+        self.foot_shapes.get_or_init(found).clone()
     }
 
     fn per_joint<'py>(

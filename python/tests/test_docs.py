@@ -47,6 +47,7 @@ CANNOT_RAISE = {
     "kinopt.Retargeted",
     "kinopt.Retargeted.missed",
     "kinopt.retargeting.ClipReport",
+    "kinopt.retargeting.GivenUp",
     "kinopt.retargeting.LimitMet",
     "kinopt.retargeting.MapGuess",
     "kinopt.retargeting.Touching",

@@ -80,6 +80,7 @@ def test_an_array_comes_onto_a_robot_within_its_limits(nao: kinopt.Robot) -> Non
         soles = kinopt.ForwardKinematics(nao, found.standing).place(found.q)[:, :, :3, 3]
         slip = np.linalg.norm(soles - soles[0], axis=2).max()
         assert np.isclose(slip, found.slip, atol=1e-9) and slip < 1e-3
+        assert found.given_up == [] and 0 <= found.sunk < 1e-3
 
 
 def test_what_is_met_is_at_its_limit(nao: kinopt.Robot) -> None:

@@ -5,6 +5,9 @@ use std::ops::Range;
 use crate::bad_option::{AT_LEAST_0, BadOption, NOT_NEGATIVE};
 use crate::spatial::Vector3;
 
+/// How long the legs are of a body whose feet stand below the default speed, metres.
+pub(super) const USUAL_LEG_M: f64 = 0.9;
+
 /// When something that may stand does: by its speed, and how high it is, on a body of the model's size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactDetection {

@@ -21,6 +21,7 @@ mod path_world;
 mod paths_of_joints;
 mod retargeted_clear;
 mod retargeted_feet;
+mod retargeted_soles;
 mod retargeting;
 mod shipped_capture;
 mod turning_bodies;

@@ -8,10 +8,10 @@ use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeted, Re
 use kinopt::robot::{BaseJoint, Robot};
 use kinopt::spatial::Vector3;
 
-const RATE: f64 = 100.0;
+pub(crate) const RATE: f64 = 100.0;
 const FRAMES: usize = 240;
 /// The ankle's name comes before the knee's, and both are of one joint.
-const MAP: &str = r#"{
+pub(crate) const MAP: &str = r#"{
     "joints": ["chest", "l_hip", "l_knee", "l_ankle", "l_toe", "r_hip", "r_knee", "r_ankle", "r_toe"],
     "drives": {
         "chest": "pelvis",
@@ -20,13 +20,14 @@ const MAP: &str = r#"{
     }
 }"#;
 
-/// Two legs whose ankle point is on the shank, a little above the joint.
-fn legs() -> Robot {
+/// Two legs whose ankle point is on the shank, a little above the joint; what is in the feet's links besides.
+pub(crate) fn legs(feet: &str) -> Robot {
     let mut text = String::from(r#"<robot name="legs"><link name="pelvis"/>"#);
     let mut joint = |name: &str, kind: &str, parent: &str, child: &str, at: &str, more: &str| {
+        let own = if child.ends_with("_foot") { feet } else { "" };
         write!(
             text,
-            r#"<link name="{child}"/><joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>
+            r#"<link name="{child}">{own}</link><joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>
                <origin xyz="{at}"/>{more}</joint>"#
         )
         .unwrap();
@@ -107,7 +108,7 @@ fn legs() -> Robot {
 }
 
 /// A person with longer legs and larger feet who kneels, sways, and sets the left foot ahead; the chest is far above the hips.
-fn person() -> Vec<f64> {
+pub(crate) fn person() -> Vec<f64> {
     let mut numbers = Vec::new();
     for frame in 0..FRAMES {
         let phase = frame as f64 / FRAMES as f64;
@@ -136,7 +137,7 @@ fn person() -> Vec<f64> {
     numbers
 }
 
-fn check_limits(robot: &Robot, found: &Retargeted) {
+pub(crate) fn check_limits(robot: &Robot, found: &Retargeted) {
     let frames: Vec<&[f64]> = found.q.chunks(found.configuration_len).collect();
     assert!(frames.iter().all(|q| robot.model().is_within_limits(q)));
     for pair in frames.windows(2) {
@@ -148,7 +149,7 @@ fn check_limits(robot: &Robot, found: &Retargeted) {
 
 #[test]
 fn ankles_and_toes_stand_together() {
-    let robot = legs();
+    let robot = legs("");
     let map = BodyMap::from_json(MAP, "legs").unwrap();
     let capture = Capture::new(map.joints.clone(), &person(), RATE).unwrap();
     let options = RetargetOptions::default();
@@ -183,7 +184,7 @@ fn ankles_and_toes_stand_together() {
 
 #[test]
 fn limbs_of_targets_are_as_long_as_the_models() {
-    let robot = legs();
+    let robot = legs("");
     let map = BodyMap::from_json(MAP, "legs").unwrap();
     let capture = Capture::new(map.joints.clone(), &person(), RATE).unwrap();
     let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();

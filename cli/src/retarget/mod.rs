@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use kinopt::collision::Checker;
-use kinopt::motion::retarget::{RetargetOptions, Retargeting};
+use kinopt::motion::retarget::{FootShapes, GivenUp, RetargetOptions, Retargeting};
 use serde::Serialize;
 
 use self::keep_clear::{KeepClearOptions, tell_touching};
@@ -111,14 +111,31 @@ struct Clip {
     mean_error: f64,
     /// Metres, at most.
     slip: f64,
+    /// Of a foot in the ground, metres, at most.
+    sunk: f64,
     standing: Vec<String>,
+    /// What could be held no longer, and from which frame on.
+    given_up: Vec<LetGo>,
 }
+
+#[derive(Debug, Serialize)]
+struct LetGo {
+    frame: usize,
+    standing: String,
+}
+
+/// Feet that are deeper in the ground than this are told of, metres.
+const SUNK: f64 = 1e-3;
 
 impl Clip {
     /// In a line.
     fn told(&self) -> String {
+        let sunk = match self.sunk > SUNK {
+            true => format!("; feet are {:.1} mm in the ground at most", 1e3 * self.sunk),
+            false => String::new(),
+        };
         format!(
-            "{}: {} frames, {} a second; {:.1} mm off in the mean; what stands slips by {:.3} mm at most\n",
+            "{}: {} frames, {} a second; {:.1} mm off in the mean; what stands slips by {:.3} mm at most{sunk}\n",
             self.out.display(),
             self.frames,
             self.fps,
@@ -128,11 +145,20 @@ impl Clip {
     }
 }
 
+fn of_given_up(own: GivenUp) -> LetGo {
+    LetGo {
+        frame: own.frame,
+        standing: own.standing,
+    }
+}
+
 /// What is done with every movement.
 struct Job<'a> {
     arguments: &'a Arguments,
     target: Target,
     checker: Option<Checker>,
+    /// Of the feet: meshes that are not found are left out.
+    shapes: FootShapes,
     map: MapChoice,
     format: Format,
 }
@@ -149,6 +175,7 @@ impl<'a> Job<'a> {
         Ok(Self {
             arguments,
             checker: arguments.keep_clear.checker(&target)?,
+            shapes: FootShapes::of_files(&target.robot),
             target,
             map,
             format,
@@ -166,8 +193,12 @@ impl<'a> Job<'a> {
         let mut map = self.map.of(&file, &read, robot.model())?;
         // What the command says comes first.
         map.up = Some(read.up);
-        let options = RetargetOptions::default();
+        let options = RetargetOptions {
+            shapes: Some(self.shapes.clone()),
+            ..RetargetOptions::default()
+        };
         let found = Retargeting::new(robot, &map, &read.capture, options).and_then(|retargeting| {
+            self.target.tell_up(retargeting.model_stands_along());
             let retargeting = match &self.checker {
                 Some(checker) => retargeting.keep_clear(checker),
                 None => retargeting,
@@ -189,7 +220,9 @@ impl<'a> Job<'a> {
             fps: found.frame_rate,
             mean_error: found.mean_error,
             slip: found.slip,
+            sunk: found.sunk,
             standing: found.standing,
+            given_up: found.given_up.into_iter().map(of_given_up).collect(),
         })
     }
 }

@@ -11,6 +11,7 @@ use crate::animated_armature::AnimatedArmature;
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::model_options::ModelOptions;
+use crate::output;
 
 /// A robot, or a figure as one.
 #[derive(Debug)]
@@ -67,6 +68,22 @@ impl Target {
             robot,
             figure: Some(figure),
         })
+    }
+
+    /// Tells of a figure that stands along another axis than the one taken for upward.
+    pub(super) fn tell_up(&self, along: Option<UpAxis>) {
+        let Some(figure) = self.figure.as_ref().filter(|_| along == Some(UpAxis::Y)) else {
+            return;
+        };
+        // Turned upright, what stood along z stands along y.
+        let (up, along) = match figure.up() {
+            UpAxis::Y => ("y", "z"),
+            UpAxis::Z => ("z", "y"),
+        };
+        output::message(&format!(
+            "note: {}: the figure stands along {along}, but {up} is taken for upward: --target-up {along} says otherwise",
+            self.loaded.file
+        ));
     }
 
     /// The skeleton of a figure.

@@ -72,9 +72,11 @@ def capture_retargeted(
     list[str],
     Floats,
     list[str],
-    tuple[float, float, float],
+    tuple[float, float, float, float],
     list[tuple[str, str, int, int]],
     list[tuple[int, str, str, float]],
+    list[tuple[int, str]],
+    str | None,
 ]: ...
 def map_guessed(
     capture: Capture, target: _Target

@@ -39,6 +39,8 @@ class ClipReport:
     """As of ``Retargeted``, metres."""
     slip: float = 0.0
     """As of ``Retargeted``, metres."""
+    sunk: float = 0.0
+    """As of ``Retargeted``, metres."""
     done_before: bool = False
     """Whether it was there already."""
     notes: list[str] = field(default_factory=list)
@@ -112,7 +114,7 @@ class FolderJob:
         except KinoptError as error:
             named = str(error) if source in str(error) else f"{source}: {error}"
             return ClipReport(source, out, error=named)
-        return ClipReport(source, out, len(found), found.mean_error, found.slip, notes=found.notes)
+        return ClipReport(source, out, len(found), found.mean_error, found.slip, found.sunk, notes=found.notes)
 
 
 def _is_newer(source: str, out: str) -> bool:

@@ -48,6 +48,16 @@ class Touching:
     """How far they are apart, metres; negative where one is in the other."""
 
 
+@dataclass(frozen=True)
+class GivenUp:
+    """What stood, and could be held no longer, as limits win."""
+
+    frame: int
+    """The first frame in which it has slipped by more than a millimetre; from there on it stands no more."""
+    standing: str
+    """The frame of the target, as in ``standing``."""
+
+
 @dataclass(frozen=True, eq=False)
 class Retargeted:
     """A movement on a robot or a rig: configurations within all limits of position and speed, to the bit."""
@@ -70,16 +80,20 @@ class Retargeted:
     """Their mean over all frames, metres."""
     slip: float
     """How far what stands is from where it came to stand, at most, metres."""
+    sunk: float
+    """How deep the lowest point of a foot with a shape is in the ground, at most, metres; 0 where none is."""
     stride: float
     """How many times as large as the person's its steps are."""
     limits: list[LimitMet]
     """The limits that are met, by joint and then by frame."""
+    given_up: list[GivenUp]
+    """What could be held no longer before the person let go of it."""
     touching: list[Touching]
     """The frames in which something touches all the same with ``keep_clear``, each with its nearest pair."""
     map: dict[str, Any]
     """The map that it went by."""
     notes: list[str]
-    """What a guessed map leaves to be looked at."""
+    """What a guessed map leaves to be looked at, and whether the target stands along another axis than z."""
     capture: Capture
     """What was brought there."""
 
@@ -128,4 +142,4 @@ class Retargeted:
             raise FileError(f"{path}: cannot be written: {error}") from None
 
 
-__all__ = ["LimitMet", "Retargeted", "Touching"]
+__all__ = ["GivenUp", "LimitMet", "Retargeted", "Touching"]

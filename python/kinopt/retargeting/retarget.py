@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from .._kinopt.retargeting import Capture, capture_retargeted
 from .maps import MapLike, guess_map, is_skeleton, read_map
-from .movement import LimitMet, Retargeted, Touching
+from .movement import GivenUp, LimitMet, Retargeted, Touching
 from .sources import Source, read_capture
 from .targets import Target, TargetLike, read_target
 
@@ -105,10 +105,13 @@ def retarget(
         acceleration=acceleration,
         keep_clear=keep_clear,
     )
-    q, names, contacts, standing, errors, driven, measured, limits, touching = capture_retargeted(
+    q, names, contacts, standing, errors, driven, measured, limits, touching, given_up, stands_along = capture_retargeted(
         own.capture, own.target, json.dumps(own.map), whole, own.options
     )
-    mean_error, slip, stride = measured
+    mean_error, slip, sunk, stride = measured
+    notes = list(own.notes)
+    if stands_along is not None:
+        notes.append("the target stands along another axis than the one that is taken for upward")
     return Retargeted(
         q=q,
         fps=own.capture.fps,
@@ -119,11 +122,13 @@ def retarget(
         driven=driven,
         mean_error=mean_error,
         slip=slip,
+        sunk=sunk,
         stride=stride,
         limits=[LimitMet(*limit) for limit in limits],
+        given_up=[GivenUp(*own) for own in given_up],
         touching=[Touching(*pair) for pair in touching],
         map=own.map,
-        notes=own.notes,
+        notes=notes,
         capture=own.capture,
     )
 

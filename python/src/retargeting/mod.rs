@@ -7,7 +7,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use kinopt::collision::Checker;
 use kinopt::motion::clip::MotionBound;
 use kinopt::motion::retarget::{
-    self, BodyMap, KnownSkeleton, LiveFollower, MapGuess, RetargetError, RetargetOptions, UpAxis,
+    self, BodyMap, FootShapes, KnownSkeleton, LiveFollower, MapGuess, RetargetError,
+    RetargetOptions, UpAxis,
 };
 use kinopt::robot::Robot;
 use kinopt::solver::Side;
@@ -227,6 +228,12 @@ fn checker_of(target: &Bound<'_, PyAny>, options: &Options) -> PyResult<Option<C
     Ok(Some(checker.with_margin(margin).or_raise()?))
 }
 
+/// The shapes of a robot's feet, its meshes among them.
+fn foot_shapes_of(target: &Bound<'_, PyAny>) -> Option<FootShapes> {
+    let robot = target.cast::<crate::robot::Robot>().ok()?;
+    Some(robot.get().foot_shapes())
+}
+
 /// A capture fitted to a target, which keeps clear of itself where it is to.
 fn fitted<'r>(
     robot: &'r Robot,
@@ -250,9 +257,11 @@ type Told<'py> = (
     Vec<String>,
     Bound<'py, PyArray2<f64>>,
     Vec<String>,
-    (f64, f64, f64),
+    (f64, f64, f64, f64),
     Vec<(String, &'static str, usize, usize)>,
     Vec<(usize, String, String, f64)>,
+    Vec<(usize, String)>,
+    Option<&'static str>,
 );
 
 /// A capture on a target by a map (JSON).
@@ -267,7 +276,8 @@ fn capture_retargeted<'py>(
 ) -> PyResult<Told<'py>> {
     let robot = target_of(target)?;
     let checker = checker_of(target, &options)?;
-    let options = options.read(capture.get().up);
+    let mut options = options.read(capture.get().up);
+    options.shapes = foot_shapes_of(target);
     let map = BodyMap::from_json(map, &file_of(&robot)).or_raise()?;
     let capture = &capture.get().inner;
     let found = py.detach(|| {
@@ -280,9 +290,10 @@ fn capture_retargeted<'py>(
         let limits = retargeting.limits_met(&found);
         let driving = retargeting.driving();
         let stride = retargeting.stride();
-        Ok::<_, RetargetError>((found, errors, limits, driving, stride))
+        let up = retargeting.model_stands_along();
+        Ok::<_, RetargetError>((found, errors, limits, driving, stride, up))
     });
-    let (found, errors, limits, driving, stride) = found.or_raise()?;
+    let (found, errors, limits, driving, stride, up) = found.or_raise()?;
     let driven = driving.iter().map(|&joint| capture.names()[joint].clone());
     let limits = limits.into_iter().map(|met| {
         let side = match (met.bound, met.side) {
@@ -297,6 +308,8 @@ fn capture_retargeted<'py>(
         let pair = own.pair;
         (own.frame, pair.first, pair.second, pair.distance)
     });
+    let given_up = found.given_up.into_iter();
+    let given_up = given_up.map(|own| (own.frame, own.standing));
     let frames = found.q.len() / found.configuration_len.max(1);
     let contacts = PyArray1::from_slice(py, &found.contacts);
     Ok((
@@ -306,9 +319,11 @@ fn capture_retargeted<'py>(
         found.standing,
         arrays::list(py, &errors).reshape([frames, driving.len()])?,
         driven.collect(),
-        (found.mean_error, found.slip, stride),
+        (found.mean_error, found.slip, found.sunk, stride),
         limits.collect(),
         touching.collect(),
+        given_up.collect(),
+        up.filter(|up| *up == UpAxis::Y).map(|_| "y"),
     ))
 }
 
@@ -395,7 +410,8 @@ impl Live {
     ) -> PyResult<Self> {
         let robot = target_of(target)?;
         let checker = checker_of(target, &options)?;
-        let options = options.read(capture.get().up);
+        let mut options = options.read(capture.get().up);
+        options.shapes = foot_shapes_of(target);
         let map = BodyMap::from_json(map, &file_of(&robot)).or_raise()?;
         let capture = &capture.get().inner;
         let follower =

@@ -13,6 +13,7 @@ use super::{ClipIkError, Reach};
 use crate::SizeMismatch;
 use crate::animation::{Armature, ChannelError, Clip};
 use crate::motion::ContactDetection;
+use crate::motion::contact_detection::USUAL_LEG_M;
 use crate::skeleton::{BoneId, Skeleton};
 use crate::spatial::Vector3;
 
@@ -67,8 +68,6 @@ impl fmt::Debug for ClipIk<'_> {
     }
 }
 
-/// Contacts are told on a limb of this many metres.
-const USUAL_LEG_M: f64 = 0.9;
 /// A foot that is further up than this share of its limb over where it is lowest does not stand.
 const RAISED: f64 = 0.125;
 

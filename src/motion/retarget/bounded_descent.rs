@@ -13,13 +13,16 @@ use crate::solver::{InnerProducts, LeastSquares, dot, half_squared};
 const DAMPING: f64 = 1e-8;
 const LEAST_DAMPING: f64 = 1e-10;
 const MOST_DAMPING: f64 = 1.0;
+/// Damping up to this hardly shortens a step.
+const LIGHT_DAMPING: f64 = 1e-7;
 const AFTER_SUCCESS: f64 = 0.2;
 const AFTER_FAILURE: f64 = 30.0;
 /// So often the step is solved anew with other variables on their bounds.
 const ROUNDS: usize = 8;
 /// So often a step that wins nothing is corrected, before it is damped.
 const CORRECTIONS: usize = 2;
-/// A step that wins less than this share of the cost is the last.
+/// A step that wins less than this share of the cost is the last, and so is one after which the cost is within this share
+/// what the model told: the next one's would win no more than it was off.
 const FLAT: f64 = 1e-4;
 
 /// Memory, and the damping that was learnt.
@@ -92,28 +95,35 @@ impl BoundedDescent {
             for (slope, column) in self.gradient.iter_mut().zip(self.jacobian.column_iter()) {
                 *slope = dot(column.as_slice(), &self.residual);
             }
-            let Some(lower) = self.try_steps(problem, x, cost) else {
+            let Some((lower, told)) = self.try_steps(problem, x, cost) else {
                 break;
             };
             x.copy_from_slice(&self.trial);
             self.residual.copy_from_slice(&self.trial_residual);
             let won = cost - lower;
             cost = lower;
-            if won < FLAT * cost {
+            let was_told = self.damping <= LIGHT_DAMPING && (lower - told).abs() < FLAT * cost;
+            if won < FLAT * cost || was_told {
                 break;
             }
         }
         cost.is_finite()
     }
 
-    /// The cost after a step that wins, damped as much as that takes; none where none does.
-    fn try_steps(&mut self, problem: &mut dyn LeastSquares, x: &[f64], cost: f64) -> Option<f64> {
+    /// The cost after a step that wins, damped as much as that takes, and what the model told of it; none where none does.
+    fn try_steps(
+        &mut self,
+        problem: &mut dyn LeastSquares,
+        x: &[f64],
+        cost: f64,
+    ) -> Option<(f64, f64)> {
         loop {
             if self.solve(problem, x) {
                 let (lower, upper) = (problem.lower(), problem.upper());
                 for (k, trial) in self.trial.iter_mut().enumerate() {
                     *trial = (x[k] + self.step[k]).max(lower[k]).min(upper[k]);
                 }
+                let told = cost + self.change_by_step();
                 for correction in 0..=CORRECTIONS {
                     if correction > 0 {
                         self.correct(problem);
@@ -122,7 +132,7 @@ impl BoundedDescent {
                     let trial_cost = half_squared(&self.trial_residual);
                     if trial_cost < cost {
                         self.damping = (AFTER_SUCCESS * self.damping).max(LEAST_DAMPING);
-                        return Some(trial_cost);
+                        return Some((trial_cost, told));
                     }
                 }
             }
@@ -132,6 +142,16 @@ impl BoundedDescent {
             }
             self.damping = (AFTER_FAILURE * self.damping).min(MOST_DAMPING);
         }
+    }
+
+    /// By how much the model's cost changes by the step.
+    fn change_by_step(&self) -> f64 {
+        let n = self.step.len();
+        let rows = self.gram.chunks_exact(n).zip(&self.step).enumerate();
+        let curved: f64 = rows
+            .map(|(k, (row, by))| by * (dot(&row[..k], &self.step[..k]) + 0.5 * row[k] * by))
+            .sum();
+        dot(&self.gradient, &self.step) + curved
     }
 
     /// Moves the trial by what its own residual asks of the same model: a long step along what is held bends off it, and would
@@ -155,39 +175,17 @@ impl BoundedDescent {
     fn solve(&mut self, problem: &dyn LeastSquares, x: &[f64]) -> bool {
         let n = x.len();
         let (lower, upper) = (problem.lower(), problem.upper());
-        self.held.fill(false);
         self.step.fill(0.0);
-        for _ in 0..ROUNDS {
-            self.factor.clear();
-            for row in 0..n {
-                let entries = &mut self.factor.row_mut(0, 0, row)[row..];
-                for (column, entry) in entries.iter_mut().enumerate() {
-                    *entry = self.gram[(row + column) * n + row];
-                }
-                entries[0] += self.damping * self.size;
-            }
-            for (k, right) in self.right.iter_mut().enumerate() {
-                *right = -self.gradient[k];
-            }
-            for held in (0..n).filter(|&held| self.held[held]) {
-                let by = self.step[held];
-                for (k, right) in self.right.iter_mut().enumerate() {
-                    let (a, b) = (k.max(held), k.min(held));
-                    *right -= self.gram[a * n + b] * by;
-                }
-                self.factor.take_out(0, held);
-            }
-            for (k, right) in self.right.iter_mut().enumerate() {
-                if self.held[k] {
-                    *right = self.step[k];
-                }
-            }
-            if !self.factor.factorise() {
+        // What stands at a bound and is pushed against it stays there, unless what else moves pulls it off.
+        for (k, held) in self.held.iter_mut().enumerate() {
+            let slope = self.gradient[k];
+            *held = (x[k] <= lower[k] && slope > 0.0) || (x[k] >= upper[k] && slope < 0.0);
+        }
+        for round in 0..ROUNDS {
+            if !self.solve_free() {
                 return false;
             }
-            self.factor.solve(&mut self.right, &mut self.room);
-            self.step.copy_from_slice(&self.right);
-            let mut beyond = false;
+            let mut beyond = round == 0 && self.let_go(x, lower);
             for k in 0..n {
                 let (down, up) = (lower[k] - x[k], upper[k] - x[k]);
                 if !self.held[k] && (self.step[k] < down || self.step[k] > up) {
@@ -200,5 +198,63 @@ impl BoundedDescent {
             }
         }
         self.step.iter().all(|step| step.is_finite())
+    }
+
+    /// Lets go of what is held and would rather move inward; whether anything is.
+    fn let_go(&mut self, x: &[f64], lower: &[f64]) -> bool {
+        let n = x.len();
+        let mut any = false;
+        for k in 0..n {
+            if !self.held[k] {
+                continue;
+            }
+            let row = dot(&self.gram[k * n..k * n + k], &self.step[..k]);
+            let column = (k..n).map(|below| self.gram[below * n + k] * self.step[below]);
+            let slope = self.gradient[k] + row + column.sum::<f64>();
+            let inward = if x[k] <= lower[k] {
+                slope < 0.0
+            } else {
+                slope > 0.0
+            };
+            if inward {
+                (self.held[k], any) = (false, true);
+            }
+        }
+        any
+    }
+
+    /// Writes the step of what is not held; false where the model has none.
+    fn solve_free(&mut self) -> bool {
+        let n = self.step.len();
+        self.factor.clear();
+        for row in 0..n {
+            let entries = &mut self.factor.row_mut(0, 0, row)[row..];
+            for (column, entry) in entries.iter_mut().enumerate() {
+                *entry = self.gram[(row + column) * n + row];
+            }
+            entries[0] += self.damping * self.size;
+        }
+        for (right, slope) in self.right.iter_mut().zip(&self.gradient) {
+            *right = -slope;
+        }
+        for held in (0..n).filter(|&held| self.held[held]) {
+            let by = self.step[held];
+            for (k, right) in self.right.iter_mut().enumerate() {
+                let (a, b) = (k.max(held), k.min(held));
+                *right -= self.gram[a * n + b] * by;
+            }
+            self.factor.take_out(0, held);
+        }
+        for (k, right) in self.right.iter_mut().enumerate() {
+            if self.held[k] {
+                *right = self.step[k];
+            }
+        }
+        if !self.factor.factorise() {
+            return false;
+        }
+        self.factor.solve(&mut self.right, &mut self.room);
+        self.step.copy_from_slice(&self.right);
+        true
     }
 }

@@ -2,6 +2,7 @@
 
 use super::clear_frames::ClearFrames;
 use super::driven_point::DrivenPoint;
+use super::feet::Feet;
 use super::hip_line::HipLine;
 use super::problem_of_frame::ProblemOfFrame;
 use super::{RetargetError, Retargeting};
@@ -16,7 +17,7 @@ use crate::task::{Posture, Task};
 /// Steps of the first frame, and of every other, at most.
 const FIRST_STEPS: usize = 300;
 const STEPS: usize = 3;
-/// So many more while what is held has slipped by more than this, metres.
+/// So many more while what is held has slipped, or a foot is in the ground, by more than this, metres.
 const MORE_STEPS: usize = 6;
 const SLIPPED: f64 = 5e-4;
 /// What a place counts that is held, for the most that any place counts: so all others together hardly move it.
@@ -36,6 +37,7 @@ pub struct BodyFollower {
     targets: Targets,
     points: Vec<TaskId<DrivenPoint>>,
     hip_line: Option<TaskId<HipLine>>,
+    feet: Feet,
     /// What is between the posture and the last frame, and what of it each is.
     stay: TaskId<Posture>,
     posture: Vec<(usize, f64)>,
@@ -95,6 +97,8 @@ impl BodyFollower {
         let stay = tasks.add(Task::new(Posture::of_joints(hinges(model))).times(both));
         let posture = hinges(model).filter_map(|(id, value)| Some((model.coordinate(id)?, value)));
         let posture: Vec<_> = posture.collect();
+        let landing_weight = asked.options.landing_weight;
+        let feet = Feet::new(model, limbs, landing_weight, &mut tasks)?;
         if let Some(obstacles) = &asked.obstacles {
             obstacles.add_to(&mut tasks);
         }
@@ -123,7 +127,8 @@ impl BodyFollower {
             reference: posture.iter().map(|(_, value)| *value).collect(),
             posture,
             stay,
-            landing_weight: asked.options.landing_weight,
+            feet,
+            landing_weight,
             heaviest: limbs.heaviest(),
             points,
             hip_line,
@@ -173,7 +178,7 @@ impl BodyFollower {
         }
         self.aim(places, stands)?;
         let steps = if self.followed { STEPS } else { FIRST_STEPS };
-        let anchors = &self.anchors;
+        let (anchors, feet) = (&self.anchors, &self.feet);
         let slipped = |problem: &Problem, residual: &[f64]| {
             let tasks = problem.compiled_tasks().iter().zip(anchors);
             tasks
@@ -186,7 +191,9 @@ impl BodyFollower {
         let within = [self.lower.as_slice(), &self.upper];
         let follow = |frame: &mut ProblemOfFrame, x: &mut [f64]| {
             let whole = frame.descend(&self.targets, within, x, steps);
-            match whole && slipped(frame.problem(), frame.residual()) {
+            let (problem, residual) = (frame.problem(), frame.residual());
+            let off = slipped(problem, residual) || feet.is_sunk(problem, residual, SLIPPED);
+            match whole && off {
                 true => frame.descend(&self.targets, within, x, MORE_STEPS),
                 false => whole,
             }
@@ -233,6 +240,7 @@ impl BodyFollower {
             let point = self.targets.get_mut(self.points[k])?;
             point.set(target, weight);
         }
+        self.feet.aim(&mut self.targets, &self.anchors, stands)?;
         if let Some(line) = self.hip_line {
             self.targets.get_mut(line)?.aim(places);
         }
@@ -269,11 +277,11 @@ impl BodyFollower {
         let mut residual = vec![0.0; self.frame.problem().rows()];
         self.frame
             .residual_at(&self.targets, &self.x, &mut residual);
-        for k in new {
+        for &k in &new {
             let rows = self.frame.problem().compiled_tasks()[k].rows.clone();
             let point = self.targets.get(self.points[k])?;
             self.anchors[k] = Some(point.place(&residual[rows]));
         }
-        Ok(())
+        self.feet.land(&self.q, &new, &self.anchors)
     }
 }

@@ -5,7 +5,7 @@ use crate::model::{FrameId, JointId, Model};
 use crate::spatial::Vector3;
 
 /// The joints from a frame up to the root.
-fn joints_above(model: &Model, frame: FrameId) -> Vec<JointId> {
+pub(super) fn joints_above(model: &Model, frame: FrameId) -> Vec<JointId> {
     let mut above = model.frames()[frame.index()].joint;
     let joints = std::iter::from_fn(|| {
         let joint = above?;

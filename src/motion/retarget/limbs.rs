@@ -3,10 +3,13 @@
 use super::hip_line::HipLine;
 use super::limb_lengths::{capture_places, lengths, model_places, quantile};
 use super::limb_tree::{hips, leg_limbs, moving_joint, order};
-use super::{BodyMap, Capture, RetargetError, UpAxis};
+use super::map_guess::upward;
+use super::sole::{Sole, soles};
+use super::{BodyMap, Capture, FootShapes, RetargetError, UpAxis};
 use crate::bad_option::{BadOption, NOT_NEGATIVE, POSITIVE};
 use crate::kinematics::ForwardKinematics;
 use crate::model::{FrameId, Model, UnknownName};
+use crate::motion::contact_detection::mean_place;
 use crate::spatial::{Placement, Vector3};
 
 /// A limb shorter than this share of the body is none: it is as long as the model's.
@@ -44,9 +47,15 @@ pub(super) struct Limbs {
     pub(super) hips: Vec<usize>,
     /// Which way they are turned.
     pub(super) hip_line: Option<HipLine>,
+    /// Of the feet that have a shape.
+    pub(super) soles: Vec<Sole>,
     up: UpAxis,
     /// How many times as large as the person's the model's steps are.
     pub(super) stride: f64,
+    /// How long a leg of the model is, metres; 0 where nothing stands.
+    pub(super) leg: f64,
+    /// The axis that the model's root is above its feet along.
+    pub(super) model_up: Option<UpAxis>,
 }
 
 impl Limbs {
@@ -62,6 +71,7 @@ impl Limbs {
         capture: &Capture,
         up: UpAxis,
         stance: &[f64],
+        shapes: &FootShapes,
     ) -> Result<Self, RetargetError> {
         let mut all = of_map(model, map, capture)?;
         order(model, &mut all);
@@ -98,17 +108,31 @@ impl Limbs {
         let placed = kinematics
             .place(stance)
             .map_err(|error| RetargetError::Map(error.to_string()))?;
-        let heights = all
+        let stood = all
             .iter()
-            .map(|limb| placed[limb.frame.index()].apply(limb.offset).z);
-        let heights: Vec<f64> = heights.collect();
-        let lowest = placed
-            .iter()
-            .map(|frame| frame.translation.z)
-            .fold(f64::INFINITY, f64::min);
-        for (limb, height) in all.iter_mut().zip(heights) {
-            limb.clearance = height - lowest;
+            .map(|limb| placed[limb.frame.index()].apply(limb.offset));
+        let stood: Vec<_> = stood.collect();
+        put_heels_on_feet(model, &mut all, placed);
+        let soles = soles(model, &all, shapes, placed);
+        let ground = ground_of_stance(&soles, &stood, placed);
+        for (limb, at) in all.iter_mut().zip(&stood) {
+            limb.clearance = at.z - ground;
         }
+        let feet = all.iter().zip(&stood).filter(|(limb, _)| limb.stands);
+        let feet: Vec<_> = feet.map(|(_, at)| *at).collect();
+        let above = match (stood.first(), feet.len()) {
+            (Some(root), 1..) => *root - mean_place(&feet),
+            _ => Vector3::zero(),
+        };
+        let tops = in_legs.iter().filter(|&&limb| {
+            let parent = all[limb].parent;
+            parent.is_none_or(|parent| !in_legs.contains(&parent))
+        });
+        let leg = if stands {
+            own / tops.count().max(1) as f64
+        } else {
+            0.0
+        };
         // The root is as much over what stands as the person's is.
         let standing = all.iter().filter(|limb| limb.stands || !stands);
         let lowest = standing.min_by(|a, b| a.ground.total_cmp(&b.ground));
@@ -116,17 +140,15 @@ impl Limbs {
         if let Some(root) = all.first_mut().filter(|root| !root.stands) {
             (root.ground, root.clearance) = (ground, sole);
         }
-        let stood = all
-            .iter()
-            .map(|limb| placed[limb.frame.index()].apply(limb.offset));
-        let stood: Vec<_> = stood.collect();
-        put_heels_on_feet(model, &mut all, placed);
         let mut own = Self {
             hips: hips(&all),
             hip_line: None,
+            soles,
             all,
             up,
             stride,
+            leg,
+            model_up: upward(above),
         };
         own.hip_line = HipLine::new(&own, &stood);
         Ok(own)
@@ -177,6 +199,22 @@ impl Limbs {
     fn in_world(&self, limb: &Limb, at: Vector3<f64>) -> Vector3<f64> {
         let over_ground = Vector3::new(at.x, at.y, at.z - limb.ground);
         over_ground * self.stride + Vector3::new(0.0, 0.0, limb.clearance)
+    }
+}
+
+/// How high the ground is that a body stands on in a configuration: as its soles are, or without any as the lowest of its frames
+/// and driven points.
+fn ground_of_stance(soles: &[Sole], stood: &[Vector3<f64>], placed: &[Placement<f64>]) -> f64 {
+    let lowest = |heights: &mut dyn Iterator<Item = f64>| heights.fold(f64::INFINITY, f64::min);
+    let of_soles = soles
+        .iter()
+        .map(|sole| sole.lowest(&placed[sole.frame.index()]));
+    match lowest(&mut of_soles.into_iter()) {
+        f64::INFINITY => {
+            let frames = placed.iter().map(|frame| frame.translation.z);
+            lowest(&mut frames.chain(stood.iter().map(|at| at.z)))
+        }
+        found => found,
     }
 }
 

@@ -190,6 +190,11 @@ fn stands_along(capture: &Capture, joints: &BTreeMap<BodyPart, usize>) -> Option
     let above = frames.fold(Vector3::zero(), |sum: Vector3<f64>, at| {
         sum + (at[pelvis] - (at[left] + at[right]) * 0.5)
     });
+    upward(above)
+}
+
+/// The axis that something is surely above something else along.
+pub(super) fn upward(above: Vector3<f64>) -> Option<UpAxis> {
     let [x, y, z] = above.to_array().map(f64::abs);
     match () {
         () if y > SURELY * x.max(z) => Some(UpAxis::Y),

@@ -24,6 +24,8 @@ pub struct Retargeted {
     pub mean_error: f64,
     /// How far a point that stands is from where it came to stand, at most, metres.
     pub slip: f64,
+    /// How deep the lowest point of a foot with a shape is in the ground, at most, metres; 0 where none is.
+    pub sunk: f64,
     /// What could not be held until the person let go of it, as limits win: from each of these frames on it stands no more.
     pub given_up: Vec<GivenUp>,
     /// The frames in which something touches all the same, where the body is to keep clear: of a movement frame by frame only
@@ -64,6 +66,7 @@ pub(super) struct Measures {
     count: usize,
     footing: Vec<Footing>,
     pub(super) slip: f64,
+    pub(super) sunk: f64,
     /// The frames in which limbs were given up.
     pub(super) given_up: Vec<(usize, usize)>,
 }
@@ -83,6 +86,7 @@ impl Measures {
             count: 0,
             footing: vec![Footing::None; limbs],
             slip: 0.0,
+            sunk: 0.0,
             given_up: Vec::new(),
         }
     }

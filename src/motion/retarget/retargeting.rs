@@ -9,12 +9,14 @@ use super::limbs::Limbs;
 use super::obstacles::Obstacles;
 use super::retargeted::{GivenUp, Measures};
 use super::{
-    BodyFollower, BodyMap, Capture, ContactDetection, RetargetError, Retargeted, Touching, UpAxis,
+    BodyFollower, BodyMap, Capture, ContactDetection, FootShapes, RetargetError, Retargeted,
+    Touching, UpAxis,
 };
 use crate::bad_option::{BadOption, NOT_NEGATIVE, POSITIVE};
 use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::FrameId;
 use crate::motion::clip::Windows;
+use crate::motion::contact_detection::USUAL_LEG_M;
 use crate::problem::KeepClear;
 use crate::robot::Robot;
 use crate::spatial::Vector3;
@@ -24,8 +26,11 @@ use crate::spatial::Vector3;
 pub struct RetargetOptions {
     /// Which way is up in the capture, unless the map says it.
     pub up: UpAxis,
-    /// When feet stand.
+    /// When feet stand. The speed is that of a body whose legs are 0.9 m long: others' is as much less as they are smaller.
     pub contacts: ContactDetection,
+    /// The shapes of feet, which find the ground and are kept out of it; none are the shapes that the robot's file describes by
+    /// numbers.
+    pub shapes: Option<FootShapes>,
     /// How much more a point counts where it lands on something. While it stands it is held wherever it came down, as its
     /// own place may be none that a body of other proportions can keep.
     pub landing_weight: f64,
@@ -42,6 +47,7 @@ impl Default for RetargetOptions {
         Self {
             up: UpAxis::Z,
             contacts: ContactDetection::default(),
+            shapes: None,
             landing_weight: 4.0,
             acceleration: 1e-4,
             tolerance: 0.03,
@@ -83,8 +89,14 @@ impl<'r> Retargeting<'r> {
         BadOption::check("acceleration", options.acceleration, NOT_NEGATIVE)?;
         let model = robot.model();
         let up = map.up.unwrap_or(options.up);
-        let limbs = Limbs::new(model, map, capture, up, &model.neutral())?;
+        let shapes = options.shapes.clone();
+        let shapes = shapes.unwrap_or_else(|| FootShapes::of(robot));
+        let limbs = Limbs::new(model, map, capture, up, &model.neutral(), &shapes)?;
         let frame_rate = capture.frame_rate();
+        let mut options = options;
+        if limbs.leg > 0.0 {
+            options.contacts.speed *= limbs.leg / USUAL_LEG_M;
+        }
         let mut targets = Vec::with_capacity(capture.frames() * limbs.all.len());
         let mut places = Vec::new();
         for captured in (0..capture.frames()).filter_map(|frame| capture.frame(frame)) {
@@ -122,6 +134,13 @@ impl<'r> Retargeting<'r> {
         pub fn driven(&self) -> Vec<FrameId> = self.limbs.all.iter().map(|limb| limb.frame).collect();
         /// How many times as large as the person's the model's steps are.
         pub fn stride(&self) -> f64 = self.limbs.stride;
+    }
+
+    /// The axis along which the model's root is above what stands, in its neutral configuration: z, unless its file has another
+    /// one upward; `None` where that cannot be told.
+    #[must_use]
+    pub fn model_stands_along(&self) -> Option<UpAxis> {
+        self.limbs.model_up
     }
 
     /// Where the driven points should be in a frame, metres.
@@ -201,10 +220,12 @@ impl<'r> Retargeting<'r> {
     /// Tells how well configurations follow.
     pub(super) fn measure(&self, q: Vec<f64>) -> Result<Retargeted, RetargetError> {
         let model = self.robot.model();
-        let driven = self.driven();
-        let mut kinematics = ForwardKinematics::of_frames(model, &driven).map_err(told)?;
-        let mut measures = Measures::new(driven.len());
-        let mut stands = vec![false; driven.len()];
+        let mut frames = self.driven();
+        let driven = frames.len();
+        frames.extend(self.limbs.soles.iter().map(|sole| sole.frame));
+        let mut kinematics = ForwardKinematics::of_frames(model, &frames).map_err(told)?;
+        let mut measures = Measures::new(driven);
+        let mut stands = vec![false; driven];
         let can_stand = self
             .limbs
             .all
@@ -220,6 +241,9 @@ impl<'r> Retargeting<'r> {
             for (k, (limb, target)) in self.limbs.all.iter().zip(targets).enumerate() {
                 let at = placed[k].apply(limb.offset);
                 stands[k] = measures.take(frame, k, at, *target, stands[k]);
+            }
+            for (sole, placed) in self.limbs.soles.iter().zip(&placed[driven..]) {
+                measures.sunk = measures.sunk.max(-sole.lowest(placed));
             }
             contacts.extend(can_stand.iter().map(|&limb| stands[limb]));
         }
@@ -241,6 +265,7 @@ impl<'r> Retargeting<'r> {
             contacts,
             mean_error: measures.mean_error(),
             slip: measures.slip,
+            sunk: measures.sunk,
             q,
         })
     }

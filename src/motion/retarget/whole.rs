@@ -89,6 +89,7 @@ impl Retargeting<'_> {
             });
         }
         motion.add(posture(model));
+        self.keep_feet_over_ground(start, &mut motion)?;
         if let Some(obstacles) = self.obstacles.as_ref().filter(|_| near.contains(&true)) {
             obstacles.add_to_motion(&mut motion, near.into());
         }

@@ -1,0 +1,162 @@
+//! What of a body's shapes can touch the ground.
+
+use crate::model::FrameId;
+use crate::robot::{Geometry, Robot};
+use crate::scalar::elementary;
+use crate::spatial::{Placement, Vector3};
+
+/// Corners that a round edge is taken for.
+const CORNERS: usize = 16;
+
+/// A body's shapes as balls fixed to its frames: each shape is the convex hull of its own, or nearly so where it is round.
+///
+/// Of the feet among them [`Retargeting`](super::Retargeting) knows where the ground is, and keeps them out of it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FootShapes {
+    pub(super) balls: Vec<Ball>,
+}
+
+/// A ball that is fixed to a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Ball {
+    pub(super) frame: FrameId,
+    /// Its middle in the frame, metres.
+    pub(super) at: Vector3<f64>,
+    pub(super) radius: f64,
+}
+
+impl Ball {
+    /// How high its lowest point is, where its frame is.
+    pub(super) fn height(&self, placed: &Placement<f64>) -> f64 {
+        placed.apply(self.at).z - self.radius
+    }
+}
+
+impl FootShapes {
+    /// Of the collision shapes that a robot's file describes by numbers; meshes are not opened.
+    #[must_use]
+    pub fn of(robot: &Robot) -> Self {
+        let mut own = Self::default();
+        for frame in robot.model().frame_ids() {
+            let shapes = robot.link(frame).map(|link| link.collisions.iter());
+            for shape in shapes.into_iter().flatten() {
+                own.add_geometry(frame, &shape.link_from_shape, &shape.geometry);
+            }
+        }
+        own
+    }
+
+    /// Of a robot's collision shapes and the hulls of its meshes, as far as these are found and are bodies.
+    #[cfg(feature = "collision")]
+    #[must_use]
+    pub fn of_files(robot: &Robot) -> Self {
+        let builder = crate::collision::CollisionModel::builder(robot);
+        let model = builder.leaving_out_missing_meshes().build();
+        model.map_or_else(
+            |_| Self::of(robot),
+            |model| Self::of_collision_model(&model),
+        )
+    }
+
+    /// Of a collision model's shapes, its meshes' hulls among them.
+    #[cfg(feature = "collision")]
+    #[must_use]
+    pub fn of_collision_model(model: &crate::collision::CollisionModel) -> Self {
+        use crate::collision::ShapeKind;
+        let mut own = Self::default();
+        for object in model.objects() {
+            let (frame, placed) = (object.link, &object.link_from_shape);
+            match object.shape.kind() {
+                ShapeKind::Sphere { radius } => own.add(frame, placed, [Vector3::zero()], *radius),
+                &ShapeKind::Capsule { radius, length } => {
+                    own.add_geometry(frame, placed, &Geometry::Capsule { radius, length });
+                }
+                &ShapeKind::Cylinder { radius, length } => {
+                    own.add_geometry(frame, placed, &Geometry::Cylinder { radius, length });
+                }
+                &ShapeKind::Cuboid { size } => {
+                    own.add_geometry(frame, placed, &Geometry::Box { size });
+                }
+                ShapeKind::Convex(hull) => {
+                    own.add(frame, placed, hull.vertices().iter().copied(), 0.0);
+                }
+                ShapeKind::Mesh(mesh) => {
+                    own.add(frame, placed, mesh.vertices().iter().copied(), 0.0);
+                }
+                ShapeKind::Points(cloud) => {
+                    let points = cloud.positions().iter().copied();
+                    own.add(frame, placed, points, cloud.radius());
+                }
+                // Ground, and no part of a body.
+                ShapeKind::HalfSpace | ShapeKind::HeightField(_) => {}
+            }
+        }
+        own
+    }
+
+    fn add(
+        &mut self,
+        frame: FrameId,
+        frame_from_shape: &Placement<f64>,
+        points: impl IntoIterator<Item = Vector3<f64>>,
+        radius: f64,
+    ) {
+        let balls = points.into_iter().map(|point| Ball {
+            frame,
+            at: frame_from_shape.apply(point),
+            radius,
+        });
+        self.balls.extend(balls);
+    }
+
+    fn add_geometry(
+        &mut self,
+        frame: FrameId,
+        frame_from_shape: &Placement<f64>,
+        geometry: &Geometry,
+    ) {
+        let ends = |length: f64| [-0.5, 0.5].map(|share| Vector3::new(0.0, 0.0, share * length));
+        match *geometry {
+            Geometry::Sphere { radius } => {
+                self.add(frame, frame_from_shape, [Vector3::zero()], radius);
+            }
+            Geometry::Capsule { radius, length } => {
+                self.add(frame, frame_from_shape, ends(length), radius);
+            }
+            Geometry::Box { size: [x, y, z] } => {
+                let signs = [-0.5, 0.5];
+                let corners = signs.into_iter().flat_map(|a| {
+                    signs
+                        .into_iter()
+                        .flat_map(move |b| signs.map(|c| Vector3::new(a * x, b * y, c * z)))
+                });
+                self.add(frame, frame_from_shape, corners, 0.0);
+            }
+            Geometry::Cylinder { radius, length } => {
+                for end in ends(length) {
+                    let rim = around().map(|(c, s)| end + Vector3::new(c, s, 0.0) * radius);
+                    self.add(frame, frame_from_shape, rim, 0.0);
+                }
+            }
+            Geometry::Ellipsoid { radii: [x, y, z] } => {
+                let height = std::f64::consts::FRAC_1_SQRT_2;
+                for (level, share) in [(-height, height), (0.0, 1.0), (height, height)] {
+                    let rim = around()
+                        .map(|(c, s)| Vector3::new(share * c * x, share * s * y, level * z));
+                    self.add(frame, frame_from_shape, rim, 0.0);
+                }
+                self.add(frame, frame_from_shape, ends(2.0 * z), 0.0);
+            }
+            Geometry::Mesh { .. } => {}
+        }
+    }
+}
+
+/// Directions all around, as cosines and sines.
+fn around() -> impl Iterator<Item = (f64, f64)> {
+    let turn = std::f64::consts::TAU / CORNERS as f64;
+    (0..CORNERS).map(move |k| {
+        let (sine, cosine) = elementary::sin_cos(turn * k as f64);
+        (cosine, sine)
+    })
+}

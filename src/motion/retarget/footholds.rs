@@ -1,0 +1,76 @@
+//! What feet keep over in each frame of a whole movement.
+
+use super::over_ground::{Footing, OverGround};
+use super::retargeting::told;
+use super::{RetargetError, Retargeting};
+use crate::kinematics::ForwardKinematics;
+use crate::model::FrameId;
+use crate::motion::clip::MotionProblemBuilder;
+
+/// What a metre below the ground costs in a whole movement, for the most that any place counts.
+const OVER: f64 = 60.0;
+
+impl Retargeting<'_> {
+    /// Keeps the soles over the ground, and as they stand in a movement frame by frame where all their limbs do.
+    pub(super) fn keep_feet_over_ground(
+        &self,
+        q: &[f64],
+        motion: &mut MotionProblemBuilder<'_>,
+    ) -> Result<(), RetargetError> {
+        let model = self.robot.model();
+        let soles = &self.limbs.soles;
+        let frames: Vec<FrameId> = soles.iter().map(|sole| sole.frame).collect();
+        let mut kinematics = ForwardKinematics::of_frames(model, &frames).map_err(told)?;
+        let width = model.configuration_len();
+        for (k, sole) in soles.iter().enumerate() {
+            let spans = |limb: usize| {
+                let own = self.standing.iter().filter(move |own| own.limb == limb);
+                own.map(|own| own.span.clone())
+            };
+            let mut on_ground = vec![vec![0.0; sole.balls.len()]; self.frames()];
+            let mut standing = vec![0; self.frames()];
+            for (ball, (own, limb)) in sole.balls.iter().enumerate() {
+                for span in spans(*limb) {
+                    // As low as it came: what holds still is not lifted.
+                    let mut lowest = f64::INFINITY;
+                    for q in q[span.start * width..span.end * width].chunks_exact(width) {
+                        let placed = kinematics.place(q).map_err(told)?;
+                        lowest = lowest.min(own.height(&placed[k]));
+                    }
+                    for frame in span {
+                        on_ground[frame][ball] = lowest;
+                        standing[frame] += 1;
+                    }
+                }
+            }
+            let mut footings: Vec<Footing> = Vec::with_capacity(self.frames());
+            let mut held: Option<Vec<f64>> = None;
+            for (frame, heights) in on_ground.into_iter().enumerate() {
+                let all = standing[frame] == sole.balls.len();
+                if !all {
+                    held = None;
+                    let levelling = match standing[frame] {
+                        0 => 1.0,
+                        _ => self.options.landing_weight,
+                    };
+                    footings.push(Footing::Over { heights, levelling });
+                    continue;
+                }
+                let tilts = match held.take() {
+                    Some(tilts) => tilts,
+                    None => {
+                        let q = &q[frame * width..(frame + 1) * width];
+                        sole.tilts(&kinematics.place(q).map_err(told)?[k])
+                    }
+                };
+                footings.push(Footing::Held {
+                    tilts: tilts.clone(),
+                });
+                held = Some(tilts);
+            }
+            let task = motion.add(OverGround::new(sole, OVER, self.limbs.heaviest()));
+            motion.follow(task, move |frame, own| own.set(&footings[frame]));
+        }
+        Ok(())
+    }
+}

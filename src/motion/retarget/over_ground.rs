@@ -1,0 +1,124 @@
+//! A foot that stays over the ground, and stands flat on it.
+
+use super::sole::Sole;
+use crate::model::FrameId;
+use crate::scalar::Scalar;
+use crate::spatial::{Placement, Vector3};
+use crate::task::{LocalJacobian, Quantity, Residual, Rows};
+
+/// What a radian costs that a foot is tilted off level, in metres off a place.
+const TILTED: f64 = 0.15;
+
+/// What a radian costs that a foot which is held is turned, in metres off a place, for the most that any place counts.
+const TURNED: f64 = 1.5;
+
+/// r = w min(z − radius − height, 0) for each ball of a sole, then r = w ((R e)·z − tilt) for each direction that is to be level.
+///
+/// A foot that is held stays as tilted as it came down, and over nothing: what is above an edge is worth nothing and what is
+/// below it much, so that steps along a held foot would be refused.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct OverGround {
+    sole: Sole,
+    /// What a metre below the ground costs, and a radian that a held foot is turned.
+    weights: [f64; 2],
+    footing: Footing,
+}
+
+/// What a foot does on the ground.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Footing {
+    /// It stays over heights, ball by ball, and is to be level, which counts so many times as much as in the air.
+    Over { heights: Vec<f64>, levelling: f64 },
+    /// It stays as tilted as it is, direction by direction.
+    Held { tilts: Vec<f64> },
+}
+
+impl OverGround {
+    /// `heaviest`: the most that any place counts.
+    pub(super) fn new(sole: &Sole, over: f64, heaviest: f64) -> Self {
+        Self {
+            footing: Footing::Over {
+                heights: vec![0.0; sole.balls.len()],
+                levelling: 1.0,
+            },
+            sole: sole.clone(),
+            weights: [over * heaviest, TURNED * heaviest],
+        }
+    }
+
+    /// Says what the foot does.
+    pub(super) fn set(&mut self, footing: &Footing) {
+        self.footing.clone_from(footing);
+    }
+
+    /// What each direction's slope should be, and what a radian off it costs.
+    fn tilt(&self, direction: usize) -> (f64, f64) {
+        match &self.footing {
+            Footing::Over { levelling, .. } => (0.0, TILTED * levelling),
+            Footing::Held { tilts } => (tilts[direction], self.weights[1]),
+        }
+    }
+
+    fn heights(&self) -> &[f64] {
+        match &self.footing {
+            Footing::Over { heights, .. } => heights,
+            Footing::Held { .. } => &[],
+        }
+    }
+}
+
+impl Residual for OverGround {
+    fn kind(&self) -> &'static str {
+        "foot over the ground"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.sole.frame]
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        let rows = self.sole.balls.len() + self.sole.level.len();
+        vec![Rows::new(Quantity::Metres, rows)]
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+        let (over, level) = residual.split_at_mut(self.sole.balls.len());
+        over.fill(S::zero());
+        let balls = self.sole.balls.iter().zip(self.heights());
+        for (row, ((ball, _), height)) in over.iter_mut().zip(balls) {
+            let at = frames[0].apply(Vector3::constant(ball.at));
+            let over = at.z - S::constant(ball.radius + height);
+            *row = over.min(S::zero()) * S::constant(self.weights[0]);
+        }
+        for (k, (row, way)) in level.iter_mut().zip(&self.sole.level).enumerate() {
+            let (tilt, weight) = self.tilt(k);
+            let way = frames[0].rotation * Vector3::constant(*way);
+            *row = (way.z - S::constant(tilt)) * S::constant(weight);
+        }
+    }
+
+    fn differentiate(
+        &self,
+        frames: &[Placement<f64>],
+        _joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        let up = Vector3::UNITS[2];
+        let n = self.sole.balls.len();
+        let foot = &frames[0];
+        let level = &mut jacobian.angular_mut(0)[n..];
+        for (k, (row, way)) in level.iter_mut().zip(&self.sole.level).enumerate() {
+            // (ω × e)·z = ω · (e × z)
+            *row = (foot.rotation * *way).cross(up) * self.tilt(k).1;
+        }
+        let balls = self.sole.balls.iter().zip(self.heights()).enumerate();
+        for (k, ((ball, _), height)) in balls {
+            let lever = foot.rotation * ball.at;
+            if lever.z + foot.translation.z - ball.radius < *height {
+                jacobian.linear_mut(0)[k] = up * self.weights[0];
+                jacobian.angular_mut(0)[k] = lever.cross(up) * self.weights[0];
+            }
+        }
+        true
+    }
+}

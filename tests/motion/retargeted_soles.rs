@@ -1,0 +1,88 @@
+//! Promise: a foot whose shape is known stands flat on what it stands on, and no part of it is in the ground in any frame,
+//! frame by frame and as a whole.
+
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeted, Retargeting};
+use kinopt::robot::Robot;
+use kinopt::spatial::Vector3;
+
+use crate::retargeted_feet::{MAP, RATE, check_limits, legs, person};
+
+/// A sole of 6 cm by 22 cm, which goes beyond the heel.
+const SOLE: &str = r#"<collision><origin xyz="0.06 0 -0.035"/><geometry><box size="0.22 0.06 0.01"/></geometry></collision>"#;
+const CORNERS: [[f64; 3]; 4] = [
+    [-0.05, -0.03, -0.04],
+    [-0.05, 0.03, -0.04],
+    [0.17, -0.03, -0.04],
+    [0.17, 0.03, -0.04],
+];
+
+/// How high the corners of both feet are, frame after frame.
+fn heights(robot: &Robot, found: &Retargeted) -> Vec<[[f64; 4]; 2]> {
+    let model = robot.model();
+    let feet = ["left_foot", "right_foot"].map(|name| model.frame(name).unwrap().index());
+    let mut kinematics = ForwardKinematics::new(model);
+    let frames = found.q.chunks(found.configuration_len);
+    let of_frame = |q: &[f64]| {
+        let placed = kinematics.place(q).unwrap();
+        feet.map(|foot| CORNERS.map(|at| placed[foot].apply(Vector3::from(at)).z))
+    };
+    frames.map(of_frame).collect()
+}
+
+fn deepest(heights: &[[[f64; 4]; 2]]) -> f64 {
+    let all = heights.iter().flatten().flatten();
+    -all.fold(f64::INFINITY, |least, height| least.min(*height))
+}
+
+/// A person who leans, so that a foot of a line only would roll onto its edge.
+fn leaning() -> Vec<f64> {
+    let mut numbers = person();
+    for (k, frame) in numbers.chunks_mut(27).enumerate() {
+        let aside = 0.12 * (0.05 * k as f64).sin();
+        // Chest, and both hips and knees.
+        for joint in [0, 1, 2, 5, 6] {
+            frame[3 * joint + 1] += aside;
+        }
+    }
+    numbers
+}
+
+#[test]
+fn a_foot_stands_flat_and_no_part_of_it_is_in_the_ground() {
+    let (shaped, bare) = (legs(SOLE), legs(""));
+    let map = BodyMap::from_json(MAP, "legs").unwrap();
+    let capture = Capture::new(map.joints.clone(), &leaning(), RATE).unwrap();
+    let fitted =
+        |robot| Retargeting::new(robot, &map, &capture, RetargetOptions::default()).unwrap();
+    let without = fitted(&bare).per_frame().unwrap();
+    assert_eq!(without.sunk, 0.0);
+    // The ground was where the toes' point is, 1 cm over the sole; so much is no roll.
+    let sunk = deepest(&heights(&bare, &without)) - 0.01;
+    assert!(sunk > 2e-3, "without its shape it sinks by {sunk} m");
+
+    let with = fitted(&shaped);
+    for found in [with.per_frame().unwrap(), with.whole().unwrap()] {
+        check_limits(&shaped, &found);
+        let heights = heights(&shaped, &found);
+        let deepest = deepest(&heights);
+        assert!(deepest < 1.5e-3, "{deepest} m");
+        // As it is told, of corners that are the sole's own.
+        assert!((deepest.max(0.0) - found.sunk).abs() < 1e-12);
+        assert!(found.slip < 1e-3, "{} m", found.slip);
+        assert!(found.given_up.is_empty(), "{:?}", found.given_up);
+        assert!(
+            found.mean_error < 1.2 * without.mean_error,
+            "{} m",
+            found.mean_error
+        );
+        let mut standing = 0;
+        for (heights, stands) in heights.iter().zip(found.contacts.chunks(2)) {
+            for (foot, _) in heights.iter().zip(stands).filter(|(_, stands)| **stands) {
+                standing += 1;
+                assert!(foot.iter().all(|height| height.abs() < 8e-3), "{foot:?}");
+            }
+        }
+        assert!(standing > 240, "{standing}");
+    }
+}
