@@ -109,9 +109,10 @@ fn limits_and_errors_are_told_as_they_are() {
 fn a_foot_stands_on_the_ground_and_not_in_the_air() {
     let (robot, frames) = (nao(), 40);
     let map = BodyMap::from_json(MAP, "").unwrap();
-    // Both feet creep ahead at half the speed that counts as still on a body a third as large, the right one up in the air.
+    // Both feet creep ahead at about half the speed that counts as still on legs of a third of a metre, the right one up in the
+    // air.
     let places = (0..frames).flat_map(|frame| {
-        let ahead = 0.012 * frame as f64;
+        let ahead = 0.005 * frame as f64;
         let hips = 0.3 * ahead;
         // It is lifted from the ground first.
         let up = 0.3 * ((frame as f64 - 5.0) / 8.0).clamp(0.0, 1.0);
