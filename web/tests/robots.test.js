@@ -61,10 +61,13 @@ test("a path half a metre to the side is gone on one branch, and one that leaves
     // The second half is for a tool 5 cm further out.
     const longer = Float64Array.from({ length: 16 }, (_, k) => (k % 5 === 0 ? 1 : k === 14 ? 0.05 : 0));
     const toolOfPoints = Array.from({ length: 61 }, (_, k) => (k < 30 ? 0 : 1));
-    const two = solvePath(arm, path, { tools: longer, toolOfPoints });
-    assert.deepEqual([two.isWhole, two.q.length], [true, 61 * 7]);
+    const near = points(0.3);
+    const two = solvePath(arm, near, { tools: longer, toolOfPoints });
+    assert.deepEqual([two.missed, two.q.length], [[], 61 * 7]);
+    // The change of tools is the only long step, if it is one.
+    assert.ok(two.reconfigurations.every(({ index }) => index === 30));
     const last = arm.baseFromTool(two.q.slice(-7));
-    const off = [0, 1, 2].map((axis) => last[12 + axis] - path[16 * 60 + 12 + axis]);
+    const off = [0, 1, 2].map((axis) => last[12 + axis] - near[16 * 60 + 12 + axis]);
     assert.ok(Math.abs(Math.hypot(...off) - 0.05) < 4e-6, `${off}`);
     assert.throws(() => solvePath(arm, path, { toolOfPoints }), /tool 1/);
     assert.throws(() => solvePath(arm, path, { toolOfPoints: [0.5] }), /toolOfPoints.*whole/);

@@ -170,7 +170,7 @@ impl Arm {
         Ok(self.inner.with_tool(tool).map_err(raise)?.into())
     }
 
-    /// The model's configuration `q_model` with the arm's own joints at `q`.
+    /// The model's configuration `qModel` with the arm's own joints at `q`.
     pub fn configuration(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
