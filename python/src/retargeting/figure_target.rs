@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use kinopt::animation::Armature as Bones;
-use kinopt::motion::retarget;
+use kinopt::motion::retarget::{self, UpAxis};
 use numpy::ndarray::Ix2;
 use pyo3::prelude::*;
 
-use super::{UpAxis, axis_name, up_axis};
+use super::{axis_name, up_axis};
 use crate::animation::{Armature, Clip};
 use crate::arrays::{self, Numbers};
 use crate::capture::MotionCapture;

@@ -1,0 +1,141 @@
+//! Captured places of a person's joints.
+
+use std::sync::Arc;
+
+use kinopt::motion::retarget::{self, UpAxis};
+use numpy::ndarray::Ix3;
+use numpy::{PyArray1, PyArray3, PyArrayMethods};
+use pyo3::prelude::*;
+
+use super::{axis_name, up_axis};
+use crate::animation::Clip;
+use crate::arrays::{self, Numbers};
+use crate::error::{OrRaise, invalid};
+use crate::pickling;
+
+/// Places of named joints in frames a fixed time apart, in any unit of length.
+///
+/// `positions` of shape (T, J, 3) are of the joints that `joints` names in order, `fps` frames a second; `up` is the axis that
+/// points upward, "y" or "z". `bones` are pairs of joints' numbers, where they are known; they are for drawing.
+///
+/// Raises `InvalidValueError` for another shape, a name twice, and numbers that are not finite, whose frame and joint it names.
+#[pyclass(frozen, module = "kinopt.retargeting")]
+pub(crate) struct Capture {
+    pub(super) inner: Arc<retarget::Capture>,
+    pub(super) up: UpAxis,
+    bones: Option<Vec<(usize, usize)>>,
+}
+
+#[pymethods]
+impl Capture {
+    #[new]
+    #[pyo3(signature = (positions, joints, fps, up = "z", bones = None))]
+    fn new(
+        py: Python<'_>,
+        positions: &Bound<'_, PyAny>,
+        joints: Vec<String>,
+        fps: f64,
+        up: &str,
+        bones: Option<Vec<(usize, usize)>>,
+    ) -> PyResult<Self> {
+        let up = up_axis(up)?;
+        let beyond = |&&(from, to): &&(usize, usize)| from.max(to) >= joints.len();
+        if let Some((from, to)) = bones.iter().flatten().find(beyond) {
+            return Err(invalid(format!(
+                "bones has ({from}, {to}), where there are {} joints",
+                joints.len()
+            )));
+        }
+        let numbers: Numbers<'_, Ix3> =
+            arrays::numbers(positions, "positions", "(frames, joints, 3)")?;
+        let shape = numbers.shape();
+        if shape[1..] != [joints.len(), 3] {
+            return Err(invalid(format!(
+                "positions has shape {}, expected (frames, {}, 3)",
+                arrays::shape_text(shape),
+                joints.len()
+            )));
+        }
+        let numbers = &*numbers;
+        let capture = py.detach(|| retarget::Capture::new(joints, numbers, fps));
+        Ok(Self {
+            inner: Arc::new(capture.or_raise()?),
+            up,
+            bones,
+        })
+    }
+
+    /// What a clip's bones do, `fps` frames a second from its beginning to its end.
+    ///
+    /// Raises `InvalidValueError` for a rate that is not positive.
+    #[staticmethod]
+    #[pyo3(signature = (clip, fps, up = "y"))]
+    fn of_clip(py: Python<'_>, clip: &Bound<'_, Clip>, fps: f64, up: &str) -> PyResult<Self> {
+        let up = up_axis(up)?;
+        let clip = clip.get();
+        let (bones, motion) = (&clip.armature, &clip.inner);
+        let capture = py.detach(|| retarget::Capture::of_clip(bones, motion, fps));
+        let ids = bones.bone_ids();
+        let pairs = ids.filter_map(|bone| Some((bones.parent(bone)?.index(), bone.index())));
+        Ok(Self {
+            inner: Arc::new(capture.or_raise()?),
+            up,
+            bones: Some(pairs.collect()),
+        })
+    }
+
+    /// Names of the joints.
+    #[getter]
+    fn joints(&self) -> Vec<String> {
+        self.inner.names().to_vec()
+    }
+
+    /// Frames a second.
+    #[getter]
+    fn fps(&self) -> f64 {
+        self.inner.frame_rate()
+    }
+
+    /// The axis that points upward.
+    #[getter]
+    fn up(&self) -> &'static str {
+        axis_name(self.up)
+    }
+
+    /// Pairs of joints' numbers that bones join; None where that is not known.
+    #[getter]
+    fn bones(&self) -> Option<Vec<(usize, usize)>> {
+        self.bones.clone()
+    }
+
+    /// Where the joints are, shape (T, J, 3).
+    #[getter]
+    fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        let frames = (0..self.inner.frames()).filter_map(|frame| self.inner.frame(frame));
+        let numbers = frames.flatten().flat_map(|at| at.to_array());
+        let numbers = PyArray1::from_iter(py, numbers);
+        numbers.reshape([self.inner.frames(), self.inner.names().len(), 3])
+    }
+
+    fn __len__(&self) -> usize {
+        self.inner.frames()
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "Capture({} frames of {} joints, {} a second)",
+            self.inner.frames(),
+            self.inner.names().len(),
+            self.inner.frame_rate()
+        )
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let own = slf.get();
+        let positions = own.positions(slf.py())?;
+        pickling::by_class::<Self>(
+            slf.py(),
+            (positions, own.joints(), own.fps(), own.up(), own.bones()),
+        )
+    }
+}

@@ -1,0 +1,66 @@
+//! A movement live.
+
+use std::sync::{Mutex, PoisonError};
+
+use kinopt::motion::retarget::LiveFollower;
+use kinopt::spatial::Vector3;
+use numpy::PyArray1;
+use pyo3::prelude::*;
+
+use super::capture::Capture;
+use super::question::{Options, Question};
+use crate::arrays;
+use crate::error::OrRaise;
+
+/// A follower of frames as they come.
+#[pyclass(frozen, module = "kinopt.retargeting")]
+pub(crate) struct Live {
+    follower: Mutex<LiveFollower>,
+    /// Names of the numbers of a configuration.
+    #[pyo3(get)]
+    names: Vec<String>,
+}
+
+#[pymethods]
+impl Live {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        capture: &Bound<'_, Capture>,
+        target: &Bound<'_, PyAny>,
+        map: &str,
+        options: Options,
+    ) -> PyResult<Self> {
+        let question = Question::read(capture, target, map, &options)?;
+        let follower = py.detach(|| question.fitted()?.live());
+        Ok(Self {
+            follower: Mutex::new(follower.or_raise()?),
+            names: question.names(),
+        })
+    }
+
+    /// Where the body is, shape (nq,).
+    #[getter]
+    fn q<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let follower = self.follower.lock().unwrap_or_else(PoisonError::into_inner);
+        arrays::list(py, follower.q())
+    }
+
+    /// Goes on to the next frame, shape (J, 3).
+    fn step<'py>(
+        &self,
+        py: Python<'py>,
+        positions: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let rows = arrays::rows(positions, "positions", 3)?;
+        let places: Vec<Vector3<f64>> = rows
+            .chunks_exact(3)
+            .map(|at| Vector3::new(at[0], at[1], at[2]))
+            .collect();
+        let q = py.detach(|| {
+            let mut follower = self.follower.lock().unwrap_or_else(PoisonError::into_inner);
+            follower.step(&places).map(<[f64]>::to_vec)
+        });
+        Ok(arrays::list(py, &q.or_raise()?))
+    }
+}

@@ -1,0 +1,63 @@
+//! Maps that names tell of.
+
+use kinopt::motion::retarget::{BodyMap, KnownSkeleton, MapGuess, UpAxis};
+use pyo3::prelude::*;
+
+use super::axis_name;
+use super::capture::Capture;
+use super::question::target_of;
+use crate::error::OrRaise;
+
+/// A guessed map: JSON, the known skeleton, the known body, and notes.
+type Guessed = (
+    String,
+    Option<&'static str>,
+    Option<&'static str>,
+    Vec<String>,
+);
+
+fn told(mut guess: MapGuess, up: UpAxis) -> Guessed {
+    if let Some(along) = guess.up.filter(|along| *along != up) {
+        let (along, up) = (axis_name(along), axis_name(up));
+        let note = format!("the body stands along {along}, but {up} is taken for upward");
+        guess.notes.push(note);
+    }
+    (guess.map.to_json(), guess.skeleton, guess.body, guess.notes)
+}
+
+/// The map that names tell of.
+#[pyfunction]
+pub(super) fn map_guessed(
+    capture: &Bound<'_, Capture>,
+    target: &Bound<'_, PyAny>,
+) -> PyResult<Guessed> {
+    let robot = target_of(target)?;
+    let guess = BodyMap::guess(&capture.get().inner, robot.model());
+    guess.or_raise().map(|guess| told(guess, capture.get().up))
+}
+
+/// The map of a known skeleton.
+#[pyfunction]
+pub(super) fn map_of_skeleton(
+    skeleton: &str,
+    capture: &Bound<'_, Capture>,
+    target: &Bound<'_, PyAny>,
+) -> PyResult<Guessed> {
+    let robot = target_of(target)?;
+    let skeleton = KnownSkeleton::named(skeleton).or_raise()?;
+    let guess = BodyMap::from_skeleton(&skeleton, &capture.get().inner, robot.model());
+    guess.or_raise().map(|guess| told(guess, capture.get().up))
+}
+
+/// The names of the known skeletons.
+#[pyfunction]
+pub(super) fn skeleton_names() -> Vec<&'static str> {
+    KnownSkeleton::names().collect()
+}
+
+/// The names of the first joints of a known skeleton; None where an array of so many is not of it.
+#[pyfunction]
+pub(super) fn skeleton_joints(skeleton: &str, joints: usize) -> PyResult<Option<Vec<String>>> {
+    let known = KnownSkeleton::named(skeleton).or_raise()?;
+    Ok(known.joints_of_array(joints).map(<[String]>::to_vec))
+}

@@ -1,0 +1,122 @@
+//! What is brought onto what, and how.
+
+use std::sync::Arc;
+
+use kinopt::collision::Checker;
+use kinopt::motion::retarget::{
+    self, BodyMap, FootShapes, RetargetError, RetargetOptions, Retargeting, UpAxis,
+};
+use kinopt::robot::Robot;
+use pyo3::prelude::*;
+
+use super::capture::Capture;
+use super::figure_target::FigureTarget;
+use crate::error::{OrRaise, invalid};
+use crate::has_model::model_of;
+use crate::model::Model;
+
+/// What a movement is brought onto, as a robot: figures are put on a free base.
+pub(super) fn target_of(target: &Bound<'_, PyAny>) -> PyResult<Arc<Robot>> {
+    if let Ok(robot) = target.cast::<crate::robot::Robot>() {
+        return Ok(Arc::clone(&robot.get().inner));
+    }
+    if let Ok(figure) = target.cast::<FigureTarget>() {
+        return Ok(Arc::new(figure.get().inner.robot().clone()));
+    }
+    if let Some(figure) = FigureTarget::of(target, None)? {
+        return Ok(Arc::new(figure.inner.robot().clone()));
+    }
+    let model = model_of(target)?;
+    let robot = Robot::new(kinopt::Model::clone(&model), Vec::new()).or_raise()?;
+    Ok(Arc::new(robot))
+}
+
+/// How it is brought there.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(super) struct Options {
+    contact_speed: Option<f64>,
+    contact_height: Option<f64>,
+    acceleration: Option<f64>,
+    keep_clear: Option<f64>,
+}
+
+impl Options {
+    fn read(&self, up: UpAxis) -> RetargetOptions {
+        let mut options = RetargetOptions {
+            up,
+            ..RetargetOptions::default()
+        };
+        let contacts = &mut options.contacts;
+        contacts.speed = self.contact_speed.unwrap_or(contacts.speed);
+        contacts.height = self.contact_height.unwrap_or(contacts.height);
+        options.acceleration = self.acceleration.unwrap_or(options.acceleration);
+        options
+    }
+}
+
+/// What keeps a robot's links apart by so many metres, where they are to be.
+fn checker_of(target: &Bound<'_, PyAny>, options: &Options) -> PyResult<Option<Checker>> {
+    let Some(margin) = options.keep_clear else {
+        return Ok(None);
+    };
+    let robot = target.cast::<crate::robot::Robot>();
+    let robot = robot.map_err(|_| invalid("keep_clear is for a Robot with collision shapes"))?;
+    let checker = robot.get().checker()?;
+    Ok(Some(checker.with_margin(margin).or_raise()?))
+}
+
+/// The shapes of a robot's feet, its meshes among them.
+fn foot_shapes_of(target: &Bound<'_, PyAny>) -> Option<FootShapes> {
+    let robot = target.cast::<crate::robot::Robot>().ok()?;
+    Some(robot.get().foot_shapes())
+}
+
+/// A capture, a target, the map between them and how it is done.
+pub(super) struct Question {
+    pub(super) capture: Arc<retarget::Capture>,
+    robot: Arc<Robot>,
+    map: BodyMap,
+    options: RetargetOptions,
+    checker: Option<Checker>,
+}
+
+impl Question {
+    /// By a map in JSON.
+    pub(super) fn read(
+        capture: &Bound<'_, Capture>,
+        target: &Bound<'_, PyAny>,
+        map: &str,
+        given: &Options,
+    ) -> PyResult<Self> {
+        let robot = target_of(target)?;
+        let mut options = given.read(capture.get().up);
+        options.shapes = foot_shapes_of(target);
+        // Maps of several robots have its drives under its file's name.
+        let file = robot.file().and_then(std::path::Path::file_name);
+        let file = file.map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        Ok(Self {
+            capture: Arc::clone(&capture.get().inner),
+            map: BodyMap::from_json(map, &file).or_raise()?,
+            checker: checker_of(target, given)?,
+            robot,
+            options,
+        })
+    }
+
+    /// The capture fitted to the target, which keeps clear of itself where it is to.
+    pub(super) fn fitted(&self) -> Result<Retargeting<'_>, RetargetError> {
+        let options = self.options.clone();
+        let fitted = Retargeting::new(&self.robot, &self.map, &self.capture, options)?;
+        Ok(match &self.checker {
+            Some(checker) => fitted.keep_clear(checker),
+            None => fitted,
+        })
+    }
+
+    /// Names of the numbers of a configuration.
+    pub(super) fn names(&self) -> Vec<String> {
+        let inner = Arc::new(self.robot.model().clone());
+        Model { inner }.coordinate_names()
+    }
+}
