@@ -164,6 +164,34 @@ fn a_search_that_goes_on_tells_all_that_it_spent() {
     assert!(clear.attempts > first.attempts);
 }
 
+/// As many attempts as are asked for, once for the plain answer and once for one that is free.
+#[test]
+fn no_more_attempts_are_made_than_are_asked_for() {
+    for attempts in [1, 3] {
+        let mut random = Random::new(8);
+        let alone = panda(Search::Start);
+        let few = Arm::builder(&robot("franka_panda"), "base", "flange")
+            .with_search(Search::Start)
+            .with_attempts(attempts)
+            .build()
+            .unwrap();
+        let few = Panda { arm: few, ..alone }.among(&cluttered(&mut random), 0.0);
+        let mut went_on = 0;
+        for _ in 0..60 {
+            let (goal, start) = (few.free(&mut random), few.drawn(&mut random));
+            let target = few.arm.base_from_tool(&goal).unwrap();
+            let solution = few.arm.solve(target, &start).unwrap();
+            assert!(
+                solution.attempts <= 2 * attempts as usize,
+                "{} of {attempts}",
+                solution.attempts
+            );
+            went_on += usize::from(solution.attempts > attempts as usize);
+        }
+        assert!(went_on > 3, "{went_on}");
+    }
+}
+
 #[test]
 fn a_target_in_an_obstacle_is_reached_nowhere_and_says_so() {
     let goal = [0.3, 0.2, 0.1, -1.8, 0.1, 2.0, 0.5];

@@ -94,7 +94,7 @@ impl Arm {
         Ok(())
     }
 
-    /// Runs attempts in groups until one is free: those from seeds about the target, then the numbered ones.
+    /// Runs attempts in groups until one is free: from seeds about the target, half of all at most, then the numbered ones.
     fn lowest_free(
         &self,
         kept: &KeepClear,
@@ -110,16 +110,22 @@ impl Arm {
             .options
             .iterations
             .map_or(usize::MAX, |most| most as usize);
+        let about = wanted / 2;
         let (mut first, mut cells) = (0, Some(0));
-        while first < wanted && spent(&workspace.outcomes) < budget && !query.is_late() {
+        loop {
             let begun = workspace.outcomes.len();
-            match cells {
+            let made = begun as u32;
+            if made >= wanted || spent(&workspace.outcomes) >= budget || query.is_late() {
+                break;
+            }
+            match cells.filter(|_| made < about) {
                 Some(from) => {
-                    cells = self.attempts_about(kept, workspace, room, query, from)?;
+                    let most = (about - made) as usize;
+                    cells = self.attempts_about(kept, workspace, room, query, (from, most))?;
                 }
                 None => {
                     // More at once the longer it takes: lanes that are done take up others.
-                    let count = (first / 2).max(CHECKED as u32).min(wanted - first);
+                    let count = (first / 2).max(CHECKED as u32).min(wanted - made);
                     self.run_attempts(workspace, query, first, count);
                     first += count;
                 }
@@ -138,15 +144,15 @@ impl Arm {
         Ok(None)
     }
 
-    /// Runs attempts from the atlas's seeds in cells about the target: those whose spheres are free, as a seed's links stand nearly where its
-    /// solution's will. The cell to go on from, if there are more.
+    /// Runs so many attempts at most from the atlas's seeds in cells about the target, from one on: those whose spheres are free, as a seed's
+    /// links stand nearly where its solution's will. The cell to go on from, if there are more.
     fn attempts_about(
         &self,
         kept: &KeepClear,
         workspace: &mut ArmWorkspace,
         room: &mut ClearRoom,
         query: &Query<'_>,
-        from: usize,
+        (from, most): (usize, usize),
     ) -> Result<Option<usize>, QueryError> {
         let n = self.joint_count();
         let Some(lanes) = self.lanes_within(&workspace.bounded_lanes) else {
@@ -174,6 +180,8 @@ impl Arm {
             seeds.truncate(free * n);
             checked = free;
         }
+        let free = free.min(most);
+        seeds.truncate(free * n);
         let begun = workspace.outcomes.len();
         let end = begun + free;
         workspace.found.resize(end * n, 0.0);
