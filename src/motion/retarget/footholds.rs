@@ -21,7 +21,9 @@ impl Retargeting<'_> {
         let soles = &self.limbs.soles;
         let frames: Vec<FrameId> = soles.iter().map(|sole| sole.frame).collect();
         let mut kinematics = ForwardKinematics::of_frames(model, &frames).map_err(told)?;
-        let width = model.configuration_len();
+        let frames = q.chunks_exact(model.configuration_len());
+        let placed = frames.map(|q| Ok(kinematics.place(q).map_err(told)?.to_vec()));
+        let placed = placed.collect::<Result<Vec<_>, RetargetError>>()?;
         for (k, sole) in soles.iter().enumerate() {
             let spans = |limb: usize| {
                 let own = self.standing.iter().filter(move |own| own.limb == limb);
@@ -32,11 +34,9 @@ impl Retargeting<'_> {
             for (ball, (own, limb)) in sole.balls.iter().enumerate() {
                 for span in spans(*limb) {
                     // As low as it came: what holds still is not lifted.
-                    let mut lowest = f64::INFINITY;
-                    for q in q[span.start * width..span.end * width].chunks_exact(width) {
-                        let placed = kinematics.place(q).map_err(told)?;
-                        lowest = lowest.min(own.height(&placed[k]));
-                    }
+                    let heights = placed[span.clone()].iter();
+                    let heights = heights.map(|placed| own.height(&placed[k]));
+                    let lowest = heights.fold(f64::INFINITY, f64::min);
                     for frame in span {
                         on_ground[frame][ball] = lowest;
                         standing[frame] += 1;
@@ -56,13 +56,7 @@ impl Retargeting<'_> {
                     footings.push(Footing::Over { heights, levelling });
                     continue;
                 }
-                let tilts = match held.take() {
-                    Some(tilts) => tilts,
-                    None => {
-                        let q = &q[frame * width..(frame + 1) * width];
-                        sole.tilts(&kinematics.place(q).map_err(told)?[k])
-                    }
-                };
+                let tilts = held.take().unwrap_or_else(|| sole.tilts(&placed[frame][k]));
                 footings.push(Footing::Held {
                     tilts: tilts.clone(),
                 });
