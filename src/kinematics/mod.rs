@@ -6,6 +6,7 @@
 //! compiles one has checked ids and sizes, so its loops need not.
 
 mod centre_of_mass;
+mod composites;
 mod forward_kinematics;
 mod forward_pass;
 mod geometric_jacobian;
@@ -17,6 +18,7 @@ mod reverse;
 mod tree;
 
 pub use centre_of_mass::{CentreOfMassError, centre_of_mass, centre_of_mass_jacobian};
+pub(crate) use composites::Composites;
 pub use forward_kinematics::{ForwardKinematics, KinematicsError};
 pub(crate) use forward_pass::TreeState;
 pub(crate) use geometric_jacobian::Partials;

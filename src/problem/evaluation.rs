@@ -91,6 +91,11 @@ impl Scratch {
         (&self.frames, &self.joints)
     }
 
+    /// Where the last forward pass left the tree.
+    pub(super) fn state(&self) -> &TreeState<f64> {
+        &self.state
+    }
+
     /// The derivatives of the task differentiated last, weighted.
     pub(super) fn local(&self) -> &LocalJacobian {
         &self.local
@@ -204,31 +209,43 @@ impl<'a> Evaluation<'a> {
         self.forward(x);
         // nalgebra's own `fill` walks entry by entry, which costs as much as all the columns.
         jacobian.as_mut_slice().fill(0.0);
-        let (problem, tree) = (self.question.problem, self.question.tree());
-        let rows = self.rows();
+        let problem = self.question.problem;
         for (index, task, task_rows) in problem.tasks_of(self.share) {
-            Self::differentiate(self.scratch, task, self.question.residual(index));
-            if task.swept {
-                Self::add_by_sweeps(tree, self.scratch, task, task_rows.start, jacobian);
-            }
-            let Scratch { state, local, .. } = &*self.scratch;
-            let frames = if task.swept { &[][..] } else { &task.frames };
-            for (k, &frame) in frames.iter().enumerate() {
-                let partials = Partials {
-                    frame,
-                    first_row: task_rows.start,
-                    linear: local.linear(k),
-                    angular: local.angular(k),
-                };
-                tree.add_geometric_jacobian(state, &partials, jacobian);
-            }
-            // Column-major.
-            let entries = jacobian.as_mut_slice();
-            for (k, &coordinate) in task.coordinates.iter().enumerate() {
-                for (variable, slope) in problem.map.slopes(coordinate, x) {
-                    for (row, entry) in local.joint(k) {
-                        entries[variable * rows + task_rows.start + row] += slope * entry;
-                    }
+            self.add_rows(x, (index, task), task_rows.start, jacobian);
+        }
+    }
+
+    /// Adds the rows of one task at the last forward pass, which was at x, from `first_row` on.
+    pub(super) fn add_rows(
+        &mut self,
+        x: &[f64],
+        (index, task): (usize, &CompiledTask),
+        first_row: usize,
+        jacobian: &mut DMatrix<f64>,
+    ) {
+        let (problem, tree) = (self.question.problem, self.question.tree());
+        let rows = jacobian.nrows();
+        Self::differentiate(self.scratch, task, self.question.residual(index));
+        if task.swept {
+            Self::add_by_sweeps(tree, self.scratch, task, first_row, jacobian);
+        }
+        let Scratch { state, local, .. } = &*self.scratch;
+        let frames = if task.swept { &[][..] } else { &task.frames };
+        for (k, &frame) in frames.iter().enumerate() {
+            let partials = Partials {
+                frame,
+                first_row,
+                linear: local.linear(k),
+                angular: local.angular(k),
+            };
+            tree.add_geometric_jacobian(state, &partials, jacobian);
+        }
+        // Column-major.
+        let entries = jacobian.as_mut_slice();
+        for (k, &coordinate) in task.coordinates.iter().enumerate() {
+            for (variable, slope) in problem.map.slopes(coordinate, x) {
+                for (row, entry) in local.joint(k) {
+                    entries[variable * rows + first_row + row] += slope * entry;
                 }
             }
         }

@@ -9,7 +9,7 @@ const NEGLIGIBLE: f64 = 1e-14;
 
 /// The upper triangle of a symmetric matrix whose block (s, t) is zero where |s − t| is above the bandwidth.
 #[derive(Clone, Debug)]
-pub(in crate::motion) struct BlockBanded {
+pub(super) struct BlockBanded {
     blocks: usize,
     order: usize,
     padded: usize,
@@ -20,7 +20,7 @@ pub(in crate::motion) struct BlockBanded {
 
 impl BlockBanded {
     /// Zero: so many blocks of an order, each beside so many next ones.
-    pub(in crate::motion) fn new(blocks: usize, order: usize, bandwidth: usize) -> Self {
+    pub(super) fn new(blocks: usize, order: usize, bandwidth: usize) -> Self {
         let padded = order.next_multiple_of(TILE);
         let width = (bandwidth + 1) * padded;
         let mut own = Self {
@@ -35,7 +35,7 @@ impl BlockBanded {
     }
 
     /// Sets every entry to zero, and the padding to the identity.
-    pub(in crate::motion) fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.entries.fill(0.0);
         for block in 0..self.blocks {
             for k in self.order..self.padded {
@@ -61,12 +61,7 @@ impl BlockBanded {
     }
 
     /// A row of the block (`block`, `block + ahead`).
-    pub(in crate::motion) fn row_mut(
-        &mut self,
-        block: usize,
-        ahead: usize,
-        row: usize,
-    ) -> &mut [f64] {
+    pub(super) fn row_mut(&mut self, block: usize, ahead: usize, row: usize) -> &mut [f64] {
         let at = self.at(block, row) + ahead * self.padded;
         &mut self.entries[at..at + self.order]
     }
@@ -88,7 +83,7 @@ impl BlockBanded {
     }
 
     /// Takes one unknown out: its row and column become the identity's.
-    pub(in crate::motion) fn take_out(&mut self, block: usize, unknown: usize) {
+    pub(super) fn take_out(&mut self, block: usize, unknown: usize) {
         let bandwidth = self.width / self.padded - 1;
         for above in block.saturating_sub(bandwidth)..=block {
             let last = if above == block { unknown } else { self.order };
@@ -104,7 +99,7 @@ impl BlockBanded {
 
     /// Cholesky's A = UᵀU in place, block row by block row (Golub & Van Loan 2013, "Matrix Computations", 4.3.5);
     /// the diagonal then holds the inverses of U's. False where a pivot is none: not positive definite.
-    pub(in crate::motion) fn factorise(&mut self) -> bool {
+    pub(super) fn factorise(&mut self) -> bool {
         let Self {
             blocks,
             padded,
@@ -143,7 +138,7 @@ impl BlockBanded {
     }
 
     /// Solves A x = b in place, after [`factorise`](Self::factorise); `room` is memory.
-    pub(in crate::motion) fn solve(&self, b: &mut [f64], room: &mut Vec<f64>) {
+    pub(super) fn solve(&self, b: &mut [f64], room: &mut Vec<f64>) {
         let Self {
             blocks,
             order,

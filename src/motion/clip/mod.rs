@@ -18,7 +18,6 @@ mod rate_cost;
 mod solution;
 mod space;
 
-pub(super) use block_banded::BlockBanded;
 pub use builder::MotionProblemBuilder;
 pub(super) use builder::longest_moves;
 pub use contact::Contact;

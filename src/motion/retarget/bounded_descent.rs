@@ -6,8 +6,8 @@
 
 use nalgebra::DMatrix;
 
-use crate::motion::clip::BlockBanded;
-use crate::solver::{InnerProducts, LeastSquares, dot, half_squared};
+use crate::problem::{Evaluation, NormalEquations, Problem};
+use crate::solver::{BranchedMatrix, LeastSquares, dot, half_squared};
 
 /// The first damping, as a share of the size of JᵀJ, and how it follows success and failure.
 const DAMPING: f64 = 1e-8;
@@ -30,42 +30,34 @@ const FLAT: f64 = 1e-4;
 pub(super) struct BoundedDescent {
     residual: Vec<f64>,
     trial_residual: Vec<f64>,
-    jacobian: DMatrix<f64>,
-    products: InnerProducts,
-    all: Vec<usize>,
-    gram: Vec<f64>,
-    factor: BlockBanded,
-    gradient: Vec<f64>,
+    equations: NormalEquations,
+    factor: BranchedMatrix,
+    /// JᵀJ times the step.
+    curved: Vec<f64>,
     step: Vec<f64>,
     right: Vec<f64>,
     held: Vec<bool>,
     trial: Vec<f64>,
-    room: Vec<f64>,
     damping: f64,
     /// How large a diagonal entry of JᵀJ is of what is not stiff.
     size: f64,
 }
 
 impl BoundedDescent {
-    /// For so many rows and variables; `size` is about that of the largest diagonal entry of JᵀJ, without stiff rows.
-    pub(super) fn new(rows: usize, variables: usize, size: f64) -> Self {
-        let n = variables;
-        let mut products = InnerProducts::default();
-        products.reserve(n);
+    /// For a problem; `size` is about that of the largest diagonal entry of JᵀJ, without stiff rows.
+    pub(super) fn new(problem: &Problem, size: f64) -> Self {
+        let (rows, n) = (problem.rows(), problem.variables());
+        let equations = NormalEquations::new(problem);
         Self {
             residual: vec![0.0; rows],
             trial_residual: vec![0.0; rows],
-            jacobian: DMatrix::zeros(rows, n),
-            products,
-            all: (0..n).collect(),
-            gram: vec![0.0; n * n],
-            factor: BlockBanded::new(1, n, 0),
-            gradient: vec![0.0; n],
+            factor: equations.matrix().clone(),
+            equations,
+            curved: vec![0.0; n],
             step: vec![0.0; n],
             right: vec![0.0; n],
             held: vec![false; n],
             trial: vec![0.0; n],
-            room: Vec::new(),
             damping: DAMPING,
             size,
         }
@@ -79,7 +71,7 @@ impl BoundedDescent {
     /// Goes downhill from x, which is within the bounds, in at most so many steps. Whether all is finite; else x stays.
     pub(super) fn descend(
         &mut self,
-        problem: &mut dyn LeastSquares,
+        problem: &mut Evaluation<'_>,
         x: &mut [f64],
         steps: usize,
     ) -> bool {
@@ -89,12 +81,7 @@ impl BoundedDescent {
             if !cost.is_finite() {
                 return false;
             }
-            problem.jacobian(x, &mut self.jacobian);
-            self.products
-                .fill(&self.jacobian, &self.all, &mut self.gram);
-            for (slope, column) in self.gradient.iter_mut().zip(self.jacobian.column_iter()) {
-                *slope = dot(column.as_slice(), &self.residual);
-            }
+            problem.normal_equations(x, &self.residual, &mut self.equations);
             let Some((lower, told)) = self.try_steps(problem, x, cost) else {
                 break;
             };
@@ -113,7 +100,7 @@ impl BoundedDescent {
     /// The cost after a step that wins, damped as much as that takes, and what the model told of it; none where none does.
     fn try_steps(
         &mut self,
-        problem: &mut dyn LeastSquares,
+        problem: &mut Evaluation<'_>,
         x: &[f64],
         cost: f64,
     ) -> Option<(f64, f64)> {
@@ -126,7 +113,7 @@ impl BoundedDescent {
                 let told = cost + self.change_by_step();
                 for correction in 0..=CORRECTIONS {
                     if correction > 0 {
-                        self.correct(problem);
+                        self.correct(problem, x);
                     }
                     problem.residual(&self.trial, &mut self.trial_residual);
                     let trial_cost = half_squared(&self.trial_residual);
@@ -145,26 +132,22 @@ impl BoundedDescent {
     }
 
     /// By how much the model's cost changes by the step.
-    fn change_by_step(&self) -> f64 {
-        let n = self.step.len();
-        let rows = self.gram.chunks_exact(n).zip(&self.step).enumerate();
-        let curved: f64 = rows
-            .map(|(k, (row, by))| by * (dot(&row[..k], &self.step[..k]) + 0.5 * row[k] * by))
-            .sum();
-        dot(&self.gradient, &self.step) + curved
+    fn change_by_step(&mut self) -> f64 {
+        self.equations
+            .matrix()
+            .multiply(&self.step, &mut self.curved);
+        dot(self.equations.gradient(), &self.step) + 0.5 * dot(&self.curved, &self.step)
     }
 
     /// Moves the trial by what its own residual asks of the same model: a long step along what is held bends off it, and would
     /// be refused for that alone (Maratos 1978; Nocedal & Wright 2006, "Numerical optimization", 18.3).
-    fn correct(&mut self, problem: &dyn LeastSquares) {
-        let columns = self.jacobian.column_iter().enumerate();
-        for (right, (k, column)) in self.right.iter_mut().zip(columns) {
-            *right = match self.held[k] {
-                true => 0.0,
-                false => -dot(column.as_slice(), &self.trial_residual),
-            };
+    fn correct(&mut self, problem: &mut Evaluation<'_>, x: &[f64]) {
+        let mut no_memory = DMatrix::zeros(0, 0);
+        problem.gradient(x, &self.trial_residual, &mut self.right, &mut no_memory);
+        for (right, held) in self.right.iter_mut().zip(&self.held) {
+            *right = if *held { 0.0 } else { -*right };
         }
-        self.factor.solve(&mut self.right, &mut self.room);
+        self.factor.solve(&mut self.right);
         let bounds = problem.lower().iter().zip(problem.upper());
         for ((trial, by), (lower, upper)) in self.trial.iter_mut().zip(&self.right).zip(bounds) {
             *trial = (*trial + by).max(*lower).min(*upper);
@@ -172,13 +155,13 @@ impl BoundedDescent {
     }
 
     /// Writes the step to the damped model's minimum within the bounds; false where the model has none.
-    fn solve(&mut self, problem: &dyn LeastSquares, x: &[f64]) -> bool {
+    fn solve(&mut self, problem: &Evaluation<'_>, x: &[f64]) -> bool {
         let n = x.len();
         let (lower, upper) = (problem.lower(), problem.upper());
         self.step.fill(0.0);
         // What stands at a bound and is pushed against it stays there, unless what else moves pulls it off.
         for (k, held) in self.held.iter_mut().enumerate() {
-            let slope = self.gradient[k];
+            let slope = self.equations.gradient()[k];
             *held = (x[k] <= lower[k] && slope > 0.0) || (x[k] >= upper[k] && slope < 0.0);
         }
         for round in 0..ROUNDS {
@@ -202,22 +185,22 @@ impl BoundedDescent {
 
     /// Lets go of what is held and would rather move inward; whether anything is.
     fn let_go(&mut self, x: &[f64], lower: &[f64]) -> bool {
-        let n = x.len();
+        if !self.held.contains(&true) {
+            return false;
+        }
+        self.equations
+            .matrix()
+            .multiply(&self.step, &mut self.curved);
         let mut any = false;
-        for k in 0..n {
-            if !self.held[k] {
-                continue;
-            }
-            let row = dot(&self.gram[k * n..k * n + k], &self.step[..k]);
-            let column = (k..n).map(|below| self.gram[below * n + k] * self.step[below]);
-            let slope = self.gradient[k] + row + column.sum::<f64>();
+        for (k, held) in self.held.iter_mut().enumerate().filter(|own| *own.1) {
+            let slope = self.equations.gradient()[k] + self.curved[k];
             let inward = if x[k] <= lower[k] {
                 slope < 0.0
             } else {
                 slope > 0.0
             };
             if inward {
-                (self.held[k], any) = (false, true);
+                (*held, any) = (false, true);
             }
         }
         any
@@ -225,35 +208,18 @@ impl BoundedDescent {
 
     /// Writes the step of what is not held; false where the model has none.
     fn solve_free(&mut self) -> bool {
-        let n = self.step.len();
-        self.factor.clear();
-        for row in 0..n {
-            let entries = &mut self.factor.row_mut(0, 0, row)[row..];
-            for (column, entry) in entries.iter_mut().enumerate() {
-                *entry = self.gram[(row + column) * n + row];
-            }
-            entries[0] += self.damping * self.size;
-        }
-        for (right, slope) in self.right.iter_mut().zip(&self.gradient) {
+        for (right, slope) in self.right.iter_mut().zip(self.equations.gradient()) {
             *right = -slope;
         }
-        for held in (0..n).filter(|&held| self.held[held]) {
-            let by = self.step[held];
-            for (k, right) in self.right.iter_mut().enumerate() {
-                let (a, b) = (k.max(held), k.min(held));
-                *right -= self.gram[a * n + b] * by;
-            }
-            self.factor.take_out(0, held);
-        }
-        for (k, right) in self.right.iter_mut().enumerate() {
-            if self.held[k] {
-                *right = self.step[k];
-            }
-        }
+        let damping = self.damping * self.size;
+        let held = (self.held.as_slice(), self.step.as_slice());
+        let matrix = self.equations.matrix();
+        self.factor
+            .copy_free(matrix, damping, held, &mut self.right);
         if !self.factor.factorise() {
             return false;
         }
-        self.factor.solve(&mut self.right, &mut self.room);
+        self.factor.solve(&mut self.right);
         self.step.copy_from_slice(&self.right);
         true
     }

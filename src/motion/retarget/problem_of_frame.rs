@@ -17,7 +17,7 @@ impl ProblemOfFrame {
     pub(super) fn new(problem: Problem, size: f64) -> Self {
         Self {
             scratch: problem.scratch(),
-            descent: BoundedDescent::new(problem.rows(), problem.variables(), size),
+            descent: BoundedDescent::new(&problem, size),
             problem,
         }
     }

@@ -2,11 +2,13 @@
 //! and allocate on every call.
 
 mod bounded_projection;
+mod branched_matrix;
 mod cholesky;
 mod complete_orthogonal;
 mod curved_normal;
 mod damped_normal;
 mod dense;
+mod elimination_tree;
 mod held_step;
 mod householder;
 mod inner_products;
@@ -14,6 +16,7 @@ mod row_space;
 mod row_span;
 mod tangent_newton;
 
+pub(crate) use branched_matrix::BranchedMatrix;
 pub(super) use complete_orthogonal::CompleteOrthogonal;
 pub(super) use curved_normal::{CurvedModel, CurvedNormal, multiply_symmetric, quadratic};
 pub(super) use damped_normal::DampedNormal;

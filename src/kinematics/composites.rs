@@ -1,0 +1,162 @@
+//! JᵀJ and Jᵀr of rows that move with one frame each, without J.
+//!
+//! What all rows of a limb ask of a small motion of it is a 6 × 6 matrix, as a rigid body's inertia is, and a joint feels those of
+//! all that it carries: so JᵀJ comes in one sweep from the tips to the root, as the joint-space inertia matrix does by the
+//! composite rigid body algorithm (Featherstone 2008, "Rigid Body Dynamics Algorithms", section 6.2).
+
+use super::{Partials, Tree, TreeState};
+use crate::spatial::Vector3;
+
+/// A motion (linear, angular) or a push (force, moment) about one point that is common to all, in world axes.
+type Spatial = [f64; 6];
+
+/// What the rows of all frames ask, by the node that carries them.
+#[derive(Clone, Debug)]
+pub(crate) struct Composites {
+    /// Σ w wᵀ over rows whose derivative by the node's motion is w.
+    stiffness: Vec<[Spatial; 6]>,
+    /// Σ w r.
+    push: Vec<Spatial>,
+    /// By variable: the motion of what it moves, for a rate of 1.
+    motions: Vec<f64>,
+}
+
+impl Composites {
+    /// Memory for a tree.
+    pub(crate) fn new(tree: &Tree) -> Self {
+        Self {
+            stiffness: vec![[[0.0; 6]; 6]; tree.nodes.len()],
+            push: vec![[0.0; 6]; tree.nodes.len()],
+            motions: vec![0.0; 6 * tree.variables()],
+        }
+    }
+
+    /// Forgets all rows.
+    pub(crate) fn clear(&mut self) {
+        self.stiffness.fill([[0.0; 6]; 6]);
+        self.push.fill([0.0; 6]);
+    }
+
+    /// By variable: the motion of what it moves, six numbers each.
+    pub(crate) fn motions_mut(&mut self) -> &mut [f64] {
+        &mut self.motions
+    }
+
+    fn motion(&self, variable: usize) -> Spatial {
+        let own = self.motions[6 * variable..].first_chunk();
+        own.copied().unwrap_or_default()
+    }
+}
+
+impl Tree {
+    /// Whether each variable moves one joint at most.
+    pub(crate) fn has_own_variables(&self) -> bool {
+        let mut seen = vec![false; self.variables()];
+        let mut nodes = self.nodes.iter();
+        nodes.all(|node| !std::mem::replace(&mut seen[node.variable], true))
+    }
+
+    /// The point that motions and pushes are about: near to the body, so that levers lose no digits.
+    fn middle(&self, state: &TreeState<f64>) -> Vector3<f64> {
+        let first = self.nodes.iter().position(|node| node.motion.turns());
+        first.map_or(Vector3::zero(), |node| {
+            state.origin_from_node[node].translation
+        })
+    }
+
+    /// Writes the motion of each variable, after a forward pass.
+    pub(crate) fn write_motions(&self, state: &TreeState<f64>, composites: &mut Composites) {
+        let middle = self.middle(state);
+        for (node, placed) in self.nodes.iter().zip(&state.origin_from_node) {
+            let axis = node.motion.world_axis(placed, &state.ball_axes) * node.ratio;
+            let motion = match node.motion.turns() {
+                true => spatial(axis.cross(middle - placed.translation), axis),
+                false => spatial(axis, Vector3::zero()),
+            };
+            composites.motions[6 * node.variable..][..6].copy_from_slice(&motion);
+        }
+    }
+
+    /// Adds the rows of one frame, whose values are `residual`.
+    pub(crate) fn add_to_composites(
+        &self,
+        state: &TreeState<f64>,
+        partials: &Partials<'_>,
+        residual: &[f64],
+        composites: &mut Composites,
+    ) {
+        let Some(node) = self.leaves[partials.frame].node else {
+            return;
+        };
+        let lever = state.origin_to_frame[partials.frame] - self.middle(state);
+        let (stiffness, push) = (&mut composites.stiffness[node], &mut composites.push[node]);
+        for (k, (force, r)) in partials.linear.iter().zip(residual).enumerate() {
+            let moment = partials.angular.get(k).copied();
+            let moment = moment.unwrap_or(Vector3::zero()) + lever.cross(*force);
+            let w = spatial(*force, moment);
+            // As those of a foot in the air are.
+            if w == [0.0; 6] {
+                continue;
+            }
+            for (row, factor) in stiffness.iter_mut().zip(w) {
+                add_scaled(row, factor, &w);
+            }
+            add_scaled(push, *r, &w);
+        }
+    }
+
+    /// Sweeps the rows down to the root: hands each entry of JᵀJ on and below the diagonal to `add`, and adds Jᵀr to `gradient`.
+    /// The rows are used up.
+    pub(crate) fn sweep_composites(
+        &self,
+        composites: &mut Composites,
+        gradient: &mut [f64],
+        mut add: impl FnMut(usize, usize, f64),
+    ) {
+        for (index, node) in self.nodes.iter().enumerate().rev() {
+            let own = composites.motion(node.variable);
+            let mut felt = [0.0; 6];
+            for (row, factor) in composites.stiffness[index].iter().zip(own) {
+                add_scaled(&mut felt, factor, row);
+            }
+            gradient[node.variable] += dot(&own, &composites.push[index]);
+            let mut next = Some(index);
+            while let Some(above) = next {
+                let Self { nodes, .. } = self;
+                let variable = nodes[above].variable;
+                add(
+                    node.variable,
+                    variable,
+                    dot(&composites.motion(variable), &felt),
+                );
+                next = nodes[above].parent;
+            }
+            if let Some(parent) = node.parent {
+                let (above, below) = composites.stiffness.split_at_mut(index);
+                for (to, from) in above[parent].iter_mut().zip(&below[0]) {
+                    add_scaled(to, 1.0, from);
+                }
+                let push = composites.push[index];
+                add_scaled(&mut composites.push[parent], 1.0, &push);
+            }
+        }
+    }
+}
+
+fn spatial(linear: Vector3<f64>, angular: Vector3<f64>) -> Spatial {
+    let ([a, b, c], [d, e, f]) = (linear.to_array(), angular.to_array());
+    [a, b, c, d, e, f]
+}
+
+#[inline(always)]
+fn dot(a: &Spatial, b: &Spatial) -> f64 {
+    let [x, y, z, u, v, w] = std::array::from_fn(|k| a[k] * b[k]);
+    (x + u) + (y + v) + (z + w)
+}
+
+#[inline(always)]
+fn add_scaled(to: &mut Spatial, factor: f64, own: &Spatial) {
+    for (to, own) in to.iter_mut().zip(own) {
+        *to += factor * own;
+    }
+}

@@ -1,0 +1,212 @@
+//! A symmetric matrix of a tree, factorised from the tips to the root.
+
+use std::sync::Arc;
+
+use super::elimination_tree::EliminationTree;
+
+/// Pivots below this share of the largest diagonal entry are none.
+const NEGLIGIBLE: f64 = 1e-14;
+
+/// A symmetric matrix each of whose unknowns is coupled with those on its way to a root alone: branch-induced sparsity
+/// (Featherstone 2005, "Efficient factorization of the joint-space inertia matrix for branched kinematic trees").
+///
+/// A row has the entries of its way side by side, so that what an unknown takes off another's row is one stretch of its own.
+#[derive(Clone, Debug)]
+pub(crate) struct BranchedMatrix {
+    tree: Arc<EliminationTree>,
+    entries: Vec<f64>,
+}
+
+impl BranchedMatrix {
+    /// Zero: of so many unknowns, where those of each set are coupled with each other.
+    pub(crate) fn new(unknowns: usize, coupled: &[Vec<usize>]) -> Self {
+        let tree = EliminationTree::new(unknowns, coupled);
+        Self {
+            entries: vec![0.0; tree.entries()],
+            tree: Arc::new(tree),
+        }
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.entries.fill(0.0);
+    }
+
+    /// Adds to the entry of two coupled unknowns.
+    pub(crate) fn add(&mut self, a: usize, b: usize, by: f64) {
+        self.entries[self.tree.entry(a, b)] += by;
+    }
+
+    /// Writes A x.
+    pub(crate) fn multiply(&self, x: &[f64], to: &mut [f64]) {
+        to.fill(0.0);
+        for k in 0..self.tree.unknowns() {
+            let (way, row) = (self.tree.way(k), self.row(k));
+            let mut sum = row[0] * x[k];
+            for (&above, entry) in way[1..].iter().zip(&row[1..]) {
+                sum += entry * x[above];
+                to[above] += entry * x[k];
+            }
+            to[k] += sum;
+        }
+    }
+
+    /// Takes the entries of another one with the same tree, with more on its diagonal and some unknowns held: those have a
+    /// row of the identity, and what they take off the others' right side for the values that they are held at is taken off.
+    pub(crate) fn copy_free(
+        &mut self,
+        other: &Self,
+        damping: f64,
+        (held, values): (&[bool], &[f64]),
+        right: &mut [f64],
+    ) {
+        self.entries.copy_from_slice(&other.entries);
+        let tree = &*self.tree;
+        for k in 0..tree.unknowns() {
+            self.entries[tree.start(k)] += damping;
+        }
+        if !held.contains(&true) {
+            return;
+        }
+        for k in 0..tree.unknowns() {
+            let way = tree.way(k);
+            let row = &mut self.entries[tree.start(k)..][..way.len()];
+            for (&above, entry) in way[1..].iter().zip(&mut row[1..]) {
+                if held[k] || held[above] {
+                    right[above] -= *entry * if held[k] { values[k] } else { 0.0 };
+                    right[k] -= *entry * if held[above] { values[above] } else { 0.0 };
+                    *entry = 0.0;
+                }
+            }
+            if held[k] {
+                row[0] = 1.0;
+            }
+        }
+        for (k, right) in right.iter_mut().enumerate().filter(|(k, _)| held[*k]) {
+            *right = values[k];
+        }
+    }
+
+    /// A = LᵀL in place (Featherstone 2008, "Rigid Body Dynamics Algorithms", table 6.3); the diagonal then holds the inverses
+    /// of L's. False where a pivot is none: not positive definite.
+    pub(crate) fn factorise(&mut self) -> bool {
+        let tree = &*self.tree;
+        let diagonal = (0..tree.unknowns()).map(|k| self.entries[tree.start(k)]);
+        let least = NEGLIGIBLE * diagonal.fold(0.0, f64::max);
+        for k in (0..tree.unknowns()).rev() {
+            let way = tree.way(k);
+            let (before, own) = self.entries.split_at_mut(tree.start(k));
+            let row = &mut own[..way.len()];
+            let pivot = row[0];
+            if pivot <= least || pivot.is_nan() {
+                return false;
+            }
+            row[0] = 1.0 / pivot.sqrt();
+            let inverse = row[0];
+            row[1..].iter_mut().for_each(|entry| *entry *= inverse);
+            for (step, &above) in way.iter().enumerate().skip(1) {
+                let rest = &row[step..];
+                let theirs = &mut before[tree.start(above)..][..rest.len()];
+                let factor = rest[0];
+                for (entry, own) in theirs.iter_mut().zip(rest) {
+                    *entry -= factor * own;
+                }
+            }
+        }
+        true
+    }
+
+    /// Solves A x = b in place, after [`factorise`](Self::factorise): Lᵀ from the tips to the root, L back.
+    pub(crate) fn solve(&self, b: &mut [f64]) {
+        for k in (0..self.tree.unknowns()).rev() {
+            let (way, row) = (self.tree.way(k), self.row(k));
+            let value = b[k] * row[0];
+            b[k] = value;
+            for (&above, entry) in way[1..].iter().zip(&row[1..]) {
+                b[above] -= entry * value;
+            }
+        }
+        for k in 0..self.tree.unknowns() {
+            let (way, row) = (self.tree.way(k), self.row(k));
+            let above = way[1..].iter().zip(&row[1..]);
+            let taken: f64 = above.map(|(&above, entry)| entry * b[above]).sum();
+            b[k] = (b[k] - taken) * row[0];
+        }
+    }
+
+    fn row(&self, unknown: usize) -> &[f64] {
+        &self.entries[self.tree.start(unknown)..self.tree.start(unknown + 1)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DMatrix, DVector};
+
+    use super::BranchedMatrix;
+    use crate::random::RandomStream;
+
+    /// Three limbs on a trunk; two limbs coupled at their tips; everything coupled; nothing.
+    fn couplings() -> [Vec<Vec<usize>>; 4] {
+        let limbs = vec![vec![0, 1, 2, 3], vec![0, 1, 4, 5, 6], vec![0, 7]];
+        let mut tied = limbs.clone();
+        tied.push(vec![3, 6]);
+        [limbs, tied, vec![(0..8).collect()], Vec::new()]
+    }
+
+    #[test]
+    fn it_multiplies_and_solves_as_a_dense_matrix_does() {
+        let mut random = RandomStream::new(5, 0);
+        for coupled in couplings() {
+            let n = 8;
+            let (mut own, mut dense) = (BranchedMatrix::new(n, &coupled), DMatrix::zeros(n, n));
+            for set in coupled.into_iter().chain((0..n).map(|k| vec![k])) {
+                // A row that moves with these unknowns.
+                let row: Vec<f64> = set.iter().map(|_| 2.0 * random.unit() - 1.0).collect();
+                for (p, &a) in set.iter().enumerate() {
+                    for (q, &b) in set.iter().enumerate() {
+                        dense[(a, b)] += row[p] * row[q];
+                        if a >= b {
+                            own.add(a, b, row[p] * row[q]);
+                        }
+                    }
+                }
+            }
+            let x = DVector::from_fn(n, |_, _| random.unit());
+            let mut product = vec![0.0; n];
+            own.multiply(x.as_slice(), &mut product);
+            assert!((&dense * &x - DVector::from_vec(product)).amax() < 1e-14);
+
+            let damping = 0.5;
+            for held in [vec![false; n], (0..n).map(|k| k % 3 == 1).collect()] {
+                let b = DVector::from_fn(n, |_, _| random.unit());
+                let mut full = &dense + DMatrix::identity(n, n) * damping;
+                let mut right = b.clone();
+                for k in (0..n).filter(|&k| held[k]) {
+                    right -= full.column(k) * x[k];
+                    full.row_mut(k).fill(0.0);
+                    full.column_mut(k).fill(0.0);
+                    full[(k, k)] = 1.0;
+                }
+                for k in (0..n).filter(|&k| held[k]) {
+                    right[k] = x[k];
+                }
+                let expected = full.cholesky().map(|factor| factor.solve(&right));
+                let (mut factor, mut got) = (own.clone(), b.as_slice().to_vec());
+                factor.copy_free(&own, damping, (&held, x.as_slice()), &mut got);
+                assert!(factor.factorise());
+                factor.solve(&mut got);
+                let miss = expected.map(|expected| (expected - DVector::from_vec(got)).amax());
+                assert!(miss.is_some_and(|miss| miss < 1e-13), "{miss:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_not_positive_definite_is_refused() {
+        let mut matrix = BranchedMatrix::new(2, &[vec![0, 1]]);
+        for (a, b, by) in [(0, 0, 1.0), (1, 0, 2.0), (1, 1, 1.0)] {
+            matrix.add(a, b, by);
+        }
+        assert!(!matrix.factorise());
+    }
+}
