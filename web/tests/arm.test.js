@@ -116,3 +116,13 @@ test("a robot tells its shapes, tips and limits, and stands on a base of its own
     const target = arm.baseFromTool([0.7, 0.3, -1.1, 1, -0.9, 1.1, 0.4]);
     assert.ok(arm.solve(target).reached);
 });
+
+test("an arm's joints are found in the whole robot's configuration, and put there", () => {
+    const robot = Robot.fromUrdf(text("rethink_baxter.urdf"), "rethink_baxter.urdf");
+    const arm = new Arm(robot, "torso", "left_tool");
+    const q = configuration(arm, random(5));
+    const before = robot.model.randomConfiguration(1);
+    const whole = arm.configuration(q, before);
+    assert.deepEqual([...arm.jointValues(whole)], [...q]);
+    assert.deepEqual([...arm.configuration(arm.jointValues(before), before)], [...before]);
+});

@@ -1,13 +1,17 @@
-//! Promise: the commands that the pages of docs/ show do what they say, from the project's root.
+//! Promise: the commands that the README and the pages of docs/ show do what they say, from the project's root.
 
 use std::process::Command;
 
 use crate::forked_rig::*;
 use serde_json::Value;
 
+/// How the command is run where it is compiled, less the name of the package that cargo knows by itself.
+const COMPILED: &str = "cargo run ";
+
 /// The pages with blocks that are run.
 fn pages() -> Vec<(String, String)> {
-    let mut found = Vec::new();
+    let readme = std::fs::read_to_string("../README.md").unwrap();
+    let mut found = vec![("README".to_owned(), readme)];
     for entry in std::fs::read_dir("../docs").unwrap() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|extension| extension == "md") {
@@ -29,7 +33,8 @@ fn blocks(page: &str, language: &str) -> Vec<String> {
 
 /// Runs the command in a folder of its own, on the project's files.
 fn run(folder: &Folder, line: &str) -> String {
-    let words = line.split_whitespace().skip(1).map(|word| {
+    let words = line.strip_prefix(COMPILED).unwrap_or(line);
+    let words = words.split_whitespace().skip(1).map(|word| {
         let model = std::path::Path::new("..").join(word);
         match word.starts_with("models/") || word.starts_with("tests/") {
             true => model.canonicalize().unwrap().into_os_string(),
@@ -57,7 +62,8 @@ fn their_commands_succeed() {
     for (name, page) in pages() {
         let folder = Folder::new(&name);
         for line in blocks(&page, "sh").iter().flat_map(|block| block.lines()) {
-            assert!(line.starts_with("kinopt "), "{name}: {line}");
+            let begins = line.starts_with("kinopt ") || line.starts_with(COMPILED);
+            assert!(begins, "{name}: {line}");
             let text = run(&folder, line);
             assert!(!text.is_empty(), "{name}: {line}");
             lines += 1;

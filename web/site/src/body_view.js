@@ -10,6 +10,8 @@ const BOX = 0xb98a5b;
 const GROUND = 0x8f9aa3;
 /** Sides of the squares on the ground, for the size of what is seen, and how many there are. */
 const [SQUARE, SQUARES] = [0.2, 40];
+/** How large what may be grabbed is drawn for the size of a body: joints, and the ends of a robot's limbs. */
+const [JOINT, END] = [0.009, 0.018];
 /** What may be grabbed: dark, as skins, sticks and links are light. */
 const FREE = 0x46525c;
 const PINNED = 0x1f6fb2;
@@ -142,7 +144,7 @@ export class BodyView {
     }
 
     #handles() {
-        const radius = this.opened.kind === "robot" ? 0.02 * this.stage.size : 0.009 * this.stage.size;
+        const radius = JOINT * this.stage.size;
         const material = new THREE.MeshBasicMaterial({ depthTest: false, transparent: true, opacity: 0.9 });
         this.balls = new THREE.InstancedMesh(new THREE.SphereGeometry(radius, 12, 8), material, this.count);
         this.balls.renderOrder = 1;
@@ -181,7 +183,8 @@ export class BodyView {
         if (links) this.#place(links);
         const at = new THREE.Matrix4();
         for (let k = 0; k < this.count; k += 1) {
-            this.balls.setMatrixAt(k, at.makeTranslation(places[3 * k], places[3 * k + 1], places[3 * k + 2]));
+            const size = k < this.opened.ends ? END / JOINT : 1;
+            this.balls.setMatrixAt(k, at.makeScale(size, size, size).setPosition(places[3 * k], places[3 * k + 1], places[3 * k + 2]));
         }
         this.balls.instanceMatrix.needsUpdate = true;
         if (ground) this.#walk(ground);

@@ -26,7 +26,9 @@ export class Handles {
 
 /** Of what a solution explains, that which a hand can do something about: how far out of reach it is, else what misses and why. */
 function shortly(solution) {
-    const [, ...lines] = solution.explain().split("\n").map((line) => line.trim());
+    const [, ...all] = solution.explain().split("\n").map((line) => line.trim());
+    // Other starts are nothing that a hand has.
+    const lines = all.filter((line) => !/attempt|More time/.test(line));
     const far = solution.isOutOfReach ? lines.filter((line) => line.startsWith("Out of reach")) : [];
     return [...far, ...lines].slice(0, far.length || 3).join(" ");
 }

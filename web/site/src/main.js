@@ -51,8 +51,8 @@ const { playback } = page;
 const DROP = "Drop your own robot (.urdf, .xml, meshes), character (.glb, .gltf, .bvh) or rig here.";
 const HINTS = {
     character: ["Grab any joint and pull, while its clip plays too. Blue is pinned, red is at a limit.", DROP],
-    robot: ["Pull its tool.", DROP],
-    body: ["Pull the end of any limb.", DROP],
+    robot: ["Grab its tool or any joint and pull; a pinned tool stays. Red is at a limit.", DROP],
+    body: ["Grab any joint and pull. Blue is pinned, red is at a limit.", DROP],
     movement: ["A robot follows a captured person, live.", "Drop a .bvh for it to follow, or another robot's .urdf."],
 };
 
@@ -77,6 +77,7 @@ async function open(wanted, name) {
         page.view?.remove();
         page.opened = opened;
         page.pins = new Set(opened.pins);
+        page.limits = [];
         page.view = new BodyView(stage, opened, asked.files);
         page.frames.length = 0;
         playback.begin(opened.kind === "movement");
@@ -102,12 +103,11 @@ async function open(wanted, name) {
 
 /** What the tools say and do of what is open. */
 function tools() {
-    const { kind, triangles, seconds, handles = [] } = page.opened ?? {};
-    const isCharacter = kind === "character";
-    const [toDo = "", toDrop = ""] = HINTS[kind === "robot" && handles.length > 1 ? "body" : kind] ?? [];
+    const { kind, triangles, seconds, pins = [] } = page.opened ?? {};
+    const [toDo = "", toDrop = ""] = HINTS[kind === "robot" && pins.length > 0 ? "body" : kind] ?? [];
     element("to-do").textContent = toDo && `${toDo} Beside it the view turns.`;
     element("to-drop").textContent = toDrop;
-    element("pin").hidden = !isCharacter;
+    element("pin").hidden = kind === "movement";
     element("skin").hidden = !(triangles?.length > 0);
     element("play").hidden = kind === "robot";
     element("pin").textContent = (playback.running ? page.kept : page.pins).has(page.grabbed) ? "Free" : "Pin";

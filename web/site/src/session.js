@@ -1,9 +1,9 @@
 // What a set of files is: told by the extensions of those that are there.
 import { AnimatedSession } from "./animated_session.js";
-import { ArmSession } from "./arm_session.js";
 import { extension } from "./files.js";
 import { RetargetSession } from "./retarget_session.js";
 import { RigSession } from "./rig_session.js";
+import { RobotSession } from "./robot_session.js";
 import { MotionCapture, Rig, Robot, Scene } from "kinopt";
 
 const KINDS = ["urdf", "xml", "glb", "gltf", "bvh", "json"];
@@ -21,7 +21,7 @@ export function openSession(files, options) {
         case "urdf":
         case "xml": {
             const moves = of("bvh");
-            if (!moves) return new ArmSession(robot(name, bytes), names, options);
+            if (!moves) return new RobotSession((base) => robot(name, bytes, base), names, options);
             const capture = MotionCapture.fromBytes(files[moves], moves);
             return new RetargetSession(robot(name, bytes, { baseJoint: "free" }), names, capture);
         }

@@ -4,8 +4,8 @@ import { openSession } from "./session.js";
 let session;
 
 const answers = {
-    open({ files, skinning, world }) {
-        session = openSession(files, { skinning, world });
+    open({ files, ...options }) {
+        session = openSession(files, options);
         return { ...session.describe(), ...session.show() };
     },
     grab: ({ handle, pins }) => session.grab(handle, pins),

@@ -15,7 +15,7 @@ const RUNNERS = {
     // package.test.js beside this.
     html: (path) => path === "web/README.md",
     // cli/tests/command/pages.rs.
-    sh: (path) => path.startsWith("docs/"),
+    sh: (path) => path.startsWith("docs/") || path === "README.md",
 };
 // Nothing to run.
 const DATA = new Set(["json", "yaml", "xml", "toml", "text"]);

@@ -54,31 +54,6 @@ for (const [screen, viewport] of [["a desk's", { width: 1280, height: 800 }], ["
     });
 }
 
-test("a robot's limbs are pulled one after another, and the others stay", { skip }, async () => {
-    const page = await opened(site.browser);
-    await page.waitForFunction(() => globalThis.kinoptPage?.view);
-    await page.locator("#file").setInputFiles(join(models, "aldebaran_nao.urdf"));
-    await page.waitForFunction(() => kinoptPage.opened.kind === "robot", undefined, { timeout: 60_000 });
-    const places = () => page.evaluate(() => Object.fromEntries(kinoptPage.opened.handles.map((name) => [name, kinoptPage.view.place(name).toArray()])));
-    const away = (a, b) => Math.hypot(...a.map((value, k) => value - b[k]));
-    for (const pulled of ["left_hand", "right_hand", "left_hand"]) {
-        const before = await places();
-        const seen = await page.evaluate((name) => kinoptPage.stage.toScreen(kinoptPage.view.place(name)), pulled);
-        await page.mouse.move(seen.x, seen.y);
-        await page.mouse.down();
-        assert.equal(await page.evaluate(() => kinoptPage.grabbed), pulled);
-        await page.mouse.move(seen.x - 30, seen.y + 40, { steps: 20 });
-        await page.mouse.up();
-        await page.waitForFunction(() => !kinoptPage.busy && !kinoptPage.moved);
-        const later = await places();
-        for (const [name, place] of Object.entries(later)) {
-            const moved = away(place, before[name]);
-            assert.ok(name === pulled ? moved > 0.01 : moved < 1e-6, `${name} moved by ${moved} m while ${pulled} was pulled`);
-        }
-    }
-    await page.close();
-});
-
 test("a file that was wrong is chosen again under its name", { skip }, async () => {
     const page = await opened(site.browser);
     await page.waitForFunction(() => globalThis.kinoptPage?.view);

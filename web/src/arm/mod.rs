@@ -180,6 +180,17 @@ impl Arm {
         self.inner.configuration(q, &mut whole).map_err(raise)?;
         Ok(whole)
     }
+
+    /// Where the arm's own joints stand in the model's configuration `qModel`.
+    #[wasm_bindgen(js_name = jointValues)]
+    pub fn joint_values(
+        &self,
+        #[wasm_bindgen(js_name = qModel, unchecked_param_type = "Numbers")] q_model: &[f64],
+    ) -> Result<Vec<f64>, JsError> {
+        let mut q = Vec::new();
+        self.inner.joint_values(q_model, &mut q).map_err(raise)?;
+        Ok(q)
+    }
 }
 
 #[cfg(feature = "collision")]

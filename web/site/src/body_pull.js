@@ -1,0 +1,58 @@
+// Any part of a robot in the hand: the whole of it follows, what is pinned stays, and who stands keeps the balance.
+import { Drag, ForwardKinematics, Problem, tasks } from "kinopt";
+
+/** How far what is pulled keeps from what is in its way, metres. */
+export const MARGIN = 0.01;
+/** Strict levels: what is pinned stays, and balance is kept, where the hand is out of reach. */
+const [PINNED, BALANCE, PULLED] = [0, 1, 2];
+
+export class BodyPull {
+    /** `soles` are those of the feet, by their names, of who stands; without masses in its file no balance is kept. */
+    constructor(robot, { soles = {}, surroundings } = {}) {
+        this.model = robot.model;
+        this.stands = Object.keys(soles).length > 0;
+        this.surroundings = surroundings;
+        this.soles = this.stands && this.#weighs(soles) ? soles : {};
+    }
+
+    #weighs(soles) {
+        try {
+            new Problem(this.model, [tasks.supportPolygon([], { on: soles })]).free();
+            return true;
+        } catch {
+            return false;
+        }
+    }
+
+    /** Goes on from `q`; what is pinned keeps its place and how it is turned, what is pulled only where it was pinned. */
+    grab(handle, pins, q) {
+        const frames = [...new Set([...pins, handle])];
+        const placed = new ForwardKinematics(this.model, frames).place(q).slice();
+        const at = new Map(frames.map((name, k) => [name, placed.subarray(16 * k, 16 * k + 16)]));
+        const others = frames.filter((name) => name !== handle);
+        this.handle = handle;
+        this.turned = pins.includes(handle) ? at.get(handle) : undefined;
+        const pulled = { name: handle, level: PULLED };
+        const stated = [
+            ...others.map((name) => tasks.pose(name, at.get(name), { name, level: PINNED })),
+            this.turned ? tasks.pose(handle, this.turned, pulled) : tasks.point(handle, at.get(handle).slice(12, 15), pulled),
+            tasks.posture(q, { name: "posture", ...(this.stands && { jointWeights: "upright" }) }),
+        ];
+        const feet = Object.entries(this.soles).filter(([foot]) => others.includes(foot));
+        if (feet.length > 0) stated.push(tasks.supportPolygon([], { on: Object.fromEntries(feet), name: "balance", level: BALANCE }));
+        this.dragging?.free();
+        this.dragging = new Drag(this.#problem(stated), q);
+    }
+
+    #problem(stated) {
+        const { model, surroundings } = this;
+        return surroundings ? Problem.keepingClear(model, stated, surroundings.shapes, surroundings.world, MARGIN) : new Problem(model, stated);
+    }
+
+    /** A frame: what is pulled to a place. */
+    advance(place) {
+        this.turned?.set(place, 12);
+        const solution = this.dragging.advance({ [this.handle]: this.turned ?? place });
+        return { solution, q: solution.q, rests: this.dragging.rests };
+    }
+}

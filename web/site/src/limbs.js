@@ -1,0 +1,78 @@
+// What of a robot can be grabbed: the ends of its limbs and the joints between, and on which of them it stands.
+import { ForwardKinematics } from "kinopt";
+
+/** Places nearer to each other than this share of the robot's size are one to a hand. */
+const APART = 0.05;
+/** Feet are so level with the lowest end of a limb, and so far below the body, as shares of the robot's height. */
+const [LEVEL, BELOW] = [0.05, 0.25];
+
+/** Frames at the ends of limbs, one of each chain of joints that is no part of another; of a robot with a flange that alone. */
+function ends({ model, tips }, chainOf, linkOf) {
+    if (model.frameNames.includes("flange")) return ["flange"];
+    const byChain = new Map();
+    for (const tip of tips) {
+        const chain = chainOf(tip).join("\n");
+        if (chain) byChain.set(chain, [...(byChain.get(chain) ?? []), tip]);
+    }
+    const goesOn = (chain) => [...byChain.keys()].some((other) => other.startsWith(`${chain}\n`));
+    // Where many things end on one link, as toes on a foot, that is the limb's end.
+    const found = [...byChain].filter(([chain]) => !goesOn(chain)).map(([, own]) => (own.length > 1 ? linkOf(own[0]) : own[0]));
+    // Of what has no joints the library says so.
+    return found.length > 0 ? found : tips.slice(0, 1);
+}
+
+export class Limbs {
+    #chains = new Map();
+
+    constructor(robot) {
+        const names = robot.model.frameNames;
+        this.base = names[0];
+        this.places = new ForwardKinematics(robot.model).place(robot.model.neutral()).slice();
+        const at = new Map(names.map((name, k) => [name, this.places.subarray(16 * k + 12, 16 * k + 15)]));
+        const axis = (k) => [...at.values()].map((place) => place[k]);
+        const length = (values) => Math.max(...values) - Math.min(...values);
+        this.height = length(axis(2));
+        const apart = APART * Math.hypot(length(axis(0)), length(axis(1)), this.height);
+        const away = (one, other) => Math.hypot(...at.get(one).map((value, k) => value - at.get(other)[k]));
+
+        for (const name of names) this.#chains.set(name, robot.chain(this.base, name));
+        const rigid = (one, other) => this.chain(one).join() === this.chain(other).join();
+        /** What of the frames that are fixed to each other has a body, else the first of them. */
+        const link = (name) => {
+            const own = names.filter((other) => rigid(name, other));
+            return own.find((other) => robot.shapes(other).length > 0) ?? own[0];
+        };
+        const tips = ends(robot, (name) => this.chain(name), link);
+        /** Ends of limbs first, then the joints between, one at a place. */
+        this.handles = [];
+        for (const name of new Set([...tips, ...names.map(link)])) {
+            const seen = this.handles.some((other) => rigid(name, other) || away(name, other) < apart);
+            if ((this.chain(name).length > 0 && !seen) || name === tips[0]) this.handles.push(name);
+        }
+        this.tips = this.handles.filter((name) => tips.includes(name));
+        const high = (name) => at.get(name)[2];
+        const lowest = Math.min(...this.tips.map(high));
+        const low = this.tips.filter((name) => high(name) < lowest + LEVEL * this.height);
+        /** What carries the robot, if two limbs or more do: the lowest ends, well below what they hang on. */
+        this.feet = low.length > 1 && this.#body(robot, at) > lowest + BELOW * this.height ? low : [];
+    }
+
+    /** How high the body is that limbs hang on: where the file begins, else what moves first of it, as under MuJoCo's world. */
+    #body(robot, at) {
+        const [first, second] = robot.model.frameNames;
+        const name = first === "world" ? second : first;
+        return at.get(name)?.[2] ?? 0;
+    }
+
+    /** The joints from the base to a frame. */
+    chain(name) {
+        return this.#chains.get(name);
+    }
+
+    /** Where a joint is seen: the handle with the fewest joints behind it. */
+    handleOf(joint) {
+        const behind = this.handles.filter((name) => this.chain(name).includes(joint));
+        const length = (name) => this.chain(name).length;
+        return behind.reduce((best, name) => (best === undefined || length(name) < length(best) ? name : best), undefined);
+    }
+}

@@ -1,0 +1,100 @@
+// A robot: any part of it is pulled, around what is in the way where there is a world; feet, or what else is pinned, stay.
+import { CollisionModel, ForwardKinematics, World } from "kinopt";
+import { ArmPull } from "./arm_pull.js";
+import { BodyPull } from "./body_pull.js";
+import { told } from "./handles.js";
+import { Limbs } from "./limbs.js";
+import { shapesOf } from "./robot_shapes.js";
+import { soles } from "./soles.js";
+
+/** More limbs than these make a body, which begins as its file has it; arms begin bent. */
+const ARMS = 2;
+
+export class RobotSession {
+    #arms = new Map();
+
+    /** `read` reads the robot, on the base that it is told. */
+    constructor(read, files, { world, start }) {
+        this.robot = read({});
+        this.limbs = new Limbs(this.robot);
+        // Who stands is held by its feet, not by the file's first link.
+        if (this.limbs.feet.length > 0) this.robot = read({ baseJoint: "free" });
+        const { robot, limbs } = this;
+        this.drawn = shapesOf(robot, files);
+        this.kinematics = new ForwardKinematics(robot.model);
+        this.frames = limbs.handles.map((name) => robot.model.frameNames.indexOf(name));
+        this.boxes = world ?? [];
+        this.start = start;
+        this.surroundings = this.boxes.length > 0 ? surrounded(robot, this.boxes) : undefined;
+        this.body = new BodyPull(robot, { soles: soles(robot, limbs), surroundings: this.surroundings });
+        this.rest();
+    }
+
+    /** The arm that ends in `tip`, made when it is first asked for. */
+    #arm(tip) {
+        const { robot, limbs } = this;
+        if (!this.#arms.has(tip)) this.#arms.set(tip, new ArmPull(robot, limbs.base, tip, limbs.chain(tip), this.surroundings));
+        return this.#arms.get(tip);
+    }
+
+    describe() {
+        const { limbs } = this;
+        return {
+            kind: "robot",
+            up: "z",
+            from: [0.55, -1, 0.35],
+            handles: limbs.handles,
+            ends: limbs.tips.length,
+            pins: limbs.feet,
+            names: this.robot.model.frameNames,
+            shapes: this.drawn.shapes,
+            sticks: this.drawn.sticks,
+            boxes: this.boxes,
+            seconds: 0,
+            notes: [...this.robot.repairs, ...this.drawn.notes],
+        };
+    }
+
+    skin() {
+        return this.show();
+    }
+
+    rest() {
+        const { tips } = this.limbs;
+        this.q = this.robot.model.neutral();
+        if (tips.length <= ARMS) for (const tip of tips) this.q = this.#arm(tip).bent(this.q, this.start);
+        return this.show();
+    }
+
+    /** The tool of an arm is followed by the arm's own engine, as long as nothing else of it is pinned. */
+    grab(handle, pins) {
+        const { tips, feet } = this.limbs;
+        const alone = pins.every((name) => name === handle);
+        const isTool = alone && feet.length === 0 && tips.includes(handle);
+        this.pull = isTool ? this.#arm(handle) : this.body;
+        this.pull.grab(handle, pins, this.q);
+        return {};
+    }
+
+    drag(target) {
+        const begun = performance.now();
+        const { solution, q, rests } = this.pull.advance(target);
+        this.q = q;
+        const solved = performance.now() - begun;
+        const { limits, ...more } = told(solution, this.robot.model.reach);
+        return { ...this.show(), ...more, limits: limits.map((joint) => this.limbs.handleOf(joint) ?? joint), solved, rests };
+    }
+
+    show() {
+        const links = Float32Array.from(this.kinematics.place(this.q));
+        const places = this.frames.flatMap((frame) => [...links.subarray(16 * frame + 12, 16 * frame + 15)]);
+        return { links, places: Float32Array.from(places), posed: 0 };
+    }
+}
+
+/** What is in a robot's way, `{ shapes, world }`. */
+function surrounded(robot, boxes) {
+    const world = new World();
+    for (const { name, size, at } of boxes) world.addBox(name, size, at);
+    return { shapes: CollisionModel.ofRobot(robot), world };
+}

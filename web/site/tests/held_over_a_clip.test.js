@@ -1,0 +1,52 @@
+// A hand is dragged while the clip goes on, is pinned there, and comes back to the clip.
+import assert from "node:assert/strict";
+import test, { after, before } from "node:test";
+import { skip } from "./browser.js";
+import { pictured, seen, visiting } from "./visit.js";
+
+const { opened, begin, end } = visiting();
+before(begin);
+after(end);
+
+test("a hand is dragged while the clip goes on, is pinned there, and comes back to the clip when it is let go", { skip }, async () => {
+    const { page, said } = await opened();
+    const at = (name) => page.evaluate((name) => kinoptPage.view.place(name).toArray(), name);
+    const away = (a, b) => Math.hypot(...a.map((value, k) => value - b[k]));
+    const hand = await seen(page, "left_hand");
+    const begun = await at("left_hand");
+    await page.locator("#play").click();
+    await page.waitForFunction(() => kinoptPage.playback.running);
+    await page.mouse.move(hand.x, hand.y);
+    await page.mouse.down();
+    for (let k = 1; k <= 60; k += 1) {
+        await page.mouse.move(hand.x - k, hand.y - 2 * k);
+        await page.waitForTimeout(1000 / 60);
+        if (k === 50) await pictured(page, "web-over-clip.png");
+    }
+    const target = await page.evaluate(() => kinoptPage.target.toArray());
+    await page.waitForFunction((target) => kinoptPage.view.place("left_hand").toArray().every((value, k) => Math.abs(value - target[k]) < 0.01), target);
+    // The other hand waves on, from frame to frame.
+    const waving = [];
+    for (let k = 0; k < 8; k += 1) {
+        waving.push(await at("right_hand"));
+        await page.waitForTimeout(150);
+    }
+    assert.ok(Math.max(...waving.map((place) => away(place, waving[0]))) > 0.03, "the clip goes on");
+    await page.locator("#stage").focus();
+    await page.keyboard.press("p");
+    await page.mouse.up();
+    await page.waitForTimeout(700);
+    assert.ok(away(await at("left_hand"), target) < 0.01, "a pinned hand stays");
+    await page.keyboard.press("p");
+    await page.waitForFunction((begun) => Math.hypot(...kinoptPage.view.place("left_hand").toArray().map((value, k) => value - begun[k])) < 0.05, begun);
+    const frames = await page.evaluate(() => kinoptPage.frames.map(({ solved }) => solved).sort((a, b) => a - b));
+    console.log(`${frames.length} frames over the clip: ${frames[frames.length >> 1].toFixed(2)} ms in the median`);
+    // The keyboard holds too.
+    await page.keyboard.press("ArrowUp");
+    assert.ok(await page.evaluate(() => kinoptPage.nudged && kinoptPage.grabbed === "left_hand"));
+    await page.keyboard.press("Escape");
+    assert.equal(await page.evaluate(() => kinoptPage.grabbed), undefined);
+    await page.locator("#play").click();
+    assert.deepEqual(said, []);
+    await page.close();
+});
