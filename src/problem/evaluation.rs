@@ -155,6 +155,13 @@ impl<'a> Evaluation<'a> {
         &self.scratch.shifted_residual[0]
     }
 
+    /// Where the first frame of a task is at x.
+    pub(crate) fn first_frame(&mut self, x: &[f64], task: usize) -> Option<Placement<f64>> {
+        self.forward(x);
+        let slot = self.question.problem.tasks.get(task)?.frames.first()?;
+        self.scratch.state.frames().get(*slot).copied()
+    }
+
     fn fits(&self, x: &[f64], rows: usize) -> bool {
         x.len() == self.question.problem.variables() && rows == self.rows()
     }

@@ -86,3 +86,39 @@ fn a_foot_stands_flat_and_no_part_of_it_is_in_the_ground() {
         assert!(standing > 240, "{standing}");
     }
 }
+
+/// Legs that know their ankles alone, whose feet no toe keeps level.
+const ANKLES: &str = r#"{
+    "joints": ["chest", "l_hip", "l_knee", "l_ankle", "l_toe", "r_hip", "r_knee", "r_ankle", "r_toe"],
+    "drives": {
+        "chest": "pelvis",
+        "l_hip": "left_thigh", "l_knee": "left_shank", "l_ankle": "left_foot",
+        "r_hip": "right_thigh", "r_knee": "right_shank", "r_ankle": "right_foot"
+    }
+}"#;
+
+/// A person who goes down further than the ankles bend: the heel would rise, and the toes go into the ground.
+#[test]
+fn a_foot_whose_ankle_ends_is_not_tipped_into_the_ground() {
+    let robot = legs(SOLE);
+    let map = BodyMap::from_json(ANKLES, "legs").unwrap();
+    let mut numbers = person();
+    for (k, frame) in numbers.chunks_mut(27).enumerate() {
+        let down = 0.15 * (1.0 - (0.05 * k as f64).cos());
+        // The body goes down and ahead, the knees ahead; the feet stand.
+        for joint in [0, 1, 5] {
+            frame[3 * joint] += down;
+            frame[3 * joint + 2] -= down;
+        }
+        for joint in [2, 6] {
+            frame[3 * joint] += down;
+        }
+    }
+    let capture = Capture::new(map.joints.clone(), &numbers, RATE).unwrap();
+    let fitted = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
+    let found = fitted.per_frame().unwrap();
+    check_limits(&robot, &found);
+    assert!(found.sunk < 1.5e-3, "{} m", found.sunk);
+    assert!(found.slip < 1e-3, "{} m", found.slip);
+    assert!(found.given_up.is_empty(), "{:?}", found.given_up);
+}

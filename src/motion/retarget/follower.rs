@@ -20,6 +20,8 @@ const STEPS: usize = 3;
 /// So many more while what is held has slipped, or a foot is in the ground, by more than this, metres.
 const MORE_STEPS: usize = 6;
 const SLIPPED: f64 = 5e-4;
+/// A foot that is held and would go deeper into what it stands on, metres, is held firmly.
+const SUNK: f64 = 1e-3;
 /// What a place counts that is held, for the most that any place counts: so all others together hardly move it.
 const HELD: f64 = 300.0;
 
@@ -98,7 +100,7 @@ impl BodyFollower {
         let posture = hinges(model).filter_map(|(id, value)| Some((model.coordinate(id)?, value)));
         let posture: Vec<_> = posture.collect();
         let landing_weight = asked.options.landing_weight;
-        let feet = Feet::new(model, limbs, landing_weight, &mut tasks)?;
+        let feet = Feet::new(limbs, landing_weight, &mut tasks);
         if let Some(obstacles) = &asked.obstacles {
             obstacles.add_to(&mut tasks);
         }
@@ -177,6 +179,28 @@ impl BodyFollower {
             }
         }
         self.aim(places, stands)?;
+        let mut whole = self.descend();
+        if whole && self.feet.hold_firmly(&self.anchors, SUNK) {
+            self.feet.aim(&mut self.targets, &self.anchors, stands)?;
+            whole = self.descend();
+        }
+        if whole {
+            self.anchor(stands)?;
+        }
+        let problem = self.frame.problem();
+        let limits = problem.lower().iter().zip(problem.upper());
+        let bounds = self.lower.iter_mut().zip(&mut self.upper);
+        for ((&x, &most), ((lower, upper), (&low, &high))) in
+            self.x.iter().zip(&self.most).zip(bounds.zip(limits))
+        {
+            (*lower, *upper) = ((x - most).max(low), (x + most).min(high));
+        }
+        self.followed = true;
+        Ok(&self.q)
+    }
+
+    /// Moves the body to where this frame's targets lead; whether all is finite, else it stays.
+    fn descend(&mut self) -> bool {
         let steps = if self.followed { STEPS } else { FIRST_STEPS };
         let (anchors, feet) = (&self.anchors, &self.feet);
         let slipped = |problem: &Problem, residual: &[f64]| {
@@ -205,18 +229,9 @@ impl BodyFollower {
         if whole {
             let parameters = self.frame.problem().parameters();
             parameters.scatter_within_limits(&self.x, &mut self.q);
-            self.anchor(stands)?;
+            self.feet.place(&mut self.frame, &self.x);
         }
-        let problem = self.frame.problem();
-        let limits = problem.lower().iter().zip(problem.upper());
-        let bounds = self.lower.iter_mut().zip(&mut self.upper);
-        for ((&x, &most), ((lower, upper), (&low, &high))) in
-            self.x.iter().zip(&self.most).zip(bounds.zip(limits))
-        {
-            (*lower, *upper) = ((x - most).max(low), (x + most).min(high));
-        }
-        self.followed = true;
-        Ok(&self.q)
+        whole
     }
 
     /// Sets all targets: held ones stay, those that were let go come back to theirs.
@@ -282,6 +297,7 @@ impl BodyFollower {
             let point = self.targets.get(self.points[k])?;
             self.anchors[k] = Some(point.place(&residual[rows]));
         }
-        self.feet.land(&self.q, &new, &self.anchors)
+        self.feet.land(&new, &self.anchors);
+        Ok(())
     }
 }

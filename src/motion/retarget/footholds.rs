@@ -59,6 +59,7 @@ impl Retargeting<'_> {
                 let tilts = held.take().unwrap_or_else(|| sole.tilts(&placed[frame][k]));
                 footings.push(Footing::Held {
                     tilts: tilts.clone(),
+                    firmly: false,
                 });
                 held = Some(tilts);
             }

@@ -9,8 +9,10 @@ use crate::task::{LocalJacobian, Quantity, Residual, Rows};
 /// What a radian costs that a foot is tilted off level, in metres off a place.
 const TILTED: f64 = 0.15;
 
-/// What a radian costs that a foot which is held is turned, in metres off a place, for the most that any place counts.
+/// What a radian costs that a foot which is held is turned, in metres off a place, for the most that any place counts …
 const TURNED: f64 = 1.5;
+/// … and one that is held firmly: by the lever of a foot as much as its place does.
+const TURNED_FIRMLY: f64 = 30.0;
 
 /// r = w min(z − radius − height, 0) for each ball of a sole, then r = w ((R e)·z − tilt) for each direction that is to be level.
 ///
@@ -19,8 +21,8 @@ const TURNED: f64 = 1.5;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct OverGround {
     sole: Sole,
-    /// What a metre below the ground costs, and a radian that a held foot is turned.
-    weights: [f64; 2],
+    /// What a metre below the ground costs, and what a radian that a held foot is turned, if it is held firmly too.
+    weights: [f64; 3],
     footing: Footing,
 }
 
@@ -29,8 +31,8 @@ pub(super) struct OverGround {
 pub(super) enum Footing {
     /// It stays over heights, ball by ball, and is to be level, which counts so many times as much as in the air.
     Over { heights: Vec<f64>, levelling: f64 },
-    /// It stays as tilted as it is, direction by direction.
-    Held { tilts: Vec<f64> },
+    /// It stays as tilted as it is, direction by direction; firmly, where it would go into the ground else.
+    Held { tilts: Vec<f64>, firmly: bool },
 }
 
 impl OverGround {
@@ -42,7 +44,7 @@ impl OverGround {
                 levelling: 1.0,
             },
             sole: sole.clone(),
-            weights: [over * heaviest, TURNED * heaviest],
+            weights: [over, TURNED, TURNED_FIRMLY].map(|weight| weight * heaviest),
         }
     }
 
@@ -55,7 +57,9 @@ impl OverGround {
     fn tilt(&self, direction: usize) -> (f64, f64) {
         match &self.footing {
             Footing::Over { levelling, .. } => (0.0, TILTED * levelling),
-            Footing::Held { tilts } => (tilts[direction], self.weights[1]),
+            Footing::Held { tilts, firmly } => {
+                (tilts[direction], self.weights[1 + usize::from(*firmly)])
+            }
         }
     }
 

@@ -3,6 +3,7 @@
 use super::bounded_descent::BoundedDescent;
 use crate::problem::{Evaluation, Problem, Question, Scratch, Targets};
 use crate::solver::LeastSquares;
+use crate::spatial::Placement;
 
 /// A problem that is solved frame after frame, each time from near its end.
 #[derive(Clone, Debug)]
@@ -50,6 +51,11 @@ impl ProblemOfFrame {
     pub(super) fn residual_at(&mut self, targets: &Targets, x: &[f64], residual: &mut [f64]) {
         let question = Question::from(&self.problem).with_targets(targets);
         Evaluation::new(question, &mut self.scratch).residual(x, residual);
+    }
+
+    /// Where the first frame of a task is at x.
+    pub(super) fn first_frame(&mut self, x: &[f64], task: usize) -> Option<Placement<f64>> {
+        Evaluation::new(&self.problem, &mut self.scratch).first_frame(x, task)
     }
 
     /// Takes x back to `from`, all but a share of the way.
