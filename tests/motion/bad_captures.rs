@@ -153,6 +153,14 @@ fn what_is_missing_is_named() {
     );
     let contact = refused(r#"{"drives": {"Hips": "torso"}, "contacts": ["LeftFoot"]}"#);
     assert!(contact.contains("LeftFoot"), "{contact}");
+    for (speed, height) in [(-0.1, 1.0), (f64::NAN, 1.0), (0.1, -0.1), (0.1, f64::NAN)] {
+        let mut options = RetargetOptions::default();
+        (options.contacts.speed, options.contacts.height) = (speed, height);
+        let map = BodyMap::from_json(r#"{"drives": {"Hips": "torso"}}"#, "").unwrap();
+        let made = Retargeting::new(&robot, &map, &capture, options);
+        let told = made.unwrap_err().to_string();
+        assert!(told.contains("of what stands"), "{told}");
+    }
     let mut numbers = vec![0.0; 3 * 9 * 4];
     numbers[3 * 9 * 2 + 3 * 7 + 1] = f64::INFINITY;
     let lost = Capture::new(JOINTS.map(str::to_owned).to_vec(), &numbers, 30.0);

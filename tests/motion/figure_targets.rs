@@ -4,7 +4,9 @@
 use kinopt::animation::{Armature, Cursor, Playback};
 use kinopt::io::rig::Rig;
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::motion::retarget::{FigureTarget, RetargetError, UpAxis};
+use kinopt::motion::retarget::{
+    BodyMap, Capture, FigureTarget, RetargetError, RetargetOptions, Retargeting, UpAxis,
+};
 
 /// How far bones of the clip are at most from where forward kinematics has them, and the height of the figure.
 fn off(figure: &FigureTarget, armature: &Armature) -> (f64, f64) {
@@ -65,6 +67,32 @@ fn a_rig_whose_z_points_upward() {
     let figure = FigureTarget::new(&rig.skeleton, UpAxis::Z).unwrap();
     let (most, tall) = off(&figure, &Armature::of_skeleton(&rig.skeleton));
     assert!(most < 2e-6 * tall, "{most} of {tall}");
+}
+
+/// What the command warns by: a figure whose file is said to have another axis upward lies down.
+#[test]
+fn the_way_that_a_figure_stands_is_told_from_its_feet() {
+    let read = kinopt::io::bvh::read("models/captures/steps.bvh").unwrap();
+    let capture = Capture::of_clip(&read.armature, &read.clip, 30.0).unwrap();
+    for (said, stands) in [(UpAxis::Y, UpAxis::Z), (UpAxis::Z, UpAxis::Y)] {
+        let turning = read.turning_bones();
+        let figure = FigureTarget::of_armature(&read.armature, &turning, said).unwrap();
+        let mut map = BodyMap::guess(&capture, figure.robot().model())
+            .unwrap()
+            .map;
+        let options = RetargetOptions {
+            up: UpAxis::Y,
+            ..RetargetOptions::default()
+        };
+        let along = |map: &BodyMap| {
+            let fitted = Retargeting::new(figure.robot(), map, &capture, options.clone());
+            fitted.unwrap().model_stands_along()
+        };
+        assert_eq!(along(&map), Some(stands));
+        // On what would it stand?
+        map.contacts = Some(Vec::new());
+        assert_eq!(along(&map), None);
+    }
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! `kinopt retarget`: people's movements on robots and figures.
 
+mod contact_options;
 mod folder;
 mod keep_clear;
 mod map_choice;
@@ -14,6 +15,7 @@ use kinopt::collision::Checker;
 use kinopt::motion::retarget::{FootShapes, GivenUp, RetargetOptions, Retargeting};
 use serde::Serialize;
 
+use self::contact_options::ContactOptions;
 use self::keep_clear::{KeepClearOptions, tell_touching};
 use self::map_choice::{MapChoice, MapOptions};
 use self::movement_file::Format;
@@ -77,6 +79,9 @@ pub(crate) struct Arguments {
     /// Solve the whole movement as one instead of frame by frame. Default: frame by frame.
     #[arg(long)]
     whole: bool,
+
+    #[command(flatten)]
+    contacts: ContactOptions,
 
     #[command(flatten)]
     keep_clear: KeepClearOptions,
@@ -195,6 +200,7 @@ impl<'a> Job<'a> {
         map.up = Some(read.up);
         let options = RetargetOptions {
             shapes: Some(self.shapes.clone()),
+            contacts: self.arguments.contacts.detection(),
             ..RetargetOptions::default()
         };
         let found = Retargeting::new(robot, &map, &read.capture, options).and_then(|retargeting| {
@@ -234,6 +240,7 @@ impl Arguments {
         vec![
             format!("target {target}, {:?}", self.target_up),
             format!("whole {}, header {}", self.whole, self.header),
+            format!("{:?}", self.contacts),
             format!("{:?}", self.keep_clear),
             format!("{:?}", self.map),
             format!("{:?}", self.source_options),

@@ -8,12 +8,21 @@ const MAP: &str = r#"{"joints": ["hips", "left", "right"], "fps": 30,
 
 /// A .npy of (frames, 3, 3): a hip that sways over two feet.
 fn sway(frames: usize) -> Vec<u8> {
+    sway_over(frames, |_| 0.0)
+}
+
+/// The same over a left foot that is so high.
+fn sway_over(frames: usize, high: impl Fn(usize) -> f32) -> Vec<u8> {
     let mut bytes = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
     let header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({frames}, 3, 3), }}");
     bytes.extend(format!("{header:<117}\n").bytes());
     for frame in 0..frames {
         let aside = 0.05 * (frame as f32 * 0.2).sin();
-        for place in [[0.0, aside, 0.9], [0.0, 0.15, 0.0], [0.0, -0.15, 0.0]] {
+        for place in [
+            [0.0, aside, 0.9],
+            [0.0, 0.15, high(frame)],
+            [0.0, -0.15, 0.0],
+        ] {
             bytes.extend(place.iter().flat_map(|number| number.to_le_bytes()));
         }
     }
@@ -24,6 +33,33 @@ fn array(folder: &Folder, name: &str, bytes: &[u8]) -> String {
     let path = folder.file(name);
     std::fs::write(&path, bytes).unwrap();
     path
+}
+
+/// A foot on the ground, then on a step of 0.3 m: it hardly moves but on the way there.
+#[test]
+fn what_stands_is_said_by_speed_and_height() {
+    let folder = Folder::new("retarget-contacts");
+    let text = MAP.replace("\"fps\"", "\"contacts\": [\"left\"], \"fps\"");
+    let map = folder.text("map.json", &text);
+    let high = |frame: usize| (frame as f32 / 10.0 - 1.0).clamp(0.0, 1.0) * 0.3;
+    let source = array(&folder, "sway.npy", &sway_over(30, high));
+    let robot = model("aldebaran_nao.urdf");
+    for (options, frames) in [
+        ("", [true, false, true]),
+        ("--contact-speed 10", [true, true, true]),
+        ("--contact-height 0.05", [true, false, false]),
+    ] {
+        let out = folder.file("sway.json");
+        let _ = answer!(
+            "retarget {source} {robot} --map {map} --base-joint free {options} --out {out}"
+        );
+        let text = std::fs::read_to_string(&out).unwrap();
+        let written: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let contacts = list(&written["contacts"]);
+        let stands = [3, 15, 26].map(|frame| contacts[frame][0] == true);
+        assert_eq!(stands, frames, "{options}");
+    }
+    refused!("retarget {source} {robot} --map {map} --contact-speed=-1 --out {source}.npz" => 2, "contact-speed");
 }
 
 #[test]

@@ -87,6 +87,7 @@ impl<'r> Retargeting<'r> {
     ) -> Result<Self, RetargetError> {
         BadOption::check("landing_weight", options.landing_weight, POSITIVE)?;
         BadOption::check("acceleration", options.acceleration, NOT_NEGATIVE)?;
+        options.contacts.check()?;
         let model = robot.model();
         let up = map.up.unwrap_or(options.up);
         let shapes = options.shapes.clone();
