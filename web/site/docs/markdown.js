@@ -63,6 +63,8 @@ markdown.renderer.rules.languages = (tokens, index) => {
 };
 markdown.renderer.rules.fence = (tokens, index) => block(tokens[index]);
 markdown.renderer.rules.code_block = (tokens, index) => block({ info: "text", content: tokens[index].content });
+// The groups of a large number stand on one line.
+markdown.renderer.rules.text = (tokens, index) => markdown.utils.escapeHtml(tokens[index].content.replace(/(\d) (?=\d{3}\b)/g, "$1\u00a0"));
 markdown.renderer.rules.table_open = () => '<div class="table" tabindex="0" role="region" aria-label="Table"><table>\n';
 markdown.renderer.rules.table_close = () => "</table></div>\n";
 

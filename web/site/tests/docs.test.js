@@ -1,5 +1,5 @@
-// The documentation in a browser: nothing is wider than a small screen, languages are chosen once for all pages, the search finds,
-// nothing is said on the console, and all of it is readable without scripts.
+// The documentation in a browser: nothing is wider than a small screen and no table than a desk's, languages are chosen once for all
+// pages, the search finds, nothing is said on the console, and all of it is readable without scripts.
 import assert from "node:assert/strict";
 import test, { after, before } from "node:test";
 import { contents, pages } from "../docs/contents.js";
@@ -31,6 +31,16 @@ test("no page is wider than a small screen, and none says anything", { skip }, a
         assert.ok(wide <= 360, `${address} is ${wide} wide`);
     }
     assert.deepEqual(said, []);
+    await context.close();
+});
+
+test("every table is whole on a desk's screen", { skip }, async () => {
+    const { page, context } = await opened("docs/index.html", { viewport: { width: 1280, height: 800 } });
+    for (const { address } of pages(contents()).values()) {
+        await page.goto(site.address + address, { waitUntil: "domcontentloaded" });
+        const wide = await page.locator(".table").evaluateAll((tables) => tables.filter((own) => own.scrollWidth > own.clientWidth + 1).map((own) => own.innerText.slice(0, 60)));
+        assert.deepEqual(wide, [], address);
+    }
     await context.close();
 });
 

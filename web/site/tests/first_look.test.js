@@ -1,4 +1,4 @@
-// What a visitor sees first: all of what is open, on any screen; a robot's limbs, each of them to pull; words where nothing can be drawn.
+// What a visitor sees first: all of what is open, on any screen; words where nothing can be drawn.
 import assert from "node:assert/strict";
 import { join } from "node:path";
 import test, { after, before } from "node:test";

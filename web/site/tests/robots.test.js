@@ -53,7 +53,7 @@ test("a robot with legs stands on its feet while any of it is pulled, and what i
     assert.deepEqual(await page.evaluate(() => [...kinoptPage.pins]), feet);
     assert.equal(await colour(page, "left_sole"), BLUE);
     const stood = await Promise.all(feet.map((foot) => placed(page, foot)));
-    for (const [name, right, down] of [["left_hand", 20, 60], ["head", 60, 20], ["right_elbow", -30, 40]]) {
+    for (const [name, right, down] of [["head", 40, 20], ["right_elbow", -20, 10], ["left_hand", 10, 170]]) {
         const begun = await page.evaluate((name) => kinoptPage.view.place(name).toArray(), name);
         await pull(page, name, right, down);
         const ended = await page.evaluate((name) => kinoptPage.view.place(name).toArray(), name);
