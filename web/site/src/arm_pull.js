@@ -2,6 +2,9 @@
 import { Arm } from "kinopt";
 import { MARGIN } from "./body_pull.js";
 
+/** How far a joint stands from the middle of its limits, as a share of its range, and radians at most: straight arms are singular. */
+const [ASIDE, BENT] = [0.15, 0.6];
+
 export class ArmPull {
     constructor(robot, base, tip, joints, surroundings) {
         // Few joints cannot turn a tool any way.
@@ -11,11 +14,15 @@ export class ArmPull {
             : new Arm(robot, base, tip, options);
     }
 
-    /** The whole robot with this arm where it begins: bent, as it is near the middle of its limits unless told otherwise. */
+    /** The whole robot with this arm where it begins: bent, to this side and that of the middle of its limits, unless told otherwise. */
     bent(whole, start) {
         const { lower, upper } = this.arm;
-        const middle = lower.map((low, k) => (Number.isFinite(low + upper[k]) ? 0.5 * (low + upper[k]) : 0));
-        return this.arm.configuration(start ?? middle, whole);
+        const begins = lower.map((low, k) => {
+            const middle = Number.isFinite(low + upper[k]) ? 0.5 * (low + upper[k]) : 0;
+            const aside = Math.min(BENT, ASIDE * (upper[k] - low));
+            return k === 0 ? middle : middle + (k % 2 === 0 ? aside : -aside);
+        });
+        return this.arm.configuration(start ?? begins, whole);
     }
 
     /** Goes on from where the whole robot stands. */
