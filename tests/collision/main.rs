@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod arms_keep_clear;
+mod bad_worlds;
 mod bodies_keep_clear;
 mod certificates;
 mod checkers;

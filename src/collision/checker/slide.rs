@@ -25,7 +25,7 @@ impl Checker {
         (from, to): (&[f64], &[f64]),
         here: f64,
         known: f64,
-        slow: &[Slow],
+        slow: &[(usize, Slow)],
         least: f64,
     ) -> Result<f64, KinematicsError> {
         // Half of the least room for what the way bends.
@@ -33,7 +33,10 @@ impl Checker {
             let room = one.room.max(0.0);
             (4.0 * room / self.bend(one.pair, &workspace.bound)).sqrt()
         };
-        let longest = slow.iter().map(span).fold(f64::INFINITY, f64::min);
+        let longest = slow
+            .iter()
+            .map(|(_, one)| span(one))
+            .fold(f64::INFINITY, f64::min);
         // Not a number where nothing bounds the way.
         let mut span = if longest.is_nan() {
             0.0
@@ -73,18 +76,14 @@ impl Checker {
         workspace: &mut CheckerWorkspace,
         q: &[f64],
         span: f64,
-        slow: &[Slow],
+        slow: &[(usize, Slow)],
         least: f64,
     ) -> Result<bool, KinematicsError> {
         let bends: f64 = 0.125 * span * span;
-        let CheckerWorkspace { bound, .. } = workspace;
-        let bends_of: Vec<f64> = slow
-            .iter()
-            .map(|one| bends * self.bend(one.pair, bound))
-            .collect();
-        let (placements, room) = workspace.place(q)?;
+        let (placements, room, bound) = workspace.place_on_way(q)?;
         self.scene.begin(room);
-        Ok(slow.iter().zip(bends_of).all(|(one, bends)| {
+        Ok(slow.iter().all(|(_, one)| {
+            let bends = bends * self.bend(one.pair, bound);
             let gap = self.scene.gap_along(one.pair, one.normal, placements, room);
             // Not a number is no gap.
             gap.is_some_and(|gap| one.room.min(gap - self.margin) - bends > least)

@@ -208,16 +208,13 @@ impl Checker {
         watched: &mut [Watched],
     ) -> Result<(), KinematicsError> {
         let measured = std::mem::take(&mut workspace.slow);
-        let mut slow = Vec::new();
         let mut result = Ok(());
         for of_one in measured.chunk_by(|a, b| a.0 == b.0) {
             let one = &mut watched[of_one[0].0];
             if one.free >= here + LONG * (1.0 - here) {
                 continue;
             }
-            slow.clear();
-            slow.extend(of_one.iter().map(|(_, slow)| *slow));
-            match self.slides_until(workspace, way, here, one.free, &slow, RESOLUTION) {
+            match self.slides_until(workspace, way, here, one.free, of_one, RESOLUTION) {
                 Ok(until) => one.free = until,
                 Err(error) => result = Err(error),
             }

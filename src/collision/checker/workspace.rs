@@ -42,4 +42,12 @@ impl CheckerWorkspace {
     ) -> Result<(&[Placement<f64>], &mut SceneRoom), KinematicsError> {
         Ok((self.kinematics.place(q)?, &mut self.scene))
     }
+
+    /// The same on a way whose bound was taken.
+    pub(super) fn place_on_way(
+        &mut self,
+        q: &[f64],
+    ) -> Result<(&[Placement<f64>], &mut SceneRoom, &BoundRoom), KinematicsError> {
+        Ok((self.kinematics.place(q)?, &mut self.scene, &self.bound))
+    }
 }
