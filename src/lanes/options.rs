@@ -115,7 +115,7 @@ pub struct PoseOutcome {
     pub iterations: u32,
     /// Attempts begun.
     pub attempts: u32,
-    /// The attempt whose q this is, when it reached.
+    /// The attempt whose q this is, when it reached, counted from 0 over all that were begun for the question.
     pub winner: Option<u32>,
 }
 

@@ -8,12 +8,15 @@ use super::lane::Lanes;
 use super::prepared::Prepared;
 use crate::spatial::Placement;
 
+/// A seed that bounds move farther than this leads elsewhere, radians or lengths of the solver.
+const MOVED: f64 = 0.3;
+
 /// A cell and those about it, along four coordinates.
 const ABOUT: usize = 3_usize.pow(4);
 
 impl Prepared {
     /// Appends the seeds of a target's own cell and of those about it, of which `cells` says which, in the order of how many coordinates lead
-    /// there; radians and metres within the bounds. Whether there are more.
+    /// there; radians and metres within the bounds, but for those that are far beyond. Whether there are more.
     ///
     /// A cell's seeds are corrected in first order to the target, so that from beside it they still end there in a few steps, and each cell has
     /// samples of its own: of other branches, and of other places on one.
@@ -33,8 +36,14 @@ impl Prepared {
             atlas.look_up_beside::<Lanes<4, false>>(&self.links, &goal, beside, &mut found);
             for index in 0..found.count {
                 found.fill(index, &mut seed);
+                let mut moved: f64 = 0.0;
                 for (q, link) in seed.iter_mut().zip(&self.links.links) {
-                    *q = q.max(link.lower).min(link.upper);
+                    let within = q.max(link.lower).min(link.upper);
+                    moved = moved.max((within - *q).abs());
+                    *q = within;
+                }
+                if moved > MOVED {
+                    continue;
                 }
                 self.links.to_metres(&mut seed[..n]);
                 q.extend_from_slice(&seed[..n]);

@@ -1,7 +1,7 @@
 //! Promise: a solution of an arm that keeps clear touches nothing, by the exact distances of shapes; where none is found
 //! it says what is touched. Eight configurations in lanes and shapes one by one never contradict each other.
 
-use kinopt::arm::{Arm, Search};
+use kinopt::arm::{Arm, PoseOutcome, Search};
 use kinopt::collision::{Checker, CollisionModel, Fineness, Shape, SphereModel, World};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::robot;
@@ -162,6 +162,38 @@ fn a_search_that_goes_on_tells_all_that_it_spent() {
     let (first, clear) = searched_on.unwrap();
     assert!(clear.iterations > first.iterations);
     assert!(clear.attempts > first.attempts);
+}
+
+/// An answer that is free is of an attempt after those that led to the plain one, which touches.
+#[test]
+fn the_winner_is_numbered_over_all_attempts_of_its_question() {
+    for search in [Search::Start, Search::Nearest] {
+        let mut random = Random::new(8);
+        let near = panda(search);
+        let plain = near.arm.with_search(search).unwrap();
+        let near = near.among(&cluttered(&mut random), 0.0);
+        let mut went_on = 0;
+        for _ in 0..cases(60, 30) {
+            let (goal, start) = (near.free(&mut random), near.drawn(&mut random));
+            let targets = [near.arm.base_from_tool(&goal).unwrap()];
+            let outcomes = [&plain, &near.arm].map(|arm| {
+                let (mut q, mut outcomes) = ([0.0; 7], [PoseOutcome::default()]);
+                arm.solve_batch_into(&targets, &start, &mut q, &mut outcomes)
+                    .unwrap();
+                outcomes[0]
+            });
+            let [first, clear] = outcomes;
+            let Some(winner) = clear.winner else {
+                continue;
+            };
+            assert!(winner < clear.attempts, "{clear:?}");
+            if clear.attempts > first.attempts {
+                went_on += 1;
+                assert!(winner >= first.attempts, "{first:?} {clear:?}");
+            }
+        }
+        assert!(went_on > 3, "{went_on}");
+    }
 }
 
 /// As many attempts as are asked for, once for the plain answer and once for one that is free.

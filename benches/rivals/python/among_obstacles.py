@@ -29,7 +29,7 @@ ROBOTS = {
     "panda": ("panda_link0", "panda_hand"),
     "ur5": ("base_link", "tool0"),
     "fetch": ("base_link", "gripper_link"),
-    "baxter": ("base", "left_gripper"),
+    "baxter": ("base", "left_gripper_base"),  # The other arm: --tip right_gripper_base.
 }
 TOLERANCE = 1e-6
 LOOSE = 1.1e-3  # RoboPlan's own, metres and radians
@@ -77,8 +77,9 @@ class Judge:
             if a in (b, self.model.parents[b]) or b == self.model.parents[a]:
                 self.shapes.removeCollisionPair(pair)
         self.own = len(self.shapes.geometryObjects)
-        self.data, self.tip = self.model.createData(), self.model.getFrameId(tip)
-        self.base = self.model.getFrameId(base)
+        body = pinocchio.FrameType.BODY  # A joint may have the name of its link.
+        self.data, self.tip = self.model.createData(), self.model.getFrameId(tip, body)
+        self.base = self.model.getFrameId(base, body)
 
     def whole(self, *values: dict) -> np.ndarray:
         q = pinocchio.neutral(self.model)
@@ -236,7 +237,7 @@ def main() -> None:
     shapes = robot.collision_model().with_srdf(kinopt.Srdf.read(str(srdf), robot))
     plain = kinopt.Arm(robot, base, tip)
     names, limits = plain.joint_names, (np.maximum(plain.lower, -np.pi), np.minimum(plain.upper, np.pi))
-    judges = (Judge(urdf, srdf, tip, base), Judge(original, srdf, tip, base))
+    judges = (Judge(urdf, srdf, tip, base), Judge(original, folder / srdf.name, tip, base))
     tree = optik.Robot.from_urdf_file(str(urdf), base, tip)
     tree.set_parallelism(1)
     config = optik.SolverConfig("speed", max_time=0.05, tol_f=TOLERANCE**2)

@@ -42,21 +42,36 @@ struct Placed {
 pub(crate) struct Solids {
     /// Looked at one after another.
     listed: Vec<Placed>,
-    /// Those of them that each body can ever come near to.
-    within_reach: Vec<Vec<Reached>>,
+    /// Those of them that each body can ever come near to, by number, and the balls around them.
+    within_reach: Vec<(Vec<u32>, Vec<Reached>)>,
     /// All others.
     many: Option<ManySolids>,
     /// How near to a solid, or to each other, bodies are not to come, metres.
     margin: f64,
 }
 
-/// The ball around a solid, as one body's ball meets it.
+/// The ball around a solid, as one body's ball meets it: |c − s|² < r² as |c|² − 2 s·c < r² − |s|², of which the left side takes three
+/// products where |c|² is known.
 #[derive(Clone, Copy, Debug)]
 struct Reached {
-    centre: Vector3<f64>,
-    /// Squared, how near both middles may come.
-    apart: f64,
-    number: u32,
+    /// −2 s.
+    slope: Vector3<f64>,
+    /// r² − |s|².
+    below: f64,
+}
+
+impl Reached {
+    /// What rounding may take from either side, of the squares that are subtracted.
+    const ROUNDING: f64 = 1e-14;
+
+    fn new(solid: &Ball, body: &Ball, margin: f64) -> Self {
+        let apart = body.radius + margin + solid.radius;
+        let (away, apart) = (solid.centre.norm_squared(), apart * apart);
+        Self {
+            slope: solid.centre * -2.0,
+            below: apart - away + Self::ROUNDING * (apart + away),
+        }
+    }
 }
 
 impl Solids {
@@ -90,16 +105,9 @@ impl Solids {
                 // Not a number about a half-space's corner at infinity.
                 apart.is_nan() || apart <= reach * reach
             });
-            let near = near.map(|(number, _)| {
-                let bound = &listed[number as usize].bound;
-                let apart = body.bound.radius + margin + bound.radius;
-                Reached {
-                    centre: bound.centre,
-                    apart: apart * apart,
-                    number,
-                }
-            });
-            near.collect()
+            let ball = |number: u32| &listed[number as usize].bound;
+            let near = near.map(|(n, _)| (n, Reached::new(ball(n), &body.bound, margin)));
+            near.unzip()
         };
         let largest =
             (chain.bodies.iter()).fold(0.0, |most: f64, body| most.max(body.bound.radius));
@@ -132,11 +140,16 @@ impl Solids {
     ) {
         let reach = chain.bodies[body].bound.radius + self.margin;
         found.clear();
-        for solid in &self.within_reach[body] {
-            let away = centre - Vector3::constant(solid.centre);
-            let near = away.norm_squared().less_than(V::constant(solid.apart));
-            if V::any(near) && V::any(self.is_near(solid.number, centre, reach)) {
-                found.push(solid.number);
+        let squared = centre.norm_squared();
+        let (numbers, reached) = &self.within_reach[body];
+        for (place, solid) in reached.iter().enumerate() {
+            let side = centre.x.mul_add(V::constant(solid.slope.x), squared);
+            let side = centre.y.mul_add(V::constant(solid.slope.y), side);
+            let side = centre.z.mul_add(V::constant(solid.slope.z), side);
+            if V::any(side.less_than(V::constant(solid.below)))
+                && V::any(self.is_near(numbers[place], centre, reach))
+            {
+                found.push(numbers[place]);
             }
         }
     }

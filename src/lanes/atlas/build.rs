@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::key::Key;
 use super::table::{Atlas, MAX_ATLAS_JOINTS, PER_CELL, Resolution};
 use crate::lanes::ldlt;
-use crate::lanes::links::Links;
+use crate::lanes::links::{Link, Links};
 use crate::random::mix;
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Vector3};
@@ -33,6 +33,7 @@ impl Atlas {
             let sum = 0.5 * (link.lower + link.upper);
             if sum.is_finite() { sum } else { 0.0 }
         };
+        let (lead, lead_at) = leading(&links.links);
         let cells = resolution.radius * resolution.height * resolution.direction.pow(2);
         let rows_per_cell = n + 5 + 4 * n;
         let mut atlas = Self {
@@ -42,16 +43,18 @@ impl Atlas {
             scale: [1.0; 2],
             rows: vec![[0.0; PER_CELL]; cells * rows_per_cell],
             counts: vec![0; cells],
-            first_turns: links.links[0].kind.turns(),
+            lead,
+            lead_at,
+            lead_turns: links.links[lead].kind.turns(),
             last_turns: links.links[n - 1].kind.turns(),
-            middles: [middle(0), middle(n - 1)],
+            middles: [middle(lead), middle(n - 1)],
         };
         let samples = cells * resolution.samples;
         let mut state = mix(seed ^ 0xA71A5);
         // From where and how far a value may lie; the ends, by which goals are reduced, stay at zero.
         let ranges: Vec<(f64, f64)> = (links.links.iter().enumerate())
             .map(|(i, link)| {
-                if i == 0 || i == n - 1 && link.kind.turns() {
+                if i == lead || i == n - 1 && link.kind.turns() {
                     return (0.0, 0.0);
                 }
                 let finite = |bound: f64, else_: f64| if bound.is_finite() { bound } else { else_ };
@@ -72,7 +75,7 @@ impl Atlas {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for _ in 0..2000 {
             draw(&mut q);
-            let key = atlas.key(&forward(links, &q, &mut joints));
+            let key = atlas.key(&forward(links, lead_at, &q, &mut joints));
             for k in 0..2 {
                 low[k] = low[k].min(key.place[k]);
                 high[k] = high[k].max(key.place[k]);
@@ -85,7 +88,7 @@ impl Atlas {
         }
         for _ in 0..samples {
             draw(&mut q);
-            let place = forward(links, &q, &mut joints);
+            let place = forward(links, lead_at, &q, &mut joints);
             let key = atlas.key(&place);
             let cell = atlas.cell(&key);
             let count = usize::from(atlas.counts[cell]);
@@ -108,7 +111,7 @@ impl Atlas {
         let n = self.joints;
         let (centre, h) = self.direction_frame(cell);
         let (place, mut key) = (&sample.place, sample.key);
-        if self.first_turns {
+        if self.lead_turns {
             key.shift = elementary::atan2(place.translation.y, place.translation.x);
         }
         // The sample, turned so that its shift and roll are zero.
@@ -120,14 +123,14 @@ impl Atlas {
         };
         let mut canonical = [0.0; MAX_ATLAS_JOINTS];
         canonical[..n].copy_from_slice(sample.q);
-        canonical[0] -= key.shift;
+        canonical[self.lead] -= key.shift;
         if self.last_turns {
             canonical[n - 1] -= roll;
         }
         // Geometry in the half plane's frame.
-        let turn = if self.first_turns { -key.shift } else { 0.0 };
+        let turn = if self.lead_turns { -key.shift } else { 0.0 };
         let turned = Matrix3::identity().rotated_about_z(elementary::sin_cos(turn));
-        let lift = if self.first_turns { 0.0 } else { -key.shift };
+        let lift = if self.lead_turns { 0.0 } else { -key.shift };
         let origin = turned * place.translation + Vector3::new(0.0, 0.0, lift);
         let mut columns = [[0.0; 6]; MAX_ATLAS_JOINTS];
         let per_joint = columns.iter_mut().zip(sample.joints).zip(&links.links);
@@ -151,7 +154,7 @@ impl Atlas {
             let omega = a.cross(tangent) + a * (-x.dot(tangent.cross(h)) / length);
             [0.0, 0.0, 0.0, omega.x, omega.y, omega.z]
         };
-        let along = if self.first_turns {
+        let along = if self.lead_turns {
             [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
         } else {
             [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
@@ -202,11 +205,25 @@ impl Atlas {
     }
 }
 
+/// The joint that goals are reduced by, and where its axis meets the first joint's frame.
+fn leading(links: &[Link]) -> (usize, Vector3<f64>) {
+    let (first, second) = (&links[0], &links[1]);
+    let one_axis = first.twist.0.abs() < 1e-9 && first.twist.1 > 0.0;
+    let way = |link: &Link| elementary::hypot(link.along_x, link.along_y);
+    let little = first.upper - first.lower < links.iter().map(way).sum();
+    if !(first.kind.slides() && second.kind.turns() && one_axis && little) {
+        return (0, Vector3::zero());
+    }
+    let turned = Matrix3::identity().rotated_about_z(first.offset_sin_cos);
+    let at = turned.x * first.along_x + turned.y * first.along_y;
+    (1, at)
+}
+
 /// The placement of the frame after the last turn, its origin on the last axis, in the frame of the
-/// first joint; every joint's axis and a point on it go into `joints`.
-fn forward(links: &Links, q: &[f64], joints: &mut [Axis]) -> Placement<f64> {
+/// first joint moved to where the leading axis meets it; every joint's axis and a point on it go into `joints`.
+fn forward(links: &Links, lead_at: Vector3<f64>, q: &[f64], joints: &mut [Axis]) -> Placement<f64> {
     let mut r = Matrix3::<f64>::identity();
-    let mut p = Vector3::<f64>::zero();
+    let mut p = Vector3::<f64>::zero() - lead_at;
     let last = q.len() - 1;
     let mut i = 0;
     while i <= last {

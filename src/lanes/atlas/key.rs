@@ -4,12 +4,12 @@ use super::table::Atlas;
 use crate::lanes::links::frame_along;
 use crate::spatial::{Placement, Vector3};
 
-/// A goal reduced by the symmetries of the first and last joint.
+/// A goal reduced by the symmetries of the leading and last joint.
 #[derive(Clone, Copy)]
 pub(super) struct Key {
-    /// What a sliding first joint adds, in lengths of the solver (as are all here).
+    /// What a sliding leading joint adds, in lengths of the solver (as are all here).
     pub(super) shift: f64,
-    /// Distance and height (or the two coordinates across a sliding first joint).
+    /// Distance and height (or the two coordinates across a sliding leading joint).
     pub(super) place: [f64; 2],
     /// Last axis, in the half plane's frame.
     pub(super) axis: Vector3<f64>,
@@ -23,7 +23,7 @@ impl Atlas {
     pub(super) fn key(&self, place: &Placement<f64>) -> Key {
         let p = place.translation;
         let r = &place.rotation;
-        if self.first_turns {
+        if self.lead_turns {
             let radius = (p.x * p.x + p.y * p.y).sqrt();
             let (sin, cos) = if radius > 1e-12 {
                 (p.y / radius, p.x / radius)

@@ -52,14 +52,14 @@ impl TooledAtlas {
         let (_, h) = atlas.direction_frame(cell);
         let (roll_y, roll_x) = atlas.roll_parts(&key, h);
         let (mut y, mut x) = (V::Four::zero(), V::Four::zero());
-        if atlas.first_turns {
+        if atlas.lead_turns {
             y.set_lane(0, place.translation.y);
             x.set_lane(0, place.translation.x);
         }
         y.set_lane(1, roll_y);
         x.set_lane(1, roll_x);
         let angles = rough_atan2(y, x);
-        let shift = if atlas.first_turns {
+        let shift = if atlas.lead_turns {
             angles.lane(0)
         } else {
             key.shift
@@ -87,6 +87,8 @@ impl TooledAtlas {
             axis.dot(Vector3::constant(h)),
             axis.dot(Vector3::constant(across)),
         ];
+        // The joints that goals are reduced by, bit by bit: every joint asks.
+        let reduced = 1_u32 << atlas.lead | 1 << (n - 1);
         let mut score = V::Four::zero();
         let per_joint = links.links.iter().zip(q_rows).zip(slopes.chunks_exact(4));
         for (i, ((link, q_row), slope)) in per_joint.enumerate() {
@@ -95,16 +97,18 @@ impl TooledAtlas {
                 step = row(&slope[k]).mul_add(delta[k], step);
             }
             let mut q = row(q_row) + step;
-            let ends = (i == 0 && atlas.first_turns, i == n - 1 && atlas.last_turns);
-            if i == 0 {
-                q += c(shift);
-            } else if i == n - 1 {
-                q += c(roll);
-            }
-            if ends.0 || ends.1 {
-                let middle = atlas.middles[usize::from(i != 0)];
-                let turns = (q - c(middle)).mul_add(c(1.0 / TAU), c(ROUNDER)) - c(ROUNDER);
-                q = turns.mul_add(c(-TAU), q);
+            if reduced >> i & 1 != 0 {
+                let leads = i == atlas.lead;
+                let (by, turns) = match leads {
+                    true => (shift, atlas.lead_turns),
+                    false => (roll, atlas.last_turns),
+                };
+                q += c(by);
+                if turns {
+                    let middle = atlas.middles[usize::from(!leads)];
+                    let turns = (q - c(middle)).mul_add(c(1.0 / TAU), c(ROUNDER)) - c(ROUNDER);
+                    q = turns.mul_add(c(-TAU), q);
+                }
             }
             if link.kind.slides() {
                 q *= c(self.own_lengths);

@@ -1,5 +1,7 @@
 //! The atlas as it lies in memory.
 
+use crate::spatial::Vector3;
+
 /// Longer chains have no atlas: random restarts suffice there.
 pub(super) const MAX_ATLAS_JOINTS: usize = 12;
 
@@ -41,9 +43,14 @@ pub(crate) struct Atlas {
     pub(super) rows: Vec<Row>,
     /// Number of configurations, by cell.
     pub(super) counts: Vec<u8>,
-    pub(super) first_turns: bool,
+    /// The joint that goals are reduced by: the first, or the second where both stand along one axis and the first slides but a little,
+    /// as a torso does that lifts an arm. That slide is sampled as the joints between are: goals reduced by it leave most seeds beyond its ends.
+    pub(super) lead: usize,
+    /// Where its axis meets the first joint's frame.
+    pub(super) lead_at: Vector3<f64>,
+    pub(super) lead_turns: bool,
     pub(super) last_turns: bool,
-    /// Middle of the range of the first and last joint.
+    /// Middle of the range of the leading and the last joint.
     pub(super) middles: [f64; 2],
 }
 

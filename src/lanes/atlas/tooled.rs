@@ -51,12 +51,12 @@ impl TooledAtlas {
     }
 
     /// From a placement of the frame after the last turn in the first joint's, both as the links have
-    /// them, to the same as the atlas has them.
+    /// them, to the same as the atlas has them, from where the leading axis is.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn place(&self, mut place: Placement<f64>) -> Placement<f64> {
         let along_first = Vector3::new(0.0, 0.0, self.first);
         let origin = place.translation + along_first + place.rotation.z * self.last;
-        place.translation = origin * self.lengths;
+        place.translation = origin * self.lengths - self.atlas.lead_at;
         place
     }
 }
