@@ -85,10 +85,10 @@ impl Tree {
         residual: &[f64],
         composites: &mut Composites,
     ) {
-        let Some(node) = self.leaves[partials.frame].node else {
+        let Some((node, at)) = self.hung(state, partials.frame) else {
             return;
         };
-        let lever = state.origin_to_frame[partials.frame] - self.middle(state);
+        let lever = at - self.middle(state);
         let (stiffness, push) = (&mut composites.stiffness[node], &mut composites.push[node]);
         for (k, (force, r)) in partials.linear.iter().zip(residual).enumerate() {
             let moment = partials.angular.get(k).copied();

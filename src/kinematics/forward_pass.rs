@@ -14,8 +14,6 @@ pub(crate) struct TreeState<S> {
     pub(super) origin_from_node: Vec<Placement<S>>,
     /// By slot.
     world_from_frame: Vec<Placement<S>>,
-    /// Each frame's own origin, seen from the tree's.
-    pub(super) origin_to_frame: Vec<Vector3<S>>,
     /// Each node's value, radians or metres, with its sine and cosine.
     values: Vec<S>,
     sines: Vec<S>,
@@ -30,7 +28,6 @@ impl<S: Scalar> TreeState<S> {
         Self {
             origin_from_node: vec![Placement::identity(); tree.nodes.len()],
             world_from_frame: vec![Placement::identity(); tree.leaves.len()],
-            origin_to_frame: vec![Vector3::zero(); tree.leaves.len()],
             values: vec![S::zero(); tree.nodes.len()],
             sines: vec![S::zero(); tree.nodes.len()],
             cosines: vec![S::one(); tree.nodes.len()],
@@ -106,16 +103,10 @@ impl Tree {
             true => self.place(0..self.nodes.len(), state),
             false => self.place_with_balls(state),
         }
-        let frames = state.world_from_frame.iter_mut();
-        for (leaf, (frame, seen)) in self
-            .leaves
-            .iter()
-            .zip(frames.zip(&mut state.origin_to_frame))
-        {
+        for (leaf, frame) in self.leaves.iter().zip(&mut state.world_from_frame) {
             match leaf.node {
                 Some(node) => {
                     *frame = &state.origin_from_node[node] * &leaf.node_from_frame;
-                    *seen = frame.translation;
                     frame.translation += Vector3::constant(self.origin);
                 }
                 None => *frame = &Placement::identity() * &leaf.node_from_frame,

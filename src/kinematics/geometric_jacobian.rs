@@ -36,8 +36,10 @@ impl Tree {
     ) {
         let rows = jacobian.nrows();
         let entries = jacobian.as_mut_slice();
-        let at = state.origin_to_frame[partials.frame];
-        let mut next = self.leaves[partials.frame].node;
+        let Some((last, at)) = self.hung(state, partials.frame) else {
+            return;
+        };
+        let mut next = Some(last);
         while let Some(index) = next {
             let node = &self.nodes[index];
             let origin_from_node = &state.origin_from_node[index];

@@ -51,6 +51,23 @@ impl Tree {
         }
     }
 
+    /// The joint that a frame hangs on, and the frame's own place seen from the tree's origin: the world's would lose
+    /// digits of levers. Few frames are asked for it, so that it is not kept for all.
+    #[inline(always)]
+    pub(super) fn hung(
+        &self,
+        state: &TreeState<f64>,
+        slot: FrameSlot,
+    ) -> Option<(usize, Vector3<f64>)> {
+        let leaf = &self.leaves[slot];
+        leaf.node.map(|node| {
+            (
+                node,
+                (&state.origin_from_node[node] * &leaf.node_from_frame).translation,
+            )
+        })
+    }
+
     /// A point that a joint carries, from the joint's coordinates to the world's.
     pub(crate) fn carried(
         &self,

@@ -63,8 +63,8 @@ impl Tree {
         wrench: Wrench,
         wrenches: &mut Wrenches,
     ) {
-        if let Some(node) = self.leaves[slot].node {
-            let lever = state.origin_to_frame[slot] - state.origin_from_node[node].translation;
+        if let Some((node, at)) = self.hung(state, slot) {
+            let lever = at - state.origin_from_node[node].translation;
             let moved = wrench.shifted(lever);
             wrenches.on_node[node].force += moved.force;
             wrenches.on_node[node].moment += moved.moment;

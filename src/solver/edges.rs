@@ -22,6 +22,12 @@ impl<'a> ConfigurationSpace<'a> {
     /// The frames of steps where edges are near.
     #[inline]
     pub(super) fn frames(&self, x: &[f64]) -> impl Iterator<Item = EdgeFrame> {
+        // Asked of every step, and most models have no balls.
+        let edged = self.has_edges().then(|| self.frames_of_sets(x));
+        edged.into_iter().flatten()
+    }
+
+    fn frames_of_sets(&self, x: &[f64]) -> impl Iterator<Item = EdgeFrame> {
         let turned = self.turns().enumerate().filter_map(|(k, (turn, _))| {
             turn.near_edge(x)?;
             let mut before = self

@@ -33,19 +33,32 @@ impl Placement<f64> {
     /// What is wrong, and by how much.
     pub fn check_rigid(&self, tolerance: f64) -> Result<(), RigidDefect> {
         let [x, y, z] = [self.rotation.x, self.rotation.y, self.rotation.z];
-        let entries = [x, y, z, self.translation].map(Vector3::to_array);
-        if entries.iter().flatten().any(|entry| !entry.is_finite()) {
-            return Err(RigidDefect::NotFinite);
+        let unit = [x, y, z].map(|column| (column.norm_squared() - 1.0).abs());
+        let off = [unit, [x.dot(y), y.dot(z), z.dot(x)].map(f64::abs)];
+        // NaN is within nothing.
+        let orthonormal = off.as_flattened().iter().all(|off| *off <= tolerance);
+        let there = self.translation.to_array();
+        if orthonormal && there.iter().all(|entry| entry.is_finite()) && x.cross(y).dot(z) >= 0.0 {
+            return Ok(());
         }
-        let unit = [x, y, z].map(|c| (c.norm_squared() - 1.0).abs());
-        let orthogonal = [x.dot(y), y.dot(z), z.dot(x)].map(f64::abs);
-        let off = unit.into_iter().chain(orthogonal).fold(0.0, f64::max);
-        if off > tolerance {
-            return Err(RigidDefect::NotOrthonormal { off, tolerance });
+        Err(self.rigid_defect(off.as_flattened(), tolerance))
+    }
+
+    /// Which of them it is, by the differences of RᵀR from the identity.
+    #[cold]
+    fn rigid_defect(&self, off: &[f64], tolerance: f64) -> RigidDefect {
+        let Self {
+            rotation,
+            translation,
+        } = self;
+        let entries = [rotation.x, rotation.y, rotation.z, *translation].map(Vector3::to_array);
+        let off = off.iter().copied().fold(0.0, f64::max);
+        if !entries.as_flattened().iter().all(|entry| entry.is_finite()) {
+            RigidDefect::NotFinite
+        } else if off > tolerance {
+            RigidDefect::NotOrthonormal { off, tolerance }
+        } else {
+            RigidDefect::Mirrors
         }
-        if x.cross(y).dot(z) < 0.0 {
-            return Err(RigidDefect::Mirrors);
-        }
-        Ok(())
     }
 }

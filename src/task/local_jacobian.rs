@@ -165,6 +165,9 @@ impl LocalJacobian {
 
     /// Multiplies each row by its weight.
     pub(crate) fn scale_rows(&mut self, weights: &[f64]) {
+        if weights.iter().all(|weight| *weight == 1.0) {
+            return;
+        }
         // A residual may have no rows, but chunks must have a length.
         let rows = self.rows.max(1);
         let scale = |frame: &mut [Vector3<f64>]| {

@@ -1,21 +1,24 @@
 //! Robots from URDF and MJCF.
 
-use std::path::{Path, PathBuf};
+mod shape;
+mod source;
+
+use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
 use kinopt::collision::Checker;
 use kinopt::kinematics::{ForwardKinematics, Jacobian};
-use kinopt::model::Limits;
 use kinopt::motion::retarget::FootShapes;
-use kinopt::robot::BaseJoint;
-use kinopt::spatial::Placement;
-use numpy::{PyArray1, PyArray2};
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 
+pub(crate) use shape::Shape;
+use source::{Base, Loops, PickledBase, PickledLimits, PickledLoops, PickledTool, Source, text_of};
+
 use crate::arrays;
 use crate::collision::{CollisionModel, Taking};
-use crate::error::{Kind, OrRaise, invalid, raise};
+use crate::error::OrRaise;
 use crate::kinematics::jacobians;
 use crate::loops::{self, NamedLoop, Told};
 use crate::masses::{centres, centres_jacobians};
@@ -39,108 +42,9 @@ pub(crate) struct Robot {
     foot_shapes: OnceLock<FootShapes>,
 }
 
-/// What a robot is read from, and what was changed since.
-#[derive(Clone)]
-struct Source {
-    text: Arc<str>,
-    file: String,
-    lenient: bool,
-    soft_limits: bool,
-    /// Texts of joint_limits.yaml and their names.
-    joint_limits: Vec<(Arc<str>, String)>,
-    base: Base,
-    tools: Vec<(String, String, Placement<f64>)>,
-    loops: Loops,
-}
-
-/// What of its loops is not the file's.
-#[derive(Clone, Default)]
-struct Loops {
-    without: bool,
-    added: Vec<NamedLoop>,
-    passive: Option<Vec<String>>,
-}
-
-/// What its root moves on: a name, and ranges by axis.
-#[derive(Clone, Default)]
-struct Base {
-    joint: Option<String>,
-    room: Vec<(String, (f64, f64))>,
-}
-
-/// A loop as it is pickled.
-type PickledLoop<'py> = (String, String, [String; 2], [Bound<'py, PyAny>; 2]);
-
-impl Base {
-    fn new(joint: Option<Bound<'_, PyAny>>, room: Option<Bound<'_, PyDict>>) -> PyResult<Self> {
-        let joint = joint.map(|joint| arrays::word(&joint, "base_joint", &BaseJoint::KINDS));
-        let joint = joint.transpose()?;
-        let room = room.map_or_else(Vec::new, |room| room.iter().collect());
-        let ranges = room.into_iter().map(|(axis, range)| {
-            let range = range.extract::<(f64, f64)>();
-            let axis = arrays::name(&axis, "an axis of base_room")?;
-            range
-                .map(|range| (axis, range))
-                .map_err(|_| invalid("base_room must be a dict of (lower, upper) by axis"))
-        });
-        Ok(Self {
-            joint,
-            room: ranges.collect::<PyResult<_>>()?,
-        })
-    }
-
-    fn joint(&self) -> PyResult<BaseJoint> {
-        let kind = self.joint.as_deref().unwrap_or("fixed");
-        let ranges = self.room.iter();
-        let ranges = ranges.map(|(axis, (lower, upper))| (axis, Limits::new(*lower, *upper)));
-        BaseJoint::named(kind, ranges).or_raise()
-    }
-}
-
-/// What a file holds, and its name in messages.
-fn text_of(path: &Path) -> PyResult<(String, String)> {
-    let file = path.display().to_string();
-    let bytes = std::fs::read(path)
-        .map_err(|error| raise(Kind::File, format!("{file}: cannot be read: {error}")))?;
-    let text = String::from_utf8(bytes)
-        .map_err(|_| raise(Kind::InvalidFile, format!("{file}: is not UTF-8 text")))?;
-    Ok((text, file))
-}
-
 impl Robot {
     fn build(source: Source) -> PyResult<Self> {
-        let reader = kinopt::robot::Robot::reader();
-        let reader = match source.lenient {
-            true => reader.lenient(),
-            false => reader,
-        };
-        let robot = reader.parse(&source.text, &source.file).or_raise()?;
-        // Whose folder meshes are looked for in.
-        let mut robot = robot.with_file(&source.file);
-        if source.soft_limits {
-            robot = robot.with_soft_limits().or_raise()?;
-        }
-        for (text, file) in &source.joint_limits {
-            robot = robot
-                .with_joint_limits_of(text.as_bytes(), file)
-                .or_raise()?;
-        }
-        robot = robot.with_base_joint(source.base.joint()?).or_raise()?;
-        for (name, link, tool) in &source.tools {
-            robot = robot.with_tool(name, link, tool).or_raise()?;
-        }
-        if source.loops.without {
-            robot = robot.without_loops();
-        }
-        for own in &source.loops.added {
-            let model = robot.model();
-            let [first, second] = own.frames.each_ref().map(|name| model.frame(name));
-            let closed = own.of([first.or_raise()?, second.or_raise()?]);
-            robot = robot.with_loop(closed).or_raise()?;
-        }
-        if let Some(names) = &source.loops.passive {
-            robot = robot.with_passive_joints(names).or_raise()?;
-        }
+        let robot = source.read()?;
         Ok(Self {
             model: Arc::new(robot.model().clone()),
             inner: Arc::new(robot),
@@ -520,12 +424,7 @@ impl Robot {
         } else {
             &link.visuals
         };
-        Ok(shapes
-            .iter()
-            .map(|shape| Shape {
-                inner: shape.clone(),
-            })
-            .collect())
+        Ok(shapes.iter().map(Shape::of).collect())
     }
 
     /// The mass of all links that joints move, kg. Raises `InvalidValueError` where the file states none.
@@ -669,73 +568,24 @@ impl Robot {
     }
 
     #[classmethod]
-    #[allow(
-        clippy::type_complexity,
-        clippy::too_many_arguments,
-        reason = "it is what `__reduce__` gives"
-    )]
+    #[allow(clippy::too_many_arguments, reason = "it is what `__reduce__` gives")]
     fn _rebuild(
         _class: &Bound<'_, PyType>,
         text: &str,
         file: String,
         lenient: bool,
-        limits: (bool, Vec<(String, String)>),
-        base: (Option<Bound<'_, PyAny>>, Option<Bound<'_, PyDict>>),
-        tools: Vec<(String, String, Bound<'_, PyAny>)>,
-        loops: (bool, Vec<PickledLoop<'_>>, Option<Vec<String>>),
+        limits: PickledLimits,
+        base: PickledBase<'_>,
+        tools: Vec<PickledTool<'_>>,
+        loops: PickledLoops<'_>,
     ) -> PyResult<Self> {
-        let added = loops.1.into_iter();
-        let added = added
-            .map(|(name, kind, frames, places)| NamedLoop::new(name, frames, &kind, Some(places)));
-        let tools = tools.into_iter().map(|(name, link, tool)| {
-            Ok((name, link, placement::placement(&tool, "link_from_tool")?))
-        });
-        Self::build(Source {
-            text: text.into(),
-            file,
-            lenient,
-            soft_limits: limits.0,
-            joint_limits: (limits.1.into_iter())
-                .map(|(text, file)| (text.into(), file))
-                .collect(),
-            base: Base::new(base.0, base.1)?,
-            tools: tools.collect::<PyResult<_>>()?,
-            loops: Loops {
-                without: loops.0,
-                added: added.collect::<PyResult<_>>()?,
-                passive: loops.2,
-            },
-        })
+        Self::build(Source::unpickled(
+            text, file, lenient, limits, base, tools, loops,
+        )?)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let source = &self.source;
-        let tools = source.tools.iter().map(|(name, link, tool)| {
-            Ok((name.clone(), link.clone(), placement::to_array(py, tool)?))
-        });
-        let tools: Vec<(String, String, Bound<'py, PyArray2<f64>>)> =
-            tools.collect::<PyResult<_>>()?;
-        let added = source.loops.added.iter().map(|own| own.pickled(py));
-        let added: Vec<Told<'py>> = added.collect::<PyResult<_>>()?;
-        let room = PyDict::new(py);
-        for (axis, range) in &source.base.room {
-            room.set_item(axis, *range)?;
-        }
-        let arguments = (
-            &*source.text,
-            source.file.as_str(),
-            source.lenient,
-            (
-                source.soft_limits,
-                (source.joint_limits.iter())
-                    .map(|(text, file)| (&**text, file.as_str()))
-                    .collect::<Vec<_>>(),
-            ),
-            (source.base.joint.as_deref(), room),
-            tools,
-            (source.loops.without, added, source.loops.passive.clone()),
-        );
-        pickling::by_rebuild::<Self>(py, arguments)
+        pickling::by_rebuild::<Self>(py, self.source.pickled(py)?)
     }
 
     fn __repr__(&self) -> String {
@@ -744,74 +594,6 @@ impl Robot {
             self.model.name(),
             self.model.degrees_of_freedom(),
             self.model.frames().len()
-        )
-    }
-}
-
-/// A body of a link: a box, cylinder, capsule, sphere or mesh; lengths in metres.
-#[pyclass(frozen, module = "kinopt")]
-pub(crate) struct Shape {
-    inner: kinopt::robot::Shape,
-}
-
-#[pymethods]
-impl Shape {
-    /// Its name, which few have.
-    #[getter]
-    fn name(&self) -> Option<&str> {
-        self.inner.name.as_deref()
-    }
-
-    /// Where it stands in the link's frame, shape (4, 4).
-    #[getter]
-    fn link_from_shape<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        placement::to_array(py, &self.inner.link_from_shape)
-    }
-
-    /// "box", "cylinder", "capsule", "sphere", "ellipsoid" or "mesh".
-    #[getter]
-    fn kind(&self) -> &'static str {
-        use kinopt::robot::Geometry;
-        match self.inner.geometry {
-            Geometry::Box { .. } => "box",
-            Geometry::Cylinder { .. } => "cylinder",
-            Geometry::Capsule { .. } => "capsule",
-            Geometry::Sphere { .. } => "sphere",
-            Geometry::Ellipsoid { .. } => "ellipsoid",
-            Geometry::Mesh { .. } => "mesh",
-            _ => "other",
-        }
-    }
-
-    /// Its measures by name: a box has `size` (whole lengths along x, y, z), a cylinder and a capsule
-    /// `radius` and `length` (along z; a capsule's without its caps), a sphere `radius`, an ellipsoid `radii`, a mesh `file`
-    /// (as it stands in the robot's file) and `scale`.
-    #[getter]
-    fn measures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        use kinopt::robot::Geometry;
-        let measures = PyDict::new(py);
-        match &self.inner.geometry {
-            Geometry::Box { size } => measures.set_item("size", *size)?,
-            Geometry::Cylinder { radius, length } | Geometry::Capsule { radius, length } => {
-                measures.set_item("radius", *radius)?;
-                measures.set_item("length", *length)?;
-            }
-            Geometry::Sphere { radius } => measures.set_item("radius", *radius)?,
-            Geometry::Ellipsoid { radii } => measures.set_item("radii", *radii)?,
-            Geometry::Mesh { file, scale } => {
-                measures.set_item("file", file)?;
-                measures.set_item("scale", *scale)?;
-            }
-            _ => {}
-        }
-        Ok(measures)
-    }
-
-    fn __repr__(&self) -> String {
-        format!(
-            "Shape({}, {:?})",
-            self.kind(),
-            self.inner.name.as_deref().unwrap_or("")
         )
     }
 }

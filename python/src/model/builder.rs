@@ -1,0 +1,321 @@
+//! Models joint by joint.
+
+use kinopt::model::{BallLimits, FrameId, JointId, JointKind, LengthUnit, Limits};
+use kinopt::spatial::Placement;
+use pyo3::prelude::*;
+
+use super::Model;
+use crate::arrays;
+use crate::error::{OrRaise, invalid};
+use crate::loops::NamedLoop;
+use crate::placement;
+
+/// Builds a model joint by joint; joints and frames are known by their names.
+///
+/// Starts an empty model; `length_unit` is "m", or "units" for lengths of the model's own.
+///
+/// Raises `InvalidValueError` for another unit.
+#[pyclass(module = "kinopt")]
+pub(crate) struct ModelBuilder {
+    inner: kinopt::model::ModelBuilder,
+    /// The joints that others can stand on, by the names they were added by.
+    joints: Vec<(String, JointId)>,
+    /// The frames that loops can join.
+    frames: Vec<(String, FrameId)>,
+}
+
+impl ModelBuilder {
+    fn parent(&self, name: Option<&str>) -> PyResult<Option<JointId>> {
+        let Some(name) = name else { return Ok(None) };
+        let found = self.joints.iter().find(|(joint, _)| joint == name);
+        let names = self.joints.iter().map(|(joint, _)| joint.as_str());
+        found
+            .map(|&(_, id)| id)
+            .ok_or_else(|| kinopt::model::UnknownName::new("joint", name, names))
+            .or_raise()
+            .map(Some)
+    }
+
+    /// Where a joint stands: its parent and the placement in it.
+    fn place(
+        &self,
+        parent: Option<&str>,
+        parent_from_joint: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<(Option<JointId>, Placement<f64>)> {
+        let placement = match parent_from_joint {
+            Some(value) => placement::placement(value, "parent_from_joint")?,
+            None => Placement::identity(),
+        };
+        Ok((self.parent(parent)?, placement))
+    }
+}
+
+/// Ranges as limits.
+fn room<const N: usize>(room: Option<[(f64, f64); N]>) -> [Limits; N] {
+    let free = [Limits::UNBOUNDED; N];
+    room.map_or(free, |room| {
+        room.map(|(lower, upper)| Limits::new(lower, upper))
+    })
+}
+
+#[pymethods]
+impl ModelBuilder {
+    #[new]
+    #[pyo3(signature = (name, length_unit = "m"))]
+    fn new(name: String, length_unit: &str) -> PyResult<Self> {
+        let unit = match length_unit {
+            "m" => LengthUnit::Metres,
+            "units" => LengthUnit::Own,
+            _ => {
+                return Err(invalid(format!(
+                    "length_unit is {length_unit:?}: \"m\" or \"units\""
+                )));
+            }
+        };
+        let mut inner = kinopt::Model::builder(name);
+        inner.length_unit(unit);
+        Ok(Self {
+            inner,
+            joints: Vec::new(),
+            frames: Vec::new(),
+        })
+    }
+
+    /// Adds a joint.
+    ///
+    /// `kind` is "revolute", "continuous", "prismatic" or "fixed" (`ball`, `free`, `planar` and `universal` add the
+    /// others); `parent` the name of a joint that is
+    /// there (None: the world); `parent_from_joint` a 4 x 4 placement, metres (None: the identity);
+    /// `axis` three numbers, in the joint's own frame, of any length; `lower` and `upper` radians or
+    /// metres.
+    ///
+    /// Raises `UnknownNameError` for a kind or a parent that does not exist, `InvalidValueError` for a
+    /// placement of another shape; what does not go together is said by `build`.
+    #[pyo3(signature = (
+        name, kind = "revolute", parent = None, parent_from_joint = None, axis = [0.0, 0.0, 1.0],
+        lower = f64::NEG_INFINITY, upper = f64::INFINITY
+    ))]
+    #[allow(clippy::too_many_arguments, reason = "they are keywords")]
+    fn joint(
+        &mut self,
+        name: String,
+        kind: &str,
+        parent: Option<&str>,
+        parent_from_joint: Option<&Bound<'_, PyAny>>,
+        axis: [f64; 3],
+        lower: f64,
+        upper: f64,
+    ) -> PyResult<()> {
+        let kinds = [
+            JointKind::Fixed,
+            JointKind::Revolute,
+            JointKind::Continuous,
+            JointKind::Prismatic,
+        ];
+        let names = kinds.map(JointKind::name);
+        let kind = kinds
+            .into_iter()
+            .find(|known| known.name() == kind)
+            .ok_or_else(|| {
+                let unknown = kinopt::model::UnknownName::new("joint kind", kind, names);
+                unknown.with_note(
+                    "others have methods of their own: .ball(), .free(), .planar(), .universal()",
+                )
+            });
+        let (parent, placement) = self.place(parent, parent_from_joint)?;
+        let joint = kinopt::model::Joint::new(
+            name.as_str(),
+            parent,
+            placement,
+            kind.or_raise()?,
+            axis,
+            Limits::new(lower, upper),
+        );
+        let id = self.inner.joint(joint);
+        self.joints.push((name, id));
+        Ok(())
+    }
+
+    /// Adds a ball joint, which turns any way about one point: in a configuration its unit quaternion w, x,
+    /// y, z.
+    ///
+    /// With `swing` (radians, at most pi) it tips its `axis` within a cone of that half angle, or within an
+    /// elliptic one of two half angles, about `about` and about what is across that and the axis; `twist` is
+    /// the range, (lower, upper) in radians, that it may turn about its axis. `angle` limits the whole rotation, about
+    /// whatever axis, in radians. `parent` and `parent_from_joint` are as of `joint`.
+    ///
+    /// Raises `UnknownNameError` for a parent that does not exist, `InvalidValueError` for a placement of
+    /// another shape; what does not go together is said by `build`.
+    #[pyo3(signature = (
+        name, parent = None, parent_from_joint = None, axis = [1.0, 0.0, 0.0], *, swing = None,
+        twist = None, about = None, angle = None
+    ))]
+    #[allow(clippy::too_many_arguments, reason = "they are keywords")]
+    fn ball(
+        &mut self,
+        name: String,
+        parent: Option<&str>,
+        parent_from_joint: Option<&Bound<'_, PyAny>>,
+        axis: [f64; 3],
+        swing: Option<&Bound<'_, PyAny>>,
+        twist: Option<(f64, f64)>,
+        about: Option<[f64; 3]>,
+        angle: Option<f64>,
+    ) -> PyResult<()> {
+        let (parent, placement) = self.place(parent, parent_from_joint)?;
+        let [twist_range] = room(twist.map(|twist| [twist]));
+        let limited = swing.is_some() || twist.is_some() || angle.is_some();
+        let swing = match swing {
+            None => [std::f64::consts::PI; 2],
+            Some(swing) => half_angles(swing)?,
+        };
+        let mut limits = BallLimits::cone(swing[0], twist_range);
+        limits.swing = swing;
+        limits.about = about.map(Into::into);
+        limits.angle = angle;
+        let limits = limited.then_some(limits);
+        let id = self
+            .inner
+            .ball(name.as_str(), parent, placement, axis, limits);
+        self.joints.push((name, id));
+        Ok(())
+    }
+
+    /// Adds a joint that moves and turns any way: `NAME/x`, `NAME/y` and `NAME/z`, which slide within `room`
+    /// ((lower, upper) three times, metres), and the ball `NAME/rotation`. In a configuration it is x, y, z,
+    /// w, x, y, z. Others stand on it by its name.
+    ///
+    /// Raises as `ball`.
+    #[pyo3(signature = (name, parent = None, parent_from_joint = None, *, room = None))]
+    fn free(
+        &mut self,
+        name: String,
+        parent: Option<&str>,
+        parent_from_joint: Option<&Bound<'_, PyAny>>,
+        room: Option<[(f64, f64); 3]>,
+    ) -> PyResult<()> {
+        let (parent, placement) = self.place(parent, parent_from_joint)?;
+        let room = self::room(room);
+        let id = self.inner.free(name.as_str(), parent, placement, room);
+        self.joints.push((name, id));
+        Ok(())
+    }
+
+    /// Adds a joint that moves in the plane across `normal`: `NAME/x` and `NAME/y`, which slide within `room`
+    /// ((lower, upper) twice, metres), and `NAME/yaw`, which turns within `yaw` (radians). Others stand on it by
+    /// its name.
+    ///
+    /// Raises as `ball`.
+    #[pyo3(signature = (
+        name, parent = None, parent_from_joint = None, normal = [0.0, 0.0, 1.0], *, room = None, yaw = None
+    ))]
+    #[allow(clippy::too_many_arguments, reason = "they are keywords")]
+    fn planar(
+        &mut self,
+        name: String,
+        parent: Option<&str>,
+        parent_from_joint: Option<&Bound<'_, PyAny>>,
+        normal: [f64; 3],
+        room: Option<[(f64, f64); 2]>,
+        yaw: Option<(f64, f64)>,
+    ) -> PyResult<()> {
+        let (parent, placement) = self.place(parent, parent_from_joint)?;
+        let (room, [yaw]) = (self::room(room), self::room(yaw.map(|yaw| [yaw])));
+        let id = (self.inner).planar(name.as_str(), parent, placement, normal, room, yaw);
+        self.joints.push((name, id));
+        Ok(())
+    }
+
+    /// Adds a universal joint: `NAME/first`, which turns about the first of two `axes` (each three numbers), and
+    /// `NAME/second`, which turns about the second as the first has turned it, within `limits` ((lower, upper) twice,
+    /// radians). Others stand on it by its name.
+    ///
+    /// Raises as `ball`.
+    #[pyo3(signature = (
+        name, parent = None, parent_from_joint = None, axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], *, limits = None
+    ))]
+    fn universal(
+        &mut self,
+        name: String,
+        parent: Option<&str>,
+        parent_from_joint: Option<&Bound<'_, PyAny>>,
+        axes: [[f64; 3]; 2],
+        limits: Option<[(f64, f64); 2]>,
+    ) -> PyResult<()> {
+        let (parent, placement) = self.place(parent, parent_from_joint)?;
+        let (axes, limits) = (axes.map(Into::into), room(limits));
+        let id = (self.inner).universal(name.as_str(), parent, placement, axes, limits);
+        self.joints.push((name, id));
+        Ok(())
+    }
+
+    /// Adds a frame: a named place on `joint` (None: the world), `joint_from_frame` away, 4 x 4, metres.
+    ///
+    /// Raises `UnknownNameError` for a joint that does not exist, `InvalidValueError` for a placement of
+    /// another shape.
+    #[pyo3(signature = (name, joint = None, joint_from_frame = None))]
+    fn frame(
+        &mut self,
+        name: String,
+        joint: Option<&str>,
+        joint_from_frame: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let placement = match joint_from_frame {
+            Some(value) => placement::placement(value, "joint_from_frame")?,
+            None => Placement::identity(),
+        };
+        let joint = self.parent(joint)?;
+        let id = self.inner.frame(name.as_str(), joint, placement);
+        self.frames.push((name, id));
+        Ok(())
+    }
+
+    /// Adds a loop: the origins of two `frames` that are there fall together ("connect"), or origins and axes
+    /// ("weld"); with `places`, a pair of 4 x 4 placements, not the frames themselves but those places on them. Every
+    /// problem on the model keeps it closed.
+    ///
+    /// Raises `UnknownNameError` for a kind or a frame that does not exist; what does not go together, and a loop that
+    /// no configuration closes, is said by `build`.
+    #[pyo3(signature = (name, frames, kind = "connect", places = None))]
+    fn close(
+        &mut self,
+        name: String,
+        frames: [String; 2],
+        kind: &str,
+        places: Option<[Bound<'_, PyAny>; 2]>,
+    ) -> PyResult<()> {
+        let own = NamedLoop::new(name, frames, kind, places)?;
+        let id = |name: &String| -> PyResult<FrameId> {
+            let found = self.frames.iter().find(|(frame, _)| frame == name);
+            let names = self.frames.iter().map(|(frame, _)| frame.as_str());
+            let unknown = || kinopt::model::UnknownName::new("frame", name, names);
+            found.map(|&(_, id)| id).ok_or_else(unknown).or_raise()
+        };
+        let frames = [id(&own.frames[0])?, id(&own.frames[1])?];
+        self.inner.close(own.of(frames));
+        Ok(())
+    }
+
+    /// Checks all and makes the model.
+    ///
+    /// Raises `InvalidValueError`, which names the joint or frame: names given twice, limits that leave
+    /// nothing, axes without a direction, placements that are no rigid motions.
+    fn build(&self) -> PyResult<Model> {
+        self.inner.clone().build().or_raise().map(Model::from)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("ModelBuilder({} joints)", self.joints.len())
+    }
+}
+
+/// One half angle of a cone, or two of an elliptic one.
+fn half_angles(swing: &Bound<'_, PyAny>) -> PyResult<[f64; 2]> {
+    let cone = swing.extract().map(|half| [half; 2]);
+    cone.or_else(|_| swing.extract()).map_err(|_| {
+        invalid(format!(
+            "swing must be a half angle in radians, or two of them, not {}",
+            arrays::shown(swing)
+        ))
+    })
+}

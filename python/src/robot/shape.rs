@@ -1,0 +1,82 @@
+//! Bodies of links, to read.
+
+use numpy::PyArray2;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::placement;
+
+/// A body of a link: a box, cylinder, capsule, sphere or mesh; lengths in metres.
+#[pyclass(frozen, module = "kinopt")]
+pub(crate) struct Shape {
+    inner: kinopt::robot::Shape,
+}
+
+impl Shape {
+    pub(super) fn of(shape: &kinopt::robot::Shape) -> Self {
+        let inner = shape.clone();
+        Self { inner }
+    }
+}
+
+#[pymethods]
+impl Shape {
+    /// Its name, which few have.
+    #[getter]
+    fn name(&self) -> Option<&str> {
+        self.inner.name.as_deref()
+    }
+
+    /// Where it stands in the link's frame, shape (4, 4).
+    #[getter]
+    fn link_from_shape<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        placement::to_array(py, &self.inner.link_from_shape)
+    }
+
+    /// "box", "cylinder", "capsule", "sphere", "ellipsoid" or "mesh".
+    #[getter]
+    fn kind(&self) -> &'static str {
+        use kinopt::robot::Geometry;
+        match self.inner.geometry {
+            Geometry::Box { .. } => "box",
+            Geometry::Cylinder { .. } => "cylinder",
+            Geometry::Capsule { .. } => "capsule",
+            Geometry::Sphere { .. } => "sphere",
+            Geometry::Ellipsoid { .. } => "ellipsoid",
+            Geometry::Mesh { .. } => "mesh",
+            _ => "other",
+        }
+    }
+
+    /// Its measures by name: a box has `size` (whole lengths along x, y, z), a cylinder and a capsule
+    /// `radius` and `length` (along z; a capsule's without its caps), a sphere `radius`, an ellipsoid `radii`, a mesh `file`
+    /// (as it stands in the robot's file) and `scale`.
+    #[getter]
+    fn measures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        use kinopt::robot::Geometry;
+        let measures = PyDict::new(py);
+        match &self.inner.geometry {
+            Geometry::Box { size } => measures.set_item("size", *size)?,
+            Geometry::Cylinder { radius, length } | Geometry::Capsule { radius, length } => {
+                measures.set_item("radius", *radius)?;
+                measures.set_item("length", *length)?;
+            }
+            Geometry::Sphere { radius } => measures.set_item("radius", *radius)?,
+            Geometry::Ellipsoid { radii } => measures.set_item("radii", *radii)?,
+            Geometry::Mesh { file, scale } => {
+                measures.set_item("file", file)?;
+                measures.set_item("scale", *scale)?;
+            }
+            _ => {}
+        }
+        Ok(measures)
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "Shape({}, {:?})",
+            self.kind(),
+            self.inner.name.as_deref().unwrap_or("")
+        )
+    }
+}

@@ -1,0 +1,198 @@
+//! What a robot of Python is made from, kept so that it can be made again, in another process too.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use kinopt::model::Limits;
+use kinopt::robot::{BaseJoint, Robot};
+use kinopt::spatial::Placement;
+use numpy::PyArray2;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays;
+use crate::error::{Kind, OrRaise, invalid, raise};
+use crate::loops::{NamedLoop, Told};
+use crate::placement;
+
+/// What a robot is read from, and what was changed since.
+#[derive(Clone)]
+pub(super) struct Source {
+    pub(super) text: Arc<str>,
+    pub(super) file: String,
+    pub(super) lenient: bool,
+    pub(super) soft_limits: bool,
+    /// Texts of joint_limits.yaml and their names.
+    pub(super) joint_limits: Vec<(Arc<str>, String)>,
+    pub(super) base: Base,
+    pub(super) tools: Vec<(String, String, Placement<f64>)>,
+    pub(super) loops: Loops,
+}
+
+/// What of its loops is not the file's.
+#[derive(Clone, Default)]
+pub(super) struct Loops {
+    pub(super) without: bool,
+    pub(super) added: Vec<NamedLoop>,
+    pub(super) passive: Option<Vec<String>>,
+}
+
+/// What its root moves on: a name, and ranges by axis.
+#[derive(Clone, Default)]
+pub(super) struct Base {
+    pub(super) joint: Option<String>,
+    pub(super) room: Vec<(String, (f64, f64))>,
+}
+
+/// Soft limits, and texts of joint_limits.yaml with their names, as they are pickled.
+pub(super) type PickledLimits = (bool, Vec<(String, String)>);
+
+/// What a root moves on, as it is pickled.
+pub(super) type PickledBase<'py> = (Option<Bound<'py, PyAny>>, Option<Bound<'py, PyDict>>);
+
+/// A tool as it is pickled.
+pub(super) type PickledTool<'py> = (String, String, Bound<'py, PyAny>);
+
+/// Loops as they are pickled: whether the file's are gone, the added ones, passive joints.
+pub(super) type PickledLoops<'py> = (bool, Vec<PickledLoop<'py>>, Option<Vec<String>>);
+type PickledLoop<'py> = (String, String, [String; 2], [Bound<'py, PyAny>; 2]);
+
+impl Source {
+    /// The robot that it tells of.
+    pub(super) fn read(&self) -> PyResult<Robot> {
+        let reader = Robot::reader();
+        let reader = match self.lenient {
+            true => reader.lenient(),
+            false => reader,
+        };
+        let robot = reader.parse(&self.text, &self.file).or_raise()?;
+        // Whose folder meshes are looked for in.
+        let mut robot = robot.with_file(&self.file);
+        if self.soft_limits {
+            robot = robot.with_soft_limits().or_raise()?;
+        }
+        for (text, file) in &self.joint_limits {
+            robot = robot
+                .with_joint_limits_of(text.as_bytes(), file)
+                .or_raise()?;
+        }
+        robot = robot.with_base_joint(self.base.joint()?).or_raise()?;
+        for (name, link, tool) in &self.tools {
+            robot = robot.with_tool(name, link, tool).or_raise()?;
+        }
+        if self.loops.without {
+            robot = robot.without_loops();
+        }
+        for own in &self.loops.added {
+            let model = robot.model();
+            let [first, second] = own.frames.each_ref().map(|name| model.frame(name));
+            let closed = own.of([first.or_raise()?, second.or_raise()?]);
+            robot = robot.with_loop(closed).or_raise()?;
+        }
+        if let Some(names) = &self.loops.passive {
+            robot = robot.with_passive_joints(names).or_raise()?;
+        }
+        Ok(robot)
+    }
+
+    /// What [`unpickled`](Self::unpickled) takes.
+    #[allow(clippy::type_complexity, reason = "it is read once")]
+    pub(super) fn pickled<'py>(&self, py: Python<'py>) -> PyResult<impl IntoPyObject<'py>> {
+        let tools = self.tools.iter().map(|(name, link, tool)| {
+            Ok((name.clone(), link.clone(), placement::to_array(py, tool)?))
+        });
+        let tools: Vec<(String, String, Bound<'py, PyArray2<f64>>)> =
+            tools.collect::<PyResult<_>>()?;
+        let added = self.loops.added.iter().map(|own| own.pickled(py));
+        let added: Vec<Told<'py>> = added.collect::<PyResult<_>>()?;
+        let room = PyDict::new(py);
+        for (axis, range) in &self.base.room {
+            room.set_item(axis, *range)?;
+        }
+        let limits: Vec<_> = (self.joint_limits.iter())
+            .map(|(text, file)| (text.to_string(), file.clone()))
+            .collect();
+        Ok((
+            self.text.to_string(),
+            self.file.clone(),
+            self.lenient,
+            (self.soft_limits, limits),
+            (self.base.joint.clone(), room),
+            tools,
+            (self.loops.without, added, self.loops.passive.clone()),
+        ))
+    }
+
+    /// What [`pickled`](Self::pickled) gave.
+    pub(super) fn unpickled(
+        text: &str,
+        file: String,
+        lenient: bool,
+        (soft_limits, limits): PickledLimits,
+        (joint, room): PickledBase<'_>,
+        tools: Vec<PickledTool<'_>>,
+        (without, added, passive): PickledLoops<'_>,
+    ) -> PyResult<Self> {
+        let added = added.into_iter();
+        let added = added
+            .map(|(name, kind, frames, places)| NamedLoop::new(name, frames, &kind, Some(places)));
+        let tools = tools.into_iter().map(|(name, link, tool)| {
+            Ok((name, link, placement::placement(&tool, "link_from_tool")?))
+        });
+        Ok(Self {
+            text: text.into(),
+            file,
+            lenient,
+            soft_limits,
+            joint_limits: (limits.into_iter())
+                .map(|(text, file)| (text.into(), file))
+                .collect(),
+            base: Base::new(joint, room)?,
+            tools: tools.collect::<PyResult<_>>()?,
+            loops: Loops {
+                without,
+                added: added.collect::<PyResult<_>>()?,
+                passive,
+            },
+        })
+    }
+}
+
+impl Base {
+    pub(super) fn new(
+        joint: Option<Bound<'_, PyAny>>,
+        room: Option<Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let joint = joint.map(|joint| arrays::word(&joint, "base_joint", &BaseJoint::KINDS));
+        let joint = joint.transpose()?;
+        let room = room.map_or_else(Vec::new, |room| room.iter().collect());
+        let ranges = room.into_iter().map(|(axis, range)| {
+            let range = range.extract::<(f64, f64)>();
+            let axis = arrays::name(&axis, "an axis of base_room")?;
+            range
+                .map(|range| (axis, range))
+                .map_err(|_| invalid("base_room must be a dict of (lower, upper) by axis"))
+        });
+        Ok(Self {
+            joint,
+            room: ranges.collect::<PyResult<_>>()?,
+        })
+    }
+
+    fn joint(&self) -> PyResult<BaseJoint> {
+        let kind = self.joint.as_deref().unwrap_or("fixed");
+        let ranges = self.room.iter();
+        let ranges = ranges.map(|(axis, (lower, upper))| (axis, Limits::new(*lower, *upper)));
+        BaseJoint::named(kind, ranges).or_raise()
+    }
+}
+
+/// What a file holds, and its name in messages.
+pub(super) fn text_of(path: &Path) -> PyResult<(String, String)> {
+    let file = path.display().to_string();
+    let bytes = std::fs::read(path)
+        .map_err(|error| raise(Kind::File, format!("{file}: cannot be read: {error}")))?;
+    let text = String::from_utf8(bytes)
+        .map_err(|_| raise(Kind::InvalidFile, format!("{file}: is not UTF-8 text")))?;
+    Ok((text, file))
+}
