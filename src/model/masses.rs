@@ -53,6 +53,21 @@ pub enum MassError {
         /// How many frames the model has.
         frames: usize,
     },
+    /// The robot's file leaves masses to the files of meshes, which are not opened.
+    #[error(
+        "{} its mass or its centre to the file of a mesh, which is not opened: state it by an inertial, or give masses",
+        match others {
+            0 => format!("`{frame}` leaves"),
+            1 => format!("`{frame}`, like one more body, leaves"),
+            n => format!("`{frame}`, like {n} more bodies, leaves"),
+        }
+    )]
+    LeftToMeshes {
+        /// The first body.
+        frame: String,
+        /// How many more there are.
+        others: usize,
+    },
     /// A mesh has no volume to take masses from.
     #[error("masses come from the volume of a mesh: {0}")]
     NoVolume(String),
@@ -161,7 +176,7 @@ impl PointMass {
 }
 
 /// The joint that moves a frame, fixed ones aside.
-fn moving_joint(model: &Model, frame: FrameId) -> Option<JointId> {
+pub(crate) fn moving_joint(model: &Model, frame: FrameId) -> Option<JointId> {
     let mut above = model.joints_above(frame);
     above.find(|joint| model.joints()[joint.index()].kind.moves())
 }

@@ -31,6 +31,7 @@ pub use error::ModelError;
 pub use id::{FrameId, JointId};
 pub use joint::{Joint, JointKind, Limits};
 pub use length_unit::LengthUnit;
+pub(crate) use masses::moving_joint;
 pub use masses::{MassError, Masses, PointMass};
 pub use parameter_map::{ParameterMap, Source};
 pub use parameter_map_builder::ParameterMapBuilder;

@@ -10,8 +10,23 @@ pub struct Link {
     pub visuals: Vec<Shape>,
     /// What it bumps into things with.
     pub collisions: Vec<Shape>,
-    /// Its mass; `None` where the file states none.
+    /// Its mass; `None` where the file states none, or leaves it to meshes.
     pub inertial: Option<Inertial>,
+    /// What of its mass stands in the files of meshes, which are not opened: MJCF weighs shapes.
+    pub left_to_meshes: Option<LeftToMeshes>,
+}
+
+/// What of a mass cannot be known without opening the file of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum LeftToMeshes {
+    /// How much there is: a volume times a density.
+    Mass,
+    /// Where its centre is.
+    Centre {
+        /// Kilograms, which are stated.
+        mass: f64,
+    },
 }
 
 /// A body of a link.

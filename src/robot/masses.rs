@@ -2,9 +2,9 @@
 
 use nalgebra::Matrix3xX;
 
-use super::Robot;
+use super::{LeftToMeshes, Link, Robot};
 use crate::kinematics::{CentreOfMassError, centre_of_mass, centre_of_mass_jacobian};
-use crate::model::{MassError, Masses, PointMass};
+use crate::model::{MassError, Masses, PointMass, moving_joint};
 use crate::spatial::Vector3;
 
 impl Robot {
@@ -25,16 +25,38 @@ impl Robot {
     /// ```
     ///
     /// # Errors
-    /// A negative mass, by the link's name, or none at all.
+    /// A negative mass, by the link's name, none at all, or a mass that stands in the file of a mesh
+    /// ([`Link::left_to_meshes`](super::Link::left_to_meshes)).
     pub fn masses(&self) -> Result<Masses, MassError> {
-        let links = self.model.frame_ids().zip(&self.links);
-        let masses = links.filter_map(|(frame, link)| {
-            let inertial = link.inertial.as_ref()?;
-            Some(PointMass {
-                frame,
-                at: inertial.link_from_inertia.translation,
-                mass: inertial.mass,
-            })
+        self.gathered(|link| link.left_to_meshes.is_some())
+    }
+
+    /// What [`masses`](Self::masses) weigh together, kilograms; known too where their centre is not.
+    ///
+    /// # Errors
+    /// As [`masses`](Self::masses), but for masses of which only the centre stands in the file of a mesh.
+    pub fn total_mass(&self) -> Result<f64, MassError> {
+        let masses = self.gathered(|link| link.left_to_meshes == Some(LeftToMeshes::Mass))?;
+        Ok(masses.total())
+    }
+
+    /// The masses of links that joints move, none of which may be `unknown`.
+    fn gathered(&self, unknown: impl Fn(&Link) -> bool) -> Result<Masses, MassError> {
+        let links = || self.model.frame_ids().zip(&self.links);
+        let mut left = links()
+            .filter(|(frame, link)| unknown(link) && moving_joint(&self.model, *frame).is_some());
+        if let Some((frame, _)) = left.next() {
+            let frame = self.model.frames()[frame.index()].name.clone();
+            let others = left.count();
+            return Err(MassError::LeftToMeshes { frame, others });
+        }
+        let masses = links().filter_map(|(frame, link)| {
+            let (at, mass) = match (&link.inertial, link.left_to_meshes) {
+                (Some(own), _) => (own.link_from_inertia.translation, own.mass),
+                (None, Some(LeftToMeshes::Centre { mass })) => (Vector3::zero(), mass),
+                (None, _) => return None,
+            };
+            Some(PointMass { frame, at, mass })
         });
         Masses::new(&self.model, masses)
     }

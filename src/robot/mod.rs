@@ -17,7 +17,7 @@ mod urdf;
 mod xml;
 
 pub use base_joint::BaseJoint;
-pub use link::{Geometry, Inertial, Link, Shape};
+pub use link::{Geometry, Inertial, LeftToMeshes, Link, Shape};
 #[cfg(feature = "mjcf")]
 pub use mjcf::mjcf_with_includes;
 #[cfg(feature = "xml")]

@@ -3,6 +3,7 @@
 mod couplings_and_loops;
 mod joints;
 mod malformed;
+mod masses;
 mod mujoco;
 mod mutations;
 mod names;

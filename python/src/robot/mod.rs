@@ -427,17 +427,19 @@ impl Robot {
         Ok(shapes.iter().map(Shape::of).collect())
     }
 
-    /// The mass of all links that joints move, kg. Raises `InvalidValueError` where the file states none.
+    /// The mass of all links that joints move, kg. Raises `InvalidValueError` where the file states none, or leaves one to
+    /// the volume of a mesh, as MJCF without `inertial` does: the mesh's file is not opened.
     #[getter]
     fn mass(&self) -> PyResult<f64> {
-        Ok(self.inner.masses().or_raise()?.total())
+        self.inner.total_mass().or_raise()
     }
 
     /// Where the centre of mass is: shape (3,) for a configuration `q` of shape (nq,), (N, 3) for (N, nq); metres, in
     /// the world.
     ///
     /// Masses are those of the file's links (`<inertial>`); what stands in the world counts for nothing, as in
-    /// Pinocchio. Raises `InvalidValueError` where the file states none, or a negative one, and for other shapes.
+    /// Pinocchio. Raises `InvalidValueError` where the file states none, or a negative one, or leaves one or its centre to a
+    /// mesh (MJCF), and for other shapes.
     fn center_of_mass<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         centres(q, &self.model, &self.inner.masses().or_raise()?)
     }

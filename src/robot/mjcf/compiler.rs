@@ -18,6 +18,10 @@ pub(super) struct Compiler {
     pub(super) strip_path: bool,
     /// When masses come from shapes: never, where none is stated, always.
     pub(super) inertia_from_geom: Option<bool>,
+    /// The first and the last group of geoms that weigh anything.
+    weighing_groups: [f64; 2],
+    /// What all bodies weigh together, kilograms.
+    pub(super) total_mass: Option<f64>,
 }
 
 impl Compiler {
@@ -29,6 +33,8 @@ impl Compiler {
             mesh_folder: String::new(),
             strip_path: false,
             inertia_from_geom: None,
+            weighing_groups: [0.0, 5.0],
+            total_mass: None,
         };
         for tag in root.children_named("compiler") {
             own.take(&Attributes::own(tag))?;
@@ -60,11 +66,24 @@ impl Compiler {
         if let Some(word) = compiler.word("inertiafromgeom", &["false", "true", "auto"])? {
             self.inertia_from_geom = [Some(false), Some(true), None][word];
         }
+        if let Some(groups) = compiler.numbers("inertiagrouprange")? {
+            self.weighing_groups = groups;
+        }
+        // One that is not above 0, as by default, changes nothing.
+        if let Some(total) = compiler.number("settotalmass")? {
+            self.total_mass = Some(total).filter(|total| *total > 0.0);
+        }
         let folder = compiler.text("meshdir").or(compiler.text("assetdir"));
         if let Some(folder) = folder {
             self.mesh_folder = folder.to_owned();
         }
         Ok(())
+    }
+
+    /// Whether geoms of a group add to the mass of a body that states none.
+    pub(super) fn weighs_group(&self, group: f64) -> bool {
+        let [first, last] = self.weighing_groups;
+        (first..=last).contains(&group)
     }
 
     /// Where a mesh lies, from the document's folder.

@@ -48,7 +48,9 @@ pub(super) enum Weight {
     Nothing,
     /// Kilograms, and where the solid stands in the body.
     Known(f64, Solid, Placement<f64>),
-    /// The file of a mesh would have to be opened.
+    /// Kilograms; the file of a mesh would have to be opened to know where their centre is.
+    Somewhere(f64),
+    /// The file of a mesh would have to be opened; a shell's is not worked out either.
     Unknown,
 }
 
@@ -94,10 +96,11 @@ pub(super) fn read<'a>(
         geometry,
     });
     let bits = |attribute| geom.number(attribute).map(|bits| bits != Some(0.0));
-    let weighs_nothing = matches!(TYPES[kind], "plane" | "hfield");
+    let group = geom.number("group")?.unwrap_or(0.0);
+    let weighs_nothing = matches!(TYPES[kind], "plane" | "hfield") || !compiler.weighs_group(group);
     Ok(Geom {
         shape,
-        is_visual: geom.number("group")?.unwrap_or(0.0) < SHOWN_GROUPS,
+        is_visual: group < SHOWN_GROUPS,
         collides: bits("contype")? || bits("conaffinity")?,
         weight: match weighs_nothing {
             true => Weight::Nothing,
@@ -198,8 +201,10 @@ fn weight(
     let is_shell = geom.flag("shellinertia")? == Some(true);
     Ok(match (mass, density, solid) {
         (Some(0.0), ..) | (None, Some(0.0), _) => Weight::Nothing,
-        (_, _, None) => Weight::Unknown,
-        _ if is_shell => Weight::Unknown,
+        (Some(mass), _, None) => Weight::Somewhere(mass),
+        (Some(mass), ..) if is_shell => Weight::Somewhere(mass),
+        (None, ..) if is_shell => Weight::Unknown,
+        (None, _, None) => Weight::Unknown,
         (Some(mass), _, Some(solid)) => Weight::Known(mass, solid, body_from_geom),
         (None, density, Some(solid)) => {
             let mass = density.unwrap_or(DENSITY) * solid.volume();

@@ -5,9 +5,17 @@ use super::compiler::Compiler;
 use super::geom::{Geom, Weight};
 use super::orientation::placement;
 use super::tree::Tag;
-use crate::robot::Inertial;
 use crate::robot::xml::{Fault, RobotFileError};
+use crate::robot::{Inertial, LeftToMeshes};
 use crate::spatial::{Placement, Vector3};
+
+/// What a body weighs.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Weighed {
+    Nothing,
+    Known(Inertial),
+    Left(LeftToMeshes),
+}
 
 pub(super) fn read(tag: Tag<'_>, compiler: &Compiler) -> Result<Inertial, RobotFileError> {
     let inertial = Attributes::own(tag);
@@ -30,15 +38,19 @@ pub(super) fn read(tag: Tag<'_>, compiler: &Compiler) -> Result<Inertial, RobotF
     })
 }
 
-/// The mass of all geoms together, in the body's axes; `None` where there is none, or a mesh would have to be
-/// opened to know it.
-pub(super) fn of_geoms(geoms: &[Geom]) -> Option<Inertial> {
+/// The mass of all geoms together, in the body's axes, or what of it stands in the files of meshes.
+pub(super) fn of_geoms(geoms: &[Geom]) -> Weighed {
     let (mut mass, mut moment) = (0.0, Vector3::zero());
+    let mut has_centre = true;
     let mut parts = Vec::new();
     for geom in geoms {
         match geom.weight {
             Weight::Nothing => {}
-            Weight::Unknown => return None,
+            Weight::Unknown => return Weighed::Left(LeftToMeshes::Mass),
+            Weight::Somewhere(own) => {
+                mass += own;
+                has_centre = false;
+            }
             Weight::Known(own, solid, at) => {
                 mass += own;
                 moment += at.translation * own;
@@ -47,7 +59,10 @@ pub(super) fn of_geoms(geoms: &[Geom]) -> Option<Inertial> {
         }
     }
     if mass <= 0.0 || !mass.is_finite() {
-        return None;
+        return Weighed::Nothing;
+    }
+    if !has_centre {
+        return Weighed::Left(LeftToMeshes::Centre { mass });
     }
     let centre = moment * (1.0 / mass);
     let mut moments = [[0.0; 3]; 3];
@@ -65,7 +80,7 @@ pub(super) fn of_geoms(geoms: &[Geom]) -> Option<Inertial> {
             }
         }
     }
-    Some(Inertial {
+    Weighed::Known(Inertial {
         mass,
         link_from_inertia: Placement::translation(centre),
         moments,

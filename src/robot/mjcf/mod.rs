@@ -22,5 +22,6 @@ mod reader;
 mod segment;
 mod solid;
 mod tree;
+mod weights;
 
 pub use reader::mjcf_with_includes;

@@ -7,11 +7,12 @@ use super::build::Build;
 use super::compiler::Compiler;
 use super::defaults::Defaults;
 use super::equality;
-use super::inertial::of_geoms;
+use super::inertial::Weighed;
 use super::loops;
 use super::mesh;
 use super::passive;
 use super::tree::Tree;
+use super::weights;
 use crate::model::ModelBuilder;
 use crate::robot::xml::{Fault, Repair, RobotFileError};
 use crate::robot::{Link, Robot};
@@ -35,8 +36,10 @@ impl Robot {
     /// those to a `mocap` body, which is a target, and other relations are left out with a note. `inertial`s, or the masses of geoms that
     /// need no mesh's file, are kept with the geoms ([`link`](Self::link)): those of groups 0 to 2 as visuals, those
     /// with a contact type as collisions, planes and height fields not at all. `actuatorfrcrange` is
-    /// the [`effort_limit`](Self::effort_limit). Masses are as they stand: `settotalmass`, `boundmass` and
-    /// `balanceinertia` change none. Actuators, sensors, tendons and the like are not looked at.
+    /// the [`effort_limit`](Self::effort_limit). `inertiafromgeom`, `inertiagrouprange` and `settotalmass` count; `boundmass`,
+    /// `boundinertia` and `balanceinertia` change nothing. A mesh's file is not opened, so a body without `inertial` that
+    /// has one has no known centre, nor a mass where the geom states none: [`repairs`](Self::repairs) names it,
+    /// [`Link::left_to_meshes`] says which, and [`masses`](Self::masses) is an error if a joint moves it. Actuators, sensors, tendons and the like are not looked at.
     ///
     /// ```
     /// use kinopt::robot::Robot;
@@ -119,30 +122,23 @@ fn robot(tree: &Tree) -> Result<Robot, RobotFileError> {
     let mut robot = Robot::new(model, mimics).map_err(unsound)?;
     robot.passive = passive::joints(root, &names, &robot);
     robot.drives = drives;
-    robot.links = bodies
-        .into_iter()
-        .map(|body| link(body, &compiler))
-        .collect();
+    let (weights, notes) = weights::weigh(&bodies, &compiler);
+    let bodies = bodies.into_iter().zip(weights);
+    robot.links = bodies.map(|(body, weight)| link(body, weight)).collect();
     let repairs = left_out.into_iter().filter_map(Repair::left_out);
-    robot.repairs = repairs.collect();
+    robot.repairs = repairs.chain(notes).collect();
     robot.repairs.sort_by_key(|repair| repair.line);
     Ok(robot)
 }
 
 /// What a body is made of.
-fn link(body: Body<'_>, compiler: &Compiler) -> Link {
-    let from_geoms = || of_geoms(&body.geoms);
-    let inertial = match (compiler.inertia_from_geom, body.inertial) {
-        (Some(true), _) => from_geoms(),
-        (_, Some(inertial)) => Some(inertial),
-        (Some(false), None) => None,
-        // The world weighs nothing.
-        (None, None) => body.parent.and_then(|_| from_geoms()),
-    };
-    let mut link = Link {
-        inertial,
-        ..Link::default()
-    };
+fn link(body: Body<'_>, weight: Weighed) -> Link {
+    let mut link = Link::default();
+    match weight {
+        Weighed::Nothing => {}
+        Weighed::Known(inertial) => link.inertial = Some(inertial),
+        Weighed::Left(left) => link.left_to_meshes = Some(left),
+    }
     for geom in body.geoms {
         let Some(shape) = geom.shape else { continue };
         if geom.collides {

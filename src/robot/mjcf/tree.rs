@@ -231,14 +231,19 @@ impl<'a> Tag<'a> {
 
     /// What is wrong with it.
     pub(super) fn fault(&self, fault: Fault) -> RobotFileError {
-        let named = self.text("name");
-        let name = self.name();
         RobotFileError::Element {
             file: self.tree.files[self.stored().file].clone(),
             line: self.line(),
-            element: named.map_or_else(|| format!("<{name}>"), |it| format!("{name} `{it}`")),
+            element: self.called(),
             fault,
         }
+    }
+
+    /// As messages call it.
+    pub(super) fn called(&self) -> String {
+        let name = self.name();
+        let named = self.text("name");
+        named.map_or_else(|| format!("<{name}>"), |it| format!("{name} `{it}`"))
     }
 }
 

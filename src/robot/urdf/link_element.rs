@@ -30,6 +30,7 @@ pub(super) fn read<'a>(
         visuals: shapes("visual").collect(),
         collisions: shapes("collision").collect(),
         inertial: inertial.and_then(|part| reading.or_left_out(self::inertial(&part, version))),
+        left_to_meshes: None,
     }
 }
 

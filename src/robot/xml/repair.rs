@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::error::{Fault, RobotFileError};
+use crate::robot::LeftToMeshes;
 
 /// One place of a file that was not taken at its word, and what was taken instead.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,7 +39,7 @@ impl Repair {
 }
 
 /// What was done about one place of a file. The first two and [`LeftOut`](Self::LeftOut) of what
-/// belongs to a link come from strict readers too; the others from lenient ones alone.
+/// belongs to a link, and [`MassLeftToMeshes`](Self::MassLeftToMeshes), come from strict readers too; the others from lenient ones alone.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Mended {
@@ -52,6 +53,9 @@ pub enum Mended {
     },
     /// Something is wrong and counts for nothing.
     LeftOut(Fault),
+    /// A body states no mass, and what it weighs stands in the files of its meshes, which are not opened. The
+    /// robot has no centre of mass if a joint moves it.
+    MassLeftToMeshes(LeftToMeshes),
     /// A revolute or prismatic joint has no `<limit>`: it is held at 0.
     HeldAtZero,
     /// Limits were out of order and are exchanged; these are the new ones, in radians or metres.
@@ -98,6 +102,14 @@ impl fmt::Display for Mended {
                 )
             }
             Self::LeftOut(fault) => write!(f, "left out: {fault}"),
+            Self::MassLeftToMeshes(LeftToMeshes::Mass) => write!(
+                f,
+                "its mass is that of a mesh, whose file is not opened, and not known; `inertial` would state it"
+            ),
+            Self::MassLeftToMeshes(LeftToMeshes::Centre { mass }) => write!(
+                f,
+                "its {mass} kg are a mesh's, whose file is not opened, so their centre is not known; `inertial` would state it"
+            ),
             Self::HeldAtZero => write!(f, "there is no <limit>: the joint is held at 0"),
             Self::LimitsExchanged { lower, upper } => {
                 write!(f, "limits out of order, taken as {lower} to {upper}")

@@ -1,0 +1,74 @@
+//! What bodies weigh: by their `<inertial>`, else by their geoms, scaled to a total where one is asked for.
+
+use super::body::Body;
+use super::compiler::Compiler;
+use super::inertial::{Weighed, of_geoms};
+use crate::robot::xml::{Mended, Repair};
+use crate::robot::{Inertial, LeftToMeshes};
+
+/// What each body weighs, and notes on those whose weight stands in the files of meshes.
+pub(super) fn weigh(bodies: &[Body<'_>], compiler: &Compiler) -> (Vec<Weighed>, Vec<Repair>) {
+    let own = bodies.iter().map(|body| weight(body, compiler));
+    let mut weights: Vec<Weighed> = own.collect();
+    if let Some(total) = compiler.total_mass {
+        scale(&mut weights, total);
+    }
+    let notes = bodies.iter().zip(&weights).filter_map(|(body, weight)| {
+        let Weighed::Left(left) = *weight else {
+            return None;
+        };
+        Some(Repair {
+            line: body.tag.line(),
+            element: body.tag.called(),
+            mended: Mended::MassLeftToMeshes(left),
+        })
+    });
+    let notes = notes.collect();
+    (weights, notes)
+}
+
+fn weight(body: &Body<'_>, compiler: &Compiler) -> Weighed {
+    let stated = || body.inertial.map_or(Weighed::Nothing, Weighed::Known);
+    match (compiler.inertia_from_geom, body.inertial) {
+        // The world weighs nothing.
+        _ if body.parent.is_none() => Weighed::Nothing,
+        (Some(false), _) | (None, Some(_)) => stated(),
+        (None, None) => of_geoms(&body.geoms),
+        (Some(true), _) => match of_geoms(&body.geoms) {
+            Weighed::Nothing => stated(),
+            weight => weight,
+        },
+    }
+}
+
+/// `settotalmass`: every body times one factor, those that stand in the world too. Where one mass stands in a
+/// mesh's file, so does the factor.
+fn scale(weights: &mut [Weighed], total: f64) {
+    let mut sum = Some(0.0);
+    for weight in &*weights {
+        let own = match *weight {
+            Weighed::Nothing => Some(0.0),
+            Weighed::Known(inertial) => Some(inertial.mass),
+            Weighed::Left(LeftToMeshes::Centre { mass }) => Some(mass),
+            Weighed::Left(LeftToMeshes::Mass) => None,
+        };
+        sum = sum.zip(own).map(|(sum, own)| sum + own);
+    }
+    let factor = sum.map(|sum| total / sum);
+    for weight in weights {
+        *weight = match (*weight, factor) {
+            (Weighed::Nothing, _) => Weighed::Nothing,
+            (_, None) => Weighed::Left(LeftToMeshes::Mass),
+            (Weighed::Known(inertial), Some(factor)) => Weighed::Known(Inertial {
+                mass: inertial.mass * factor,
+                moments: inertial.moments.map(|row| row.map(|entry| entry * factor)),
+                ..inertial
+            }),
+            (Weighed::Left(LeftToMeshes::Centre { mass }), Some(factor)) => {
+                let mass = mass * factor;
+                Weighed::Left(LeftToMeshes::Centre { mass })
+            }
+            (left, _) => left,
+        };
+    }
+}

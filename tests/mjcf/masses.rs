@@ -1,0 +1,183 @@
+//! Promise: bodies weigh what MuJoCo 4.0.0 has them weigh, or it is told by name that a mesh's file would have to be
+//! opened; nothing weighs nothing in silence.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::model::MassError;
+use kinopt::robot::{LeftToMeshes, Link, Robot};
+
+const TWO: &str = r#"<geom size=".1" pos="1 0 0"/><geom type="box" size=".1 .1 .1" group="3"/>"#;
+const STATED: &str = r#"<inertial mass="2" pos="0 0 0" diaginertia="1 1 1"/>"#;
+const MESH: &str = r#"<asset><mesh name="m" file="m.stl"/></asset>"#;
+
+fn robot(compiler: &str, body: &str) -> Robot {
+    let text = format!(
+        r#"<mujoco><compiler {compiler}/>{MESH}<worldbody><geom size="1"/>
+        <body name="stand"><geom size=".1"/></body><body name="a"><joint/>{body}</body></worldbody></mujoco>"#
+    );
+    Robot::parse_mjcf(&text, "weighs.xml").unwrap()
+}
+
+fn link(robot: &Robot) -> &Link {
+    robot.link(robot.model().frame("a").unwrap()).unwrap()
+}
+
+/// Expected numbers are `body_mass` and the greatest of `body_inertia`.
+#[test]
+fn geoms_weigh_by_their_groups_and_the_whole_as_the_compiler_says() {
+    let stand = 4.18879020478639;
+    let both = 12.188790204786393;
+    for (compiler, stated, mass, most) in [
+        ("", "", both, 2.819362),
+        (r#"inertiagrouprange="3 5""#, "", 8.0, 0.053333),
+        (r#"inertiagrouprange="3 5""#, STATED, 2.0, 1.0),
+        (r#"inertiafromgeom="true""#, STATED, both, 2.819362),
+        (
+            r#"inertiafromgeom="true" inertiagrouprange="4 5""#,
+            STATED,
+            2.0,
+            1.0,
+        ),
+        (r#"settotalmass="-1""#, "", both, 2.819362),
+        (r#"settotalmass="0""#, "", both, 2.819362),
+        (
+            r#"settotalmass="10""#,
+            "",
+            both * 10.0 / (both + stand),
+            2.819362 * 10.0 / (both + stand),
+        ),
+        (
+            r#"settotalmass="10" inertiagrouprange="0 0""#,
+            "",
+            5.0,
+            0.02,
+        ),
+    ] {
+        let robot = robot(compiler, &format!("{stated}{TWO}"));
+        let inertial = link(&robot).inertial.unwrap();
+        assert!((inertial.mass - mass).abs() < 1e-12, "{compiler}");
+        let own = (0..3).map(|k| inertial.moments[k][k]).fold(0.0, f64::max);
+        assert!((own - most).abs() < 1e-6, "{compiler}: {own}");
+        assert!((robot.masses().unwrap().total() - mass).abs() < 1e-12);
+        assert_eq!(robot.repairs(), []);
+    }
+    for wrong in [r#"settotalmass="x""#, r#"inertiagrouprange="3""#] {
+        let text = format!(r#"<mujoco><compiler {wrong}/><worldbody/></mujoco>"#);
+        let told = Robot::parse_mjcf(&text, "wrong.xml")
+            .unwrap_err()
+            .to_string();
+        let attribute = wrong.split('=').next().unwrap();
+        assert!(
+            told.starts_with("wrong.xml:1:") && told.contains(attribute),
+            "{told}"
+        );
+    }
+}
+
+#[test]
+fn what_a_mesh_weighs_is_told_where_it_is_not_known() {
+    let mass = "mass is that of a mesh";
+    let centre = "2 kg are a mesh's";
+    let of_two = Some(LeftToMeshes::Centre { mass: 2.0 });
+    for (compiler, geoms, left, note) in [
+        (
+            "",
+            r#"<geom type="mesh" mesh="m"/>"#,
+            Some(LeftToMeshes::Mass),
+            mass,
+        ),
+        (
+            "",
+            r#"<geom type="mesh" mesh="m" mass="2"/>"#,
+            of_two,
+            centre,
+        ),
+        (
+            "",
+            r#"<geom type="sphere" mesh="m" mass="2"/>"#,
+            of_two,
+            centre,
+        ),
+        (
+            "",
+            r#"<geom type="mesh" mesh="m" mass="1.5"/><geom size=".1" mass=".5"/>"#,
+            of_two,
+            centre,
+        ),
+        (
+            "",
+            r#"<geom type="mesh" mesh="m" density="500"/><geom size=".1" mass=".5"/>"#,
+            Some(LeftToMeshes::Mass),
+            mass,
+        ),
+        (
+            r#"settotalmass="9""#,
+            r#"<geom size=".1"/><body><geom type="mesh" mesh="m"/></body>"#,
+            Some(LeftToMeshes::Mass),
+            mass,
+        ),
+        // What a known mass weighs is scaled wherever it is.
+        (
+            r#"settotalmass="2.5""#,
+            r#"<geom type="mesh" mesh="m" mass="16.7551608191456"/>"#,
+            of_two,
+            "kg are a mesh's",
+        ),
+    ] {
+        let robot = robot(compiler, geoms);
+        let own = link(&robot);
+        assert_eq!(own.inertial, None);
+        match (own.left_to_meshes, left) {
+            (
+                Some(LeftToMeshes::Centre { mass }),
+                Some(LeftToMeshes::Centre { mass: expected }),
+            ) => {
+                assert!((mass - expected).abs() < 1e-12, "{mass}");
+            }
+            (own, expected) => assert_eq!(own, expected, "{geoms}"),
+        }
+        let told: Vec<String> = robot.repairs().iter().map(ToString::to_string).collect();
+        let told = told.iter().find(|told| told.contains("body `a`")).unwrap();
+        assert!(told.starts_with("2: ") && told.contains(note), "{told}");
+        let refused = robot.masses().unwrap_err();
+        assert!(matches!(&refused, MassError::LeftToMeshes { frame, .. } if frame == "a"));
+        assert!(refused.to_string().contains("`a`"), "{refused}");
+        match own.left_to_meshes {
+            Some(LeftToMeshes::Centre { mass }) => assert_eq!(robot.total_mass().unwrap(), mass),
+            _ => assert_eq!(robot.total_mass().unwrap_err(), refused),
+        }
+        assert!(robot.centre_of_mass(&robot.model().neutral()).is_err());
+    }
+}
+
+/// What is told counts where it matters alone: not for what weighs nothing, is stated, or stands in the world.
+#[test]
+fn a_mesh_that_adds_nothing_is_no_matter() {
+    for (compiler, body) in [
+        (
+            "",
+            r#"<geom type="mesh" mesh="m" mass="0"/><geom size=".1" mass="3"/>"#,
+        ),
+        (
+            "",
+            r#"<geom type="mesh" mesh="m" density="0"/><geom size=".1" mass="3"/>"#,
+        ),
+        (
+            r#"inertiagrouprange="0 1""#,
+            r#"<geom type="mesh" mesh="m" group="2"/><geom size=".1" mass="3"/>"#,
+        ),
+        (
+            "",
+            r#"<geom type="mesh" mesh="m"/><inertial mass="3" pos="0 0 0" diaginertia="1 1 1"/>"#,
+        ),
+    ] {
+        let robot = robot(compiler, body);
+        assert_eq!(robot.masses().unwrap().total(), 3.0, "{body}");
+        assert_eq!(robot.repairs(), []);
+    }
+    let text = format!(
+        r#"<mujoco>{MESH}<worldbody><body name="stand"><geom type="mesh" mesh="m"/>
+        <body name="a"><joint/><geom size=".1" mass="3"/></body></body></worldbody></mujoco>"#
+    );
+    let robot = Robot::parse_mjcf(&text, "stands.xml").unwrap();
+    assert_eq!(robot.masses().unwrap().total(), 3.0);
+}
