@@ -5,6 +5,9 @@ use std::ops::Range;
 use crate::kinematics::FrameSlot;
 use crate::task::{Role, Rows};
 
+/// How far from where it was a goal may end for the sake of ranks below, as a share of its tolerance.
+const KEPT: f64 = 1e-3;
+
 /// Rows of one quantity, their weight and tolerance.
 #[derive(Clone, Debug)]
 pub(crate) struct Block {
@@ -20,6 +23,11 @@ impl Block {
     /// Its rows, where those of its task begin at `to` instead of `from`.
     pub(crate) fn rows_after(&self, from: usize, to: usize) -> Range<usize> {
         self.rows.start - from + to..self.rows.end - from + to
+    }
+
+    /// How far from where it was its weighted error may end for the sake of ranks below.
+    pub(crate) fn kept_within(&self) -> f64 {
+        KEPT * self.tolerance * self.weight
     }
 
     /// Whether anything is asked of the rows: a weight of 0 or an infinite tolerance asks nothing.

@@ -266,7 +266,7 @@ impl Problem {
             let mut kept = task.blocks().filter(|block| task.keeps(block));
             kept.all(|block| {
                 let rows = block.rows_after(task.rows.start, rows.start);
-                norm(&change[rows]) <= KEPT * block.tolerance * block.weight
+                norm(&change[rows]) <= block.kept_within()
             })
         })
     }
@@ -431,8 +431,6 @@ impl Problem {
 
 /// A task is swept where its frames pass so many times more joints than a sweep does.
 const SWEPT: usize = 2;
-/// How far from where it was a goal may end for the preferences' sake, as a share of its tolerance.
-const KEPT: f64 = 1e-3;
 
 /// Euclidean norm, also where squares are too small or too large for a number.
 fn norm(rows: &[f64]) -> f64 {

@@ -99,6 +99,10 @@ impl Residual for FrameVelocity {
         residual[3..].copy_from_slice(&angular.to_array());
     }
 
+    fn has_edges(&self) -> bool {
+        false
+    }
+
     fn validate(&self) -> Result<(), String> {
         not_finite("its previous place", self.previous.translation.to_array())?;
         check_rotation("its previous place has", &self.previous.rotation)?;

@@ -127,6 +127,10 @@ impl Residual for JointCoupling {
         true
     }
 
+    fn has_edges(&self) -> bool {
+        false
+    }
+
     fn validate(&self) -> Result<(), String> {
         not_finite("its coefficients", self.coefficients.iter().copied())?;
         not_finite("its offset", [self.offset])?;

@@ -72,6 +72,10 @@ impl Residual for LookAt {
         residual.copy_from_slice(&turn_onto(axis, sight).to_array());
     }
 
+    fn has_edges(&self) -> bool {
+        false
+    }
+
     fn validate(&self) -> Result<(), String> {
         not_finite("its target", self.target.to_array())?;
         not_finite("its axis", self.axis.to_array())?;

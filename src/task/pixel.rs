@@ -124,6 +124,10 @@ impl Residual for Pixel {
         }
     }
 
+    fn has_edges(&self) -> bool {
+        false
+    }
+
     fn validate(&self) -> Result<(), String> {
         not_finite("its pixel", self.target)?;
         let camera = self.camera.pixel_from_world.into_iter().flatten();

@@ -82,6 +82,10 @@ impl Residual for Plane {
         true
     }
 
+    fn has_edges(&self) -> bool {
+        false
+    }
+
     fn validate(&self) -> Result<(), String> {
         not_finite("its point", self.point.to_array())?;
         not_finite("its normal", self.normal.to_array())?;

@@ -90,6 +90,10 @@ impl Residual for Ray {
         true
     }
 
+    fn has_edges(&self) -> bool {
+        false
+    }
+
     fn validate(&self) -> Result<(), String> {
         let points = [self.eye, self.through];
         not_finite("its line", points.iter().flat_map(|p| p.to_array()))?;

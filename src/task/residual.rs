@@ -117,8 +117,8 @@ pub trait Residual: Clone + Send + Sync + 'static {
         self.evaluate(frames, joints, residual);
     }
 
-    /// Whether rows of it may vanish within some room, as those of an interval do, so that they have an edge. Saying no
-    /// saves the derivative of a solution a look for it.
+    /// Whether rows of it may vanish within some room, as those of an interval do, so that they have an edge: there they
+    /// hold what ranks below only as long as that pulls outward. Saying no saves descents and derivatives a look for it.
     fn has_edges(&self) -> bool {
         true
     }

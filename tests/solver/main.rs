@@ -7,6 +7,7 @@ mod drags;
 mod every_kind_of_limit;
 mod first_steps;
 mod from_outside;
+mod goals_with_room;
 mod invariance;
 mod limits_hold;
 mod method_battery;

@@ -137,7 +137,17 @@ impl Descent {
         if !self.step.take_pulls(&self.jacobian, &self.pulls) {
             return None;
         }
-        let held = self.held.take_rows(asked, &self.x, &self.fixed);
+        if self.held.has_edges() {
+            let space = asked.question.space();
+            let fixed = self.fixed.iter().enumerate();
+            let pinned = fixed.map(|(j, fixed)| *fixed || !space.is_between_bounds(&self.x, j));
+            self.newton.pinned.clear();
+            self.newton.pinned.extend(pinned);
+            self.take_lagrangian(asked);
+        } else {
+            self.held.take_rows(asked, &self.x, &self.fixed);
+        }
+        let held = self.held.rows();
         let within = StepBounds {
             x: &self.x,
             space: asked.question.space(),

@@ -106,6 +106,17 @@ impl Curvature {
         self.running = above;
     }
 
+    /// Whether a row of a reached rank has a say in where a missed one stands.
+    pub(super) fn weighs(&self, ranks: &[HeldRank], row: usize) -> bool {
+        let rows = self.change.len() - ranks.len() * self.slope.len();
+        let mut missed = ranks.iter().filter(|held| !held.reached);
+        missed.any(|held| {
+            let own = &self.multipliers[held.rank * rows..(held.rank + 1) * rows];
+            let most = own.iter().fold(0.0_f64, |most, m| most.max(m.abs()));
+            own[row].abs() > NEW * most
+        })
+    }
+
     /// Fixes the variables that stand on a bound for a missed rank's sake.
     pub(super) fn fix(
         &mut self,

@@ -9,6 +9,7 @@ use nalgebra::DMatrix;
 
 use super::asked::Asked;
 use super::curvature::{Curvature, NEW, NEW_CURVATURE, add_rows};
+use super::edges::Edges;
 use crate::problem::{Evaluation, Problem, Share};
 use crate::solver::{
     AnyMethod, HeldStep, LevenbergMarquardt, RowSpan, Silent, StepBounds, half_squared,
@@ -19,6 +20,8 @@ use crate::solver::{
 const CORRECTIONS: usize = 6;
 /// Steps of a missed first rank's own search after one.
 const SETTLING: usize = 20;
+/// Places tried along a step that leads out of a room, until one is at its edge.
+const LANDINGS: usize = 60;
 /// How much of a missed rank's cost counts as the same.
 pub(super) const SAME_MISS: f64 = 1e-9;
 /// What a descent gains at least, as a share of its cost, for a step to make sense.
@@ -63,6 +66,7 @@ pub(super) struct Held {
     now: Vec<f64>,
     jacobian: DMatrix<f64>,
     curvature: Curvature,
+    edges: Edges,
     /// Where a correction starts, and the correction.
     uncorrected: Vec<f64>,
     back: Vec<f64>,
@@ -125,6 +129,7 @@ impl Held {
             1 if rank == 1 => Above::FirstMissed,
             _ => Above::Mixed,
         };
+        self.edges.take(asked.question, &self.ranks, residual.len());
         fixed.fill(false);
         match self.above {
             Above::Reached => {}
@@ -159,24 +164,63 @@ impl Held {
     }
 
     /// Takes C, for steps from x with C Δ = 0.
-    pub(super) fn take_rows(
+    pub(super) fn take_rows(&mut self, asked: &mut Asked<'_, '_>, x: &[f64], fixed: &[bool]) {
+        self.edges.hold_all();
+        let share = self.share();
+        if self.above == Above::FirstMissed {
+            return self.curvature.of_first(asked, x, &[]);
+        }
+        asked.held_jacobian(share, x, &mut self.jacobian);
+        if self.above == Above::Mixed || self.edges.any() {
+            asked.residual(share, x, &mut self.now);
+        }
+        self.take_curvature(asked, x, fixed);
+    }
+
+    /// Whether anything that is held may have an edge.
+    pub(super) fn has_edges(&self) -> bool {
+        self.above != Above::FirstMissed && self.edges.any()
+    }
+
+    /// The rows of missed ranks below reached ones.
+    fn take_curvature(&mut self, asked: &mut Asked<'_, '_>, x: &[f64], fixed: &[bool]) {
+        if self.above == Above::Mixed {
+            let here = (&self.jacobian, &self.now[..]);
+            self.curvature.of_all(asked, &self.ranks, x, here, fixed);
+        }
+    }
+
+    /// Takes a row out of C that stands at the edge of its room while the multipliers of the rows pull it inward, and
+    /// no missed rank pushes it outward; whether there was one.
+    pub(super) fn let_go(
         &mut self,
         asked: &mut Asked<'_, '_>,
         x: &[f64],
         fixed: &[bool],
-    ) -> &DMatrix<f64> {
-        let share = self.share();
-        match self.above {
-            Above::Reached => asked.held_jacobian(share, x, &mut self.jacobian),
-            Above::FirstMissed => self.curvature.of_first(asked, x, &[]),
-            Above::Mixed => {
-                asked.held_jacobian(share, x, &mut self.jacobian);
-                asked.residual(share, x, &mut self.now);
-                self.curvature
-                    .of_all(asked, &self.ranks, x, (&self.jacobian, &self.now), fixed);
-            }
+        multipliers: &[f64],
+    ) -> bool {
+        if !self.has_edges() {
+            return false;
         }
-        self.rows()
+        let Self {
+            ranks,
+            above,
+            edges,
+            curvature,
+            jacobian,
+            now,
+            ..
+        } = self;
+        let multiplier = |row: usize| match *above == Above::Mixed && curvature.weighs(ranks, row) {
+            true => 0.0,
+            false => multipliers[row],
+        };
+        let lets = edges.let_go(asked, ranks, x, (jacobian, now), multiplier);
+        if lets {
+            edges.take_out(jacobian);
+            self.take_curvature(asked, x, fixed);
+        }
+        lets
     }
 
     /// C as it was taken last.
@@ -185,6 +229,58 @@ impl Held {
             Above::Reached => &self.jacobian,
             Above::FirstMissed | Above::Mixed => self.curvature.rows(),
         }
+    }
+
+    /// What of a rank's gain at a trial that was brought back is due to rows at an edge, by their multipliers.
+    pub(super) fn let_through(&self, multipliers: &[f64]) -> f64 {
+        match self.has_edges() {
+            true => self.edges.let_through(multipliers),
+            false => 0.0,
+        }
+    }
+
+    /// How much of a step from x leads to the edge of the first room that held nothing there, all of it if none is
+    /// left; `trial` is where all of it leads, and then where so much does.
+    pub(super) fn share_to_an_edge(
+        &mut self,
+        asked: &mut Asked<'_, '_>,
+        x: &[f64],
+        step: &[f64],
+        trial: &mut [f64],
+    ) -> f64 {
+        if !self.has_edges() {
+            return 1.0;
+        }
+        // By the secant through the last two places beyond, halved where that leads back within.
+        let space = asked.question.space();
+        let (mut within, mut beyond, mut last) = (0.0, (1.0, self.beyond(asked, trial)), None);
+        for _ in 0..LANDINGS {
+            let (share, by) = beyond;
+            if by <= 1.0 {
+                break;
+            }
+            let slope = last.map(|(at, before): (f64, f64)| (before - by) / (at - share));
+            let aim = slope.map(|slope| share - (by - 0.5) / slope);
+            let next = aim.filter(|aim| within < *aim && *aim < share);
+            let next = next.unwrap_or(0.5 * (within + share));
+            space.integrate_share(x, next, step, trial);
+            space.project(trial);
+            match self.beyond(asked, trial) {
+                0.0 => {
+                    within = next;
+                    last = None;
+                }
+                by => last = Some(std::mem::replace(&mut beyond, (next, by))),
+            }
+        }
+        space.integrate_share(x, beyond.0, step, trial);
+        space.project(trial);
+        beyond.0
+    }
+
+    fn beyond(&mut self, asked: &mut Asked<'_, '_>, trial: &[f64]) -> f64 {
+        asked.residual(self.share(), trial, &mut self.now);
+        self.edges.beyond(&self.now)
     }
 
     /// Adds C's rows, of the variables that are not fixed, to a span.
@@ -253,9 +349,7 @@ impl Held {
             if self.above == Above::Mixed && round < CORRECTIONS {
                 self.curvature.slopes(asked, &self.ranks, trial, fixed);
             }
-            for (now, kept) in self.now.iter_mut().zip(&self.kept) {
-                *now -= kept;
-            }
+            self.edges.change(&mut self.now, &self.kept);
             // One correction at least: what is left of a step's square would drown what it gains.
             if round > 0 && stands && self.is_kept(question.problem) {
                 return true;

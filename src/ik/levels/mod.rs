@@ -12,8 +12,10 @@ mod asked;
 mod conjugate_steps;
 mod curvature;
 mod descent;
+mod edges;
 mod extent;
 mod held;
+mod lagrangian;
 mod newton;
 mod slope_differences;
 

@@ -32,9 +32,9 @@ const LEVEL: f64 = 1e-10;
 /// Room for Newton's method.
 #[derive(Clone, Debug, Default)]
 pub(super) struct NewtonMemory {
-    above: RowSpan,
+    pub(super) above: RowSpan,
     /// Which variables a bound holds.
-    pinned: Vec<bool>,
+    pub(super) pinned: Vec<bool>,
     /// On which bounds the last step's model came to rest, if there was one.
     resting: Vec<bool>,
     has_stepped: bool,
@@ -44,10 +44,10 @@ pub(super) struct NewtonMemory {
     /// With which the step came to one.
     stopped: Vec<bool>,
     /// ∇L, and what is left of it along what is free.
-    slope: Vec<f64>,
+    pub(super) slope: Vec<f64>,
     left: Vec<f64>,
     /// What multiplies the gradients of all rows in ∇L.
-    weights: Vec<f64>,
+    pub(super) weights: Vec<f64>,
     differences: SlopeDifferences,
     model: TangentNewton,
 }
@@ -157,15 +157,19 @@ impl Descent {
         let more = |damping: f64| FACTOR * damping.max(LEAST_DAMPING * stiffest);
         let mut damping = damping.unwrap_or(FIRST_DAMPING * stiffest);
         for _ in 0..TRIALS {
-            let Some(promised) = self.aim_newton(asked, damping) else {
+            let Some(promise) = self.aim_newton(asked, damping) else {
                 damping = more(damping);
                 continue;
             };
-            let won = cost - self.try_step(asked);
-            // What rounding hides is taken at its word.
+            let (now, share) = self.try_step(asked);
+            let (won, promised) = (cost - now, promise.of(share));
+            // What rounding hides is taken at its word; at an edge that is new it goes on.
             if promised <= HIDDEN * cost {
                 let settles = won >= -HIDDEN * cost;
-                return (Tried::Hidden { settles }, damping);
+                return match settles && share < 1.0 {
+                    true => (Tried::Gained, damping),
+                    false => (Tried::Hidden { settles }, damping),
+                };
             }
             let kept = won / promised;
             if kept > GOOD {
@@ -187,35 +191,28 @@ impl Descent {
     fn is_level(&mut self, asked: &mut Asked<'_, '_>) -> bool {
         let share = Share::rank(self.rank);
         asked.jacobian(share, &self.x, &mut self.jacobian);
-        let Self {
-            newton,
-            held,
-            jacobian,
-            pulls,
-            ..
-        } = self;
+        let newton = &mut self.newton;
         let space = asked.question.space();
-        let columns = || jacobian.as_slice().chunks_exact(pulls.len().max(1));
+        let columns = self
+            .jacobian
+            .as_slice()
+            .chunks_exact(self.pulls.len().max(1));
         let mut longest = 0.0_f64;
-        for (j, column) in columns().enumerate() {
+        for (j, column) in columns.enumerate() {
             longest = longest.max(dot(column, column));
             let stands = !space.is_between_bounds(&self.x, j);
             let rests = !newton.has_stepped || newton.resting[j];
             newton.pinned[j] = self.fixed[j] || (stands && rests);
         }
-        let slope = &mut newton.slope;
-        for (slope, column) in slope.iter_mut().zip(columns()) {
-            *slope = dot(column, pulls);
-        }
-        held.take_rows(asked, &self.x, &self.fixed);
+        self.take_lagrangian(asked);
+        let Self {
+            newton,
+            held,
+            pulls,
+            ..
+        } = self;
         let problem = asked.question.problem;
-        newton.above.clear();
-        newton.weights.fill(0.0);
-        held.span(problem, &mut newton.above, &newton.pinned);
-        held.multiply(problem, &mut newton.above, slope, &mut newton.weights);
-        let own = newton.weights.len() - pulls.len();
-        newton.weights[own..].copy_from_slice(pulls);
-        release(slope, &self.fixed);
+        let slope = &mut newton.slope;
         // What is pulled inward is let go.
         let mut leaves = false;
         for (j, pinned) in newton.pinned.iter_mut().enumerate() {
@@ -268,7 +265,7 @@ impl Descent {
 
     /// Puts the damped step into `best`, no longer than a joint may move; what it promises, if the model has a
     /// minimum.
-    fn aim_newton(&mut self, asked: &Asked<'_, '_>, damping: f64) -> Option<f64> {
+    fn aim_newton(&mut self, asked: &Asked<'_, '_>, damping: f64) -> Option<Promise> {
         let NewtonMemory {
             model,
             slope,
@@ -295,15 +292,34 @@ impl Descent {
             *entry *= share;
         }
         let linear = -dot(&self.newton.slope, &self.direction);
-        let promised = share * (linear - share * (linear - whole));
-        (promised > 0.0).then_some(promised)
+        let bent = linear - whole;
+        let promise = Promise {
+            linear,
+            bent,
+            share,
+        };
+        (promise.of(1.0) > 0.0).then_some(promise)
     }
 
-    /// The level's cost a step further, where what is held is what it was: elsewhere infinite.
-    fn try_step(&mut self, asked: &mut Asked<'_, '_>) -> f64 {
+    /// The level's cost a step further, where what is held is what it was: elsewhere infinite. A step that leads
+    /// out of a room ends at its edge, after a share of it.
+    fn try_step(&mut self, asked: &mut Asked<'_, '_>) -> (f64, f64) {
         let space = asked.question.space();
         space.integrate(&self.x, &self.best, &mut self.trial);
         space.project(&mut self.trial);
+        let Self {
+            held,
+            x,
+            best,
+            trial,
+            ..
+        } = self;
+        let share = held.share_to_an_edge(asked, x, best, trial);
+        if share < 1.0 {
+            for entry in best {
+                *entry *= share;
+            }
+        }
         let Self {
             held,
             trial,
@@ -323,13 +339,31 @@ impl Descent {
             space.project(trial);
             back = held.bring_back(asked, trial, step, fixed);
         }
-        match back {
+        let now = match back {
             true => {
                 asked.counts.residuals += 1;
-                let now = self.cost_at_trial(asked);
+                let through = self.held.let_through(&self.newton.weights);
+                let now = self.cost_at_trial(asked) + through;
                 if now.is_finite() { now } else { f64::INFINITY }
             }
             false => f64::INFINITY,
-        }
+        };
+        (now, share)
+    }
+}
+
+/// What a step promises that takes a share of the way to the model's minimum.
+#[derive(Clone, Copy, Debug)]
+struct Promise {
+    linear: f64,
+    bent: f64,
+    share: f64,
+}
+
+impl Promise {
+    /// What so much of the step promises.
+    fn of(self, part: f64) -> f64 {
+        let share = self.share * part;
+        share * (self.linear - share * self.bent)
     }
 }
