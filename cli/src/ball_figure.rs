@@ -24,9 +24,9 @@ pub(crate) struct FigureOptions {
 
     /// How far bones may swing and twist from rest, from a JSON file; with it joints are balls.
     ///
-    /// For each bone's name an object: "swing" in degrees, of one number or two, "twist": [from, to]; and where wanted
-    /// "axis": [x, y, z], what it twists about in its own axes, along it unless said, and "about": [x, y, z], the
-    /// axis of the first of two swings. Default: bones turn any way.
+    /// For each bone's name an object: "swing" in degrees, of one number or two, "twist": [from, to], "angle", how far
+    /// it may turn in all; and where wanted "axis": [x, y, z], what it twists about in its own axes, along it unless
+    /// said, and "about": [x, y, z], the axis of the first of two swings. Default: bones turn any way.
     #[arg(long, value_name = "FILE", help_heading = MODEL, hide_short_help = true)]
     cones: Option<PathBuf>,
 }

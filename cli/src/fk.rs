@@ -46,8 +46,8 @@ pub(crate) struct Arguments {
 
     /// The configuration, in radians (or --degrees) and metres. Default: the rest pose.
     ///
-    /// One number per degree of freedom, in the order of `kinopt info`, separated by commas or
-    /// spaces; only sliding joints are in metres. For a robot these are all moving joints in the
+    /// In the order of `kinopt info`, separated by commas or spaces; only sliding joints are in metres, and a
+    /// ball joint's quaternion is w, x, y, z. For a robot these are all moving joints in the
     /// order of the file, joints that follow others among them; fixed joints have no number. Limits
     /// are not enforced.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, group = "configuration",

@@ -9,7 +9,7 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from ._kinopt import Arm, Problem, Solver
+from ._kinopt import Arm, Model, Problem, Solver
 from .errors import InvalidValueError, KinoptError, UnknownNameError
 from .types import Floats
 
@@ -105,7 +105,10 @@ class ProblemQuestion:
                 if told is None:
                     raise InvalidValueError(f"a solution has no derivative by the target of {name}")
                 kept = _kept(told, derivative.existence, index, self.missing)
-                slope[index] = _on_target(own[name], kept)
+                if own[name].ndim == 1 and kept.shape != own[name].shape:
+                    slope[index] = _on_posture(self.problem.model, own[name], kept)
+                else:
+                    slope[index] = _on_target(own[name], kept)
         return slopes
 
 
@@ -181,6 +184,36 @@ def _kept(slope: Floats, existence: str, index: int, missing: Missing) -> Floats
 
 def _cross(v: Floats) -> Floats:
     return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
+
+
+def _on_posture(model: Any, posture: Floats, slope: Floats) -> Floats:
+    """The slope by the numbers of a posture from that by its velocity: of each quaternion p G with <G, p ⊗ (0, v / 2)>
+    = slope · v for every turn v in the ball's own axes, and nothing along p, as its length does not count."""
+    while not isinstance(model, Model):
+        model = model.model
+    # Joints that follow others share their coordinate.
+    is_ball = {
+        joint.coordinate: joint.kind == "ball"
+        for joint in model.joints
+        if joint.coordinate is not None
+    }
+    width = sum(3 if ball else 1 for ball in is_ball.values())
+    if len(posture) != model.configuration_len or len(slope) != width:
+        raise InvalidValueError(f"{_SHAPES}, not {posture.shape} with {slope.size} degrees of freedom")
+    own = np.empty_like(posture)
+    row = 0
+    for at in sorted(is_ball):
+        if not is_ball[at]:
+            own[at] = slope[row]
+            row += 1
+            continue
+        length = np.linalg.norm(posture[at : at + 4])
+        w, v = posture[at] / length, posture[at + 1 : at + 4] / length
+        by_turn = 2.0 * slope[row : row + 3] / length
+        own[at] = -v @ by_turn
+        own[at + 1 : at + 4] = w * by_turn + np.cross(v, by_turn)
+        row += 3
+    return own
 
 
 def _on_target(target: Floats, slope: Floats) -> Floats:

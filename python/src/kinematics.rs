@@ -82,7 +82,7 @@ impl Frames {
     }
 }
 
-/// Computes `length` numbers for each configuration: an array of shape `shape` for one of shape (dof,), of
+/// Computes `length` numbers for each configuration: an array of shape `shape` for one of shape (nq,), of
 /// shape (N, ...) for N of them.
 fn for_each_configuration<'py, T: Clone + Send + Sync>(
     q: &Bound<'py, PyAny>,
@@ -149,8 +149,8 @@ impl ForwardKinematics {
         self.frames.names.clone()
     }
 
-    /// world_from_frame of each frame: shape (frames, 4, 4) for `q` of shape (dof,), (N, frames, 4, 4) for
-    /// (N, dof); radians and metres, within limits or not.
+    /// world_from_frame of each frame: shape (frames, 4, 4) for `q` of shape (nq,), (N, frames, 4, 4) for
+    /// (N, nq); radians and metres, within limits or not.
     ///
     /// Raises `InvalidValueError` for another shape and for numbers that are not finite.
     fn place<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
@@ -191,8 +191,8 @@ impl Jacobian {
         self.frames.names.clone()
     }
 
-    /// J at a configuration: shape (6 * frames, dof) for `q` of shape (dof,), (N, 6 * frames, dof) for
-    /// (N, dof).
+    /// J at a configuration: shape (6 * frames, dof) for `q` of shape (nq,), (N, 6 * frames, dof) for
+    /// (N, nq).
     ///
     /// Raises `InvalidValueError` for another shape and for numbers that are not finite.
     fn at<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
@@ -227,7 +227,7 @@ pub(crate) fn jacobians<'py>(
     for_each_configuration(q, &[6 * frames, columns], pool, at, width)
 }
 
-/// Where one frame stands: world_from_frame, shape (4, 4) for `q` of shape (dof,), (N, 4, 4) for (N, dof).
+/// Where one frame stands: world_from_frame, shape (4, 4) for `q` of shape (nq,), (N, 4, 4) for (N, nq).
 ///
 /// `ForwardKinematics` does the same without compiling each time, and for several frames. Raises
 /// `UnknownNameError` for the frame, `InvalidValueError` for a `q` of another shape or one that is not finite.
@@ -242,7 +242,7 @@ pub(crate) fn frame_placement<'py>(
 }
 
 /// The Jacobian of one frame: linear rows first, then angular, in world axes at the frame's origin; shape
-/// (6, dof) for `q` of shape (dof,), (N, 6, dof) for (N, dof).
+/// (6, dof) for `q` of shape (nq,), (N, 6, dof) for (N, nq).
 ///
 /// `Jacobian` does the same without compiling each time, and for several frames. Raises `UnknownNameError` for
 /// the frame, `InvalidValueError` for a `q` of another shape or one that is not finite.

@@ -10,7 +10,9 @@ import random
 import signal
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -213,3 +215,50 @@ def test_an_interrupt_stops_a_long_batch():
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
+
+
+@pytest.mark.parametrize(
+    ("ask", "words"),
+    [
+        (lambda b: b.joint("s", axis="x"), "axis must be three numbers, not 'x'"),
+        (lambda b: b.ball("s", axis="x"), "axis must be three numbers, not 'x'"),
+        (lambda b: b.ball("s", about=[1.0]), "about must be three numbers"),
+        (lambda b: b.ball("s", twist=1.0), "twist must be"),
+        (lambda b: b.ball("s", angle="a"), "angle must be a number"),
+        (lambda b: b.free("s", room=1.0), "room must be .* 3 times"),
+        (lambda b: b.planar("s", normal="z"), "normal must be"),
+        (lambda b: b.planar("s", room=[(0.0, 1.0)]), "room must be .* 2 times"),
+        (lambda b: b.planar("s", yaw="far"), "yaw must be"),
+        (lambda b: b.universal("s", axes="xy"), "axes must be"),
+        (lambda b: b.universal("s", limits=3), "limits must be"),
+        (lambda b: b.close("x", ["f"]), "frames must be the names of two frames"),
+        (lambda b: b.close("x", ["f", "f"], places=["g"]), "places must be two"),
+    ],
+)
+def test_builders_name_the_argument(
+    ask: Callable[[Any], object], words: str
+) -> None:
+    builder = kinopt.ModelBuilder("m")
+    builder.frame("f")
+    with pytest.raises(kinopt.InvalidValueError, match=words):
+        ask(builder)
+
+
+def test_a_ball_asked_as_if_it_were_one_number_is_named() -> None:
+    builder = kinopt.ModelBuilder("m")
+    builder.ball("hip")
+    builder.joint("knee", "revolute", "hip")
+    builder.frame("foot", "knee")
+    model = builder.build()
+    q = model.neutral()
+    for ask in (
+        lambda: kinopt.Problem(model, [kinopt.tasks.Posture({"hip": 1.0})]),
+        lambda: kinopt.Problem(model, [kinopt.tasks.JointCoupling({"hip": 1.0, "knee": 1.0})]),
+        lambda: kinopt.Problem(
+            model, [kinopt.tasks.Point("foot", [0.0, 0.0, 0.0])], bounds={"hip": (-0.1, 0.1)}
+        ),
+    ):
+        with pytest.raises(kinopt.InvalidValueError, match="`hip` is a ball"):
+            ask()
+    with pytest.raises(kinopt.InvalidValueError, match="the share of the way .* NaN"):
+        model.interpolate(q, q, float("nan"))

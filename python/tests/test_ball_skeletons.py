@@ -95,6 +95,16 @@ def test_a_rig_s_skeleton_turns_on_balls() -> None:
     np.testing.assert_allclose(rest, rig.skeleton.pose(np.zeros(rig.skeleton.angles)), atol=1e-12)
 
 
+def test_a_whole_angle_is_one_in_a_file_and_a_dict(wave: Path, tmp_path: Path) -> None:
+    side = tmp_path / "angle.json"
+    side.write_text('{"Arm": {"angle": 30}}')
+    for cones in (side, {"Arm": {"angle": np.radians(30)}}):
+        figure = kinopt.BallSkeleton.read(wave, cones=cones)
+        for own in (figure, pickle.loads(pickle.dumps(figure))):
+            (arm,) = (joint for joint in own.model.joints if joint.name == "Arm")
+            assert arm.angle == pytest.approx(np.radians(30), abs=1e-15)
+
+
 @pytest.mark.parametrize(
     ("arguments", "error", "words"),
     [
@@ -102,6 +112,8 @@ def test_a_rig_s_skeleton_turns_on_balls() -> None:
         ({"cones": {"Arm": {"swnig": 1.0}}}, kinopt.UnknownNameError, "swing"),
         ({"cones": {"Arm": {"swing": 4.0}}}, kinopt.InvalidValueError, "swing"),
         ({"cones": {"Arm": {"swing": (1.0, 0.5)}}}, kinopt.InvalidValueError, "about"),
+        ({"cones": {"Arm": {"angle": 4.0}}}, kinopt.InvalidValueError, "angle of Arm"),
+        ({"cones": {"Arm": {"angle": "far"}}}, kinopt.InvalidValueError, "angle of Arm"),
         ({"cones": {"Arm": {"twist": 1.0}}}, kinopt.InvalidValueError, "twist"),
         ({"cones": {"Arm/tip": {"swing": 1.0}}}, kinopt.InvalidValueError, "does not turn"),
         ({"cones": {"Hips": {"swing": 1.0}}, "root": "free"}, kinopt.InvalidValueError, "free root"),

@@ -173,6 +173,9 @@ def test_what_is_wrong_is_named(free: kinopt.Robot) -> None:
         kinopt.Robot.from_urdf(UR5E, base_joint="planar", base_room={"z": (0.0, 1.0)})
     with pytest.raises(InvalidValueError, match="root_joint/x"):
         kinopt.Robot.from_urdf(UR5E, base_joint="free", base_room={"x": (1.0, 0.0)})
+    for room in ((float("nan"), 1.0), (0.0, float("nan"))):
+        with pytest.raises(kinopt.InvalidValueError, match="base_room along z"):
+            kinopt.Robot.from_urdf(UR5E, base_joint="free", base_room={"z": room})
     builder = kinopt.ModelBuilder("arm")
     builder.ball("shoulder", swing=4.0)
     with pytest.raises(InvalidValueError, match="shoulder"):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import kinopt
-from kinopt import tasks
+from kinopt import _solving, tasks
 
 MODELS = Path(__file__).parents[2] / "models"
 START = [0.3, -1.1, 1.0, -0.9, 1.1, 0.4]
@@ -153,6 +153,37 @@ def test_a_free_base_turns_slopes_by_quaternions_into_its_own(robot):
     one = derivative.gradient(by_q=slope)["targets"]["hand"]
     other = derivative.gradient(by_v)["targets"]["hand"]
     np.testing.assert_allclose(one, other, atol=1e-8)
+
+
+@pytest.mark.parametrize("length", [1.0, 2.5])
+def test_slopes_by_a_posture_are_by_its_own_numbers(length):
+    """Quaternions included, of whatever length they are given: those of finite differences."""
+    body = kinopt.Robot.from_urdf(MODELS / "universal_ur5e.urdf", base_joint="free")
+    posture = np.concatenate([[0.1, 0.2, 0.3], [0.8, 0.2, -0.4, 0.4], START])
+    posture[3:7] *= length / np.linalg.norm(posture[3:7])
+    point = kinopt.frame_placement(body, "flange", posture)[:3, 3] + [0.05, -0.02, 0.03]
+    problem = kinopt.Problem(
+        body,
+        [tasks.Point("flange", point, name="hand"), tasks.Posture(posture, name="rest", role="goal")],
+    )
+    solver = kinopt.Solver(gradient_tolerance=1e-13, step_tolerance=1e-13)
+    own, _ = _solving.question(problem, {"rest": posture}, solver, "raise")
+    start = body.normalise(posture)
+    slope = np.linspace(-1, 1, 13)
+
+    def scalar(rest):
+        return slope @ _solving.solve(own, [rest], start)
+
+    q = _solving.solve(own, [posture], start)
+    (told,) = _solving.pull(own, [posture], start, q, slope)
+    assert told.shape == (13,)
+    step = 1e-4
+    shown = [
+        (scalar(posture + step * unit) - scalar(posture - step * unit)) / (2 * step)
+        for unit in np.eye(13)
+    ]
+    np.testing.assert_allclose(told, shown, atol=5e-6)
+    assert abs(told[3:7] @ posture[3:7]) < 1e-12
 
 
 def pose(module, base, twist):

@@ -119,6 +119,12 @@ impl ModelBuilder {
         JointId::new(self.joints.len() - 1)
     }
 
+    /// The limits of a joint so far.
+    #[cfg(feature = "mjcf")]
+    pub(crate) fn limits(&self, joint: JointId) -> Option<Limits> {
+        self.joints.get(joint.index()).map(|joint| joint.limits)
+    }
+
     /// Leaves a joint only the values that `limits` allow too. An endless joint becomes one with
     /// limits; a fixed one stays as it is.
     pub(crate) fn narrow(&mut self, joint: JointId, limits: Limits) {

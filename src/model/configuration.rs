@@ -96,6 +96,9 @@ impl Model {
         share: f64,
         between: &mut [f64],
     ) -> Result<(), ModelError> {
+        if !share.is_finite() {
+            return Err(ModelError::BadShare { share });
+        }
         let mut v = vec![0.0; self.degrees_of_freedom()];
         self.difference(from, to, &mut v)?;
         for part in &mut v {

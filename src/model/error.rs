@@ -210,6 +210,14 @@ pub enum ModelError {
         /// The number.
         value: f64,
     },
+    /// A share of the way between two configurations that is not finite.
+    #[error(
+        "the share of the way between two configurations is {share}, which is not a finite number"
+    )]
+    BadShare {
+        /// The share.
+        share: f64,
+    },
     /// Coupled joints whose limits leave no common value.
     #[error("joint `{joint}` and the joints that follow it have no value within all limits")]
     EmptyRange {

@@ -10,7 +10,7 @@ use super::{
     Derivatives, Preferences, Problem, ProblemError, Ranks, ReportNames, Tangent, Targets, TaskId,
 };
 use crate::kinematics::{FrameSlot, Tree};
-use crate::model::{FrameId, JointId, Limits, Model, ParameterMap};
+use crate::model::{FrameId, JointId, JointKind, Limits, Model, ParameterMap};
 use crate::solver::{RotationSets, Swing, TurnLimit};
 use crate::task::{ErasedResidual, Quantity, Residual, Role, Rows, Task};
 
@@ -352,10 +352,19 @@ fn compile_task(
     if let Some(expected) = pending.residual.joint_values()
         && expected != coordinates.len()
     {
-        let problem = format!(
-            "it has {expected} numbers for its joints, whose coordinates are {}",
-            coordinates.len()
-        );
+        let joint = |id: &JointId| &model.joints()[id.index()];
+        let mut joints = pending.joints.iter().map(joint);
+        let ball = joints.find(|joint| joint.kind == JointKind::Ball);
+        let problem = match ball {
+            Some(ball) if expected == pending.joints.len() => format!(
+                "it has one number for each of its joints, but `{}` is a ball, which turns by a quaternion",
+                ball.name
+            ),
+            _ => format!(
+                "it has {expected} numbers for its joints, whose coordinates are {}",
+                coordinates.len()
+            ),
+        };
         return Err(ProblemError::BadTask {
             task: name,
             problem,
@@ -485,10 +494,14 @@ fn narrow(
             None if limits.is_valid() && limits.contains(0.0) => Ok(()),
             None => Err(limits),
         };
-        narrowed.map_err(|left| ProblemError::EmptyRange {
-            joint: joint.name.clone(),
-            lower: left.lower,
-            upper: left.upper,
+        let name = || joint.name.clone();
+        narrowed.map_err(|left| match joint.kind {
+            JointKind::Ball => ProblemError::BoundOnBall { joint: name() },
+            _ => ProblemError::EmptyRange {
+                joint: name(),
+                lower: left.lower,
+                upper: left.upper,
+            },
         })?;
     }
     Ok(())

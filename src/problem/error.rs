@@ -112,6 +112,14 @@ pub enum ProblemError {
         /// The model.
         model: String,
     },
+    /// Extra bounds of one number on a ball, which has none.
+    #[error(
+        "joint `{joint}` is a ball, which bounds of one number do not limit: give it a cone, or limit its move"
+    )]
+    BoundOnBall {
+        /// The joint.
+        joint: String,
+    },
     /// Extra bounds that leave a joint no value.
     #[error("joint `{joint}`: extra bounds [{lower}, {upper}] leave it no value")]
     EmptyRange {

@@ -83,7 +83,14 @@ impl BaseJoint {
             let own = moves.iter().find(|&&own| AXES[own] == axis);
             let valid = moves.iter().map(|&own| AXES[own]);
             let own = own.ok_or_else(|| UnknownName::new("axis of this base", axis, valid))?;
-            room[*own] = room[*own].intersection(&range);
+            // One that is none stays so, for the builder to name.
+            let own = &mut room[*own];
+            let is_none = |limits: &Limits| limits.lower.is_nan() || limits.upper.is_nan();
+            match (is_none(own), is_none(&range)) {
+                (true, _) => {}
+                (_, true) => *own = range,
+                _ => *own = own.intersection(&range),
+            }
         }
         let [x, y, z, yaw] = room;
         Ok(match kind {

@@ -45,6 +45,20 @@ fn a_joint_alone_stands_where_it_is_told() {
     assert_eq!(robot.map().variables(), 2 + 3);
 }
 
+/// The error has the relation's line, not the model's.
+#[test]
+fn a_joint_that_should_stand_outside_its_range_is_told_with_its_relation() {
+    let text = r#"<mujoco><compiler angle="radian"/><worldbody>
+        <body name="b"><joint name="a" range="-1 1"/></body></worldbody>
+        <equality><joint name="held" joint1="a" polycoef="1.5"/></equality></mujoco>"#;
+    let told = Robot::parse_mjcf(text, "held.xml").unwrap_err().to_string();
+    assert!(told.starts_with("held.xml:3: joint `held`"), "{told}");
+    assert!(
+        told.contains("`a` should stand at 1.5") && told.contains("from -1 to 1"),
+        "{told}"
+    );
+}
+
 #[test]
 fn what_is_not_linear_or_follows_two_is_left_out_with_a_note() {
     for (equalities, note) in [

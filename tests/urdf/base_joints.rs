@@ -227,3 +227,24 @@ fn passive_joints_stay_the_same_ones() {
         assert_eq!(passive, ["grip"], "{base:?}");
     }
 }
+
+/// Whatever is said of the same axis beside it.
+#[test]
+fn a_room_that_is_no_number_is_named() {
+    let good = Limits::new(-1.0, 1.0);
+    for bad in [Limits::new(f64::NAN, 1.0), Limits::new(0.0, f64::NAN)] {
+        for rooms in [
+            vec![("z", bad)],
+            vec![("z", bad), ("z", good)],
+            vec![("z", good), ("z", bad)],
+        ] {
+            let base = BaseJoint::named("free", rooms).unwrap();
+            let robot = Robot::parse(TWO, "two.urdf").unwrap();
+            let told = robot.with_base_joint(base).unwrap_err().to_string();
+            assert!(
+                told.contains("root_joint/z") && told.contains("NaN"),
+                "{told}"
+            );
+        }
+    }
+}

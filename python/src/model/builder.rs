@@ -102,7 +102,7 @@ impl ModelBuilder {
         kind: &str,
         parent: Option<&str>,
         parent_from_joint: Option<&Bound<'_, PyAny>>,
-        axis: [f64; 3],
+        #[pyo3(from_py_with = axis)] axis: [f64; 3],
         lower: f64,
         upper: f64,
     ) -> PyResult<()> {
@@ -142,7 +142,7 @@ impl ModelBuilder {
     /// With `swing` (radians, at most pi) it tips its `axis` within a cone of that half angle, or within an
     /// elliptic one of two half angles, about `about` and about what is across that and the axis; `twist` is
     /// the range, (lower, upper) in radians, that it may turn about its axis. `angle` limits the whole rotation, about
-    /// whatever axis, in radians. `parent` and `parent_from_joint` are as of `joint`.
+    /// whatever axis, in radians; pi and more is no limit. `parent` and `parent_from_joint` are as of `joint`.
     ///
     /// Raises `UnknownNameError` for a parent that does not exist, `InvalidValueError` for a placement of
     /// another shape; what does not go together is said by `build`.
@@ -156,11 +156,11 @@ impl ModelBuilder {
         name: String,
         parent: Option<&str>,
         parent_from_joint: Option<&Bound<'_, PyAny>>,
-        axis: [f64; 3],
+        #[pyo3(from_py_with = axis)] axis: [f64; 3],
         swing: Option<&Bound<'_, PyAny>>,
-        twist: Option<(f64, f64)>,
-        about: Option<[f64; 3]>,
-        angle: Option<f64>,
+        #[pyo3(from_py_with = twist)] twist: Option<(f64, f64)>,
+        #[pyo3(from_py_with = about)] about: Option<[f64; 3]>,
+        #[pyo3(from_py_with = angle)] angle: Option<f64>,
     ) -> PyResult<()> {
         let (parent, placement) = self.place(parent, parent_from_joint)?;
         let [twist_range] = room(twist.map(|twist| [twist]));
@@ -192,7 +192,7 @@ impl ModelBuilder {
         name: String,
         parent: Option<&str>,
         parent_from_joint: Option<&Bound<'_, PyAny>>,
-        room: Option<[(f64, f64); 3]>,
+        #[pyo3(from_py_with = room_of)] room: Option<[(f64, f64); 3]>,
     ) -> PyResult<()> {
         let (parent, placement) = self.place(parent, parent_from_joint)?;
         let room = self::room(room);
@@ -215,9 +215,9 @@ impl ModelBuilder {
         name: String,
         parent: Option<&str>,
         parent_from_joint: Option<&Bound<'_, PyAny>>,
-        normal: [f64; 3],
-        room: Option<[(f64, f64); 2]>,
-        yaw: Option<(f64, f64)>,
+        #[pyo3(from_py_with = normal)] normal: [f64; 3],
+        #[pyo3(from_py_with = room_of)] room: Option<[(f64, f64); 2]>,
+        #[pyo3(from_py_with = yaw)] yaw: Option<(f64, f64)>,
     ) -> PyResult<()> {
         let (parent, placement) = self.place(parent, parent_from_joint)?;
         let (room, [yaw]) = (self::room(room), self::room(yaw.map(|yaw| [yaw])));
@@ -239,8 +239,8 @@ impl ModelBuilder {
         name: String,
         parent: Option<&str>,
         parent_from_joint: Option<&Bound<'_, PyAny>>,
-        axes: [[f64; 3]; 2],
-        limits: Option<[(f64, f64); 2]>,
+        #[pyo3(from_py_with = axes)] axes: [[f64; 3]; 2],
+        #[pyo3(from_py_with = limits)] limits: Option<[(f64, f64); 2]>,
     ) -> PyResult<()> {
         let (parent, placement) = self.place(parent, parent_from_joint)?;
         let (axes, limits) = (axes.map(Into::into), room(limits));
@@ -280,10 +280,12 @@ impl ModelBuilder {
     fn close(
         &mut self,
         name: String,
-        frames: [String; 2],
+        #[pyo3(from_py_with = frames)] frames: [String; 2],
         kind: &str,
-        places: Option<[Bound<'_, PyAny>; 2]>,
+        places: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
+        let expected = "places must be two 4 x 4 placements";
+        let places = places.map(|places| given(places, expected)).transpose()?;
         let own = NamedLoop::new(name, frames, kind, places)?;
         let id = |name: &String| -> PyResult<FrameId> {
             let found = self.frames.iter().find(|(frame, _)| frame == name);
@@ -318,4 +320,50 @@ fn half_angles(swing: &Bound<'_, PyAny>) -> PyResult<[f64; 2]> {
             arrays::shown(swing)
         ))
     })
+}
+
+/// An argument, or what it should have been: pyo3's own error would be none of this library's.
+fn given<'py, T: FromPyObjectOwned<'py>>(value: &Bound<'py, PyAny>, expected: &str) -> PyResult<T> {
+    let own = value.extract();
+    own.map_err(|_| invalid(format!("{expected}, not {}", arrays::shown(value))))
+}
+
+fn axis(value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
+    given(value, "axis must be three numbers")
+}
+
+fn normal(value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
+    given(value, "normal must be three numbers")
+}
+
+fn axes(value: &Bound<'_, PyAny>) -> PyResult<[[f64; 3]; 2]> {
+    given(value, "axes must be two of three numbers")
+}
+
+fn about(value: &Bound<'_, PyAny>) -> PyResult<Option<[f64; 3]>> {
+    given(value, "about must be three numbers")
+}
+
+fn twist(value: &Bound<'_, PyAny>) -> PyResult<Option<(f64, f64)>> {
+    given(value, "twist must be (lower, upper)")
+}
+
+fn yaw(value: &Bound<'_, PyAny>) -> PyResult<Option<(f64, f64)>> {
+    given(value, "yaw must be (lower, upper)")
+}
+
+fn room_of<const N: usize>(value: &Bound<'_, PyAny>) -> PyResult<Option<[(f64, f64); N]>> {
+    given(value, &format!("room must be (lower, upper) {N} times"))
+}
+
+fn limits(value: &Bound<'_, PyAny>) -> PyResult<Option<[(f64, f64); 2]>> {
+    given(value, "limits must be (lower, upper) twice")
+}
+
+fn angle(value: &Bound<'_, PyAny>) -> PyResult<Option<f64>> {
+    given(value, "angle must be a number")
+}
+
+fn frames(value: &Bound<'_, PyAny>) -> PyResult<[String; 2]> {
+    given(value, "frames must be the names of two frames")
 }

@@ -109,13 +109,13 @@ impl Model {
         self.inner.degrees_of_freedom()
     }
 
-    /// Lower limits in configuration order, shape (dof,), radians or metres; -inf for none.
+    /// Lower limits in configuration order, shape (nq,), radians or metres; -inf for none.
     #[getter]
     pub(crate) fn lower<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         arrays::frozen(py, self.inner.limits().map(|limits| limits.lower))
     }
 
-    /// Upper limits in configuration order, shape (dof,), radians or metres; inf for none.
+    /// Upper limits in configuration order, shape (nq,), radians or metres; inf for none.
     #[getter]
     pub(crate) fn upper<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         arrays::frozen(py, self.inner.limits().map(|limits| limits.upper))
@@ -155,7 +155,7 @@ impl Model {
         self.inner.reach()
     }
 
-    /// The configuration nearest to all zeros within the limits, shape (dof,).
+    /// The configuration nearest to all zeros within the limits, shape (nq,).
     pub(crate) fn neutral<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         arrays::list(py, &self.inner.neutral())
     }
@@ -163,7 +163,7 @@ impl Model {
     /// Configurations drawn uniformly within the limits, half a turn around neutral where there are none.
     ///
     /// `seed` is a whole number (the same one gives the same configurations on every machine) or a
-    /// `numpy.random.Generator`, which is drawn from. Without `n` one configuration of shape (dof,), with
+    /// `numpy.random.Generator`, which is drawn from. Without `n` one configuration of shape (nq,), with
     /// it n of them, shape (n, dof), of the seeds `seed`, `seed + 1`, ...
     ///
     /// Raises `InvalidValueError` for a seed or an `n` that is no whole number of at least 0.

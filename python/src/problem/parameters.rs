@@ -22,7 +22,7 @@ use crate::robot::Robot;
 /// `couple={"left": ("right", ratio, offset)}` lets a joint follow another (ratio * master + offset),
 /// `narrow={"elbow": (lower, upper)}` leaves only the values that these limits allow too, and
 /// `only=["a", "b"]` frees these joints alone: the others that were free are locked at their values in `at`
-/// (shape (dof,); without it the neutral configuration), clamped into their limits.
+/// (shape (nq,); without it the neutral configuration), clamped into their limits.
 ///
 /// Raises `UnknownNameError` for joints that do not exist, and `InvalidValueError` for one that is fixed,
 /// locked outside its limits, follows itself, or is left no value.
@@ -137,7 +137,7 @@ impl ParameterMap {
         arrays::list(py, self.inner.upper())
     }
 
-    /// The configuration, shape (dof,), of variables x, shape (variables,): finite numbers.
+    /// The configuration, shape (nq,), of variables x, shape (variables,): finite numbers.
     ///
     /// Raises `InvalidValueError` for another length and for numbers that are not finite.
     fn expand<'py>(
@@ -151,7 +151,7 @@ impl ParameterMap {
         Ok(arrays::list(py, &q))
     }
 
-    /// The variables, shape (variables,), of a configuration, shape (dof,), clamped into their bounds; the
+    /// The variables, shape (variables,), of a configuration, shape (nq,), clamped into their bounds; the
     /// values of locked and following joints are not looked at.
     ///
     /// Raises `InvalidValueError` for another length and for numbers that are not finite.

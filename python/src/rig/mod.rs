@@ -221,7 +221,7 @@ impl Rig {
             .map(TriangleMesh::from)
     }
 
-    /// Where the centre of mass is: shape (3,) for a configuration `q` of shape (dof,), (N, 3) for (N, dof); in the rig's
+    /// Where the centre of mass is: shape (3,) for a configuration `q` of shape (nq,), (N, 3) for (N, nq); in the rig's
     /// own unit.
     ///
     /// Each bone has the volume of the mesh that goes with it, all of one density. Raises `InvalidValueError`

@@ -258,32 +258,32 @@ impl Robot {
         self.model().coordinate_names()
     }
 
-    /// Lower limits in configuration order, shape (dof,), radians or metres; -inf for none.
+    /// Lower limits in configuration order, shape (nq,), radians or metres; -inf for none.
     #[getter]
     fn lower<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         self.model().lower(py)
     }
 
-    /// Upper limits in configuration order, shape (dof,), radians or metres; inf for none.
+    /// Upper limits in configuration order, shape (nq,), radians or metres; inf for none.
     #[getter]
     fn upper<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         self.model().upper(py)
     }
 
-    /// Highest speeds in configuration order, shape (dof,), rad/s or m/s; inf for none.
+    /// Highest speeds in configuration order, shape (nq,), rad/s or m/s; inf for none.
     #[getter]
     fn velocity_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         self.per_joint(py, |id| self.inner.velocity_limit(id))
     }
 
-    /// How fast the speeds of the joints may change, in configuration order, shape (dof,), rad/s² or m/s²; inf for none. See
+    /// How fast the speeds of the joints may change, in configuration order, shape (nq,), rad/s² or m/s²; inf for none. See
     /// `with_joint_limits`.
     #[getter]
     fn acceleration_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         self.per_joint(py, |id| self.inner.acceleration_limit(id))
     }
 
-    /// Strongest torques and forces in configuration order, shape (dof,), N m or N; inf for none.
+    /// Strongest torques and forces in configuration order, shape (nq,), N m or N; inf for none.
     #[getter]
     fn effort_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         self.per_joint(py, |id| self.inner.effort_limit(id))
@@ -452,7 +452,7 @@ impl Robot {
         centres_jacobians(q, &self.model, &self.inner.masses().or_raise()?)
     }
 
-    /// The configuration nearest to all zeros within the limits, shape (dof,).
+    /// The configuration nearest to all zeros within the limits, shape (nq,).
     fn neutral<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.model().neutral(py)
     }

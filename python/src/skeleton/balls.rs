@@ -29,7 +29,8 @@ use crate::pool::Pool;
 /// within `room`, a dict of (lower, upper) by axis, and turned in those. The model's frames are those of the skeleton, its joints are called as the bones are.
 ///
 /// `cones` is the path of a side file (angles in degrees), or a dict by bone of dicts in radians: "swing", how far
-/// the bone's axis may tip, a number or two; "twist", (lower, upper) about its axis; and where wanted "axis", shape
+/// the bone's axis may tip, a number or two; "twist", (lower, upper) about its axis; "angle", how far it may turn in all,
+/// about whatever axis, at most pi; and where wanted "axis", shape
 /// (3,), what it twists about in its own axes, along the bone unless given, and "about", the axis of the first of two swings.
 /// Bones that are not named turn any way. `armature`, of the same bones, is what poses are of.
 ///
@@ -334,6 +335,9 @@ impl BallSkeleton {
                 }
                 None => own.set_item("swing", limits.swing[0])?,
             }
+            if let Some(angle) = limits.angle {
+                own.set_item("angle", angle)?;
+            }
             if let Some(axis) = axis {
                 own.set_item("axis", axis.to_array())?;
             }
@@ -385,7 +389,7 @@ fn cones_of(given: Option<&Bound<'_, PyAny>>) -> PyResult<Cones> {
 }
 
 fn cone_of(bone: &str, said: &Bound<'_, PyAny>) -> PyResult<BoneCone> {
-    const KEYS: [&str; 4] = ["swing", "twist", "axis", "about"];
+    const KEYS: [&str; 5] = ["swing", "twist", "angle", "axis", "about"];
     let said = said.cast::<PyDict>();
     let said = said.map_err(|_| invalid(format!("the cone of {bone} must be a dict")))?;
     for (key, _) in said.iter() {
@@ -424,9 +428,20 @@ fn cone_of(bone: &str, said: &Bound<'_, PyAny>) -> PyResult<BoneCone> {
             Limits::new(lower, upper)
         }
     };
-    let limits = match about {
+    let mut limits = match about {
         Some(about) => BallLimits::elliptic(about, swing, twist),
         None => BallLimits::cone(swing[0], twist),
     };
+    let angle = said.get_item("angle")?.filter(|value| !value.is_none());
+    if let Some(angle) = angle {
+        let angle = arrays::number(&angle, &format!("angle of {bone}"))?;
+        // As the side file has it.
+        if !(angle > 0.0 && angle <= std::f64::consts::PI) {
+            return Err(invalid(format!(
+                "angle of {bone} is {angle}, expected above 0 and at most pi"
+            )));
+        }
+        limits.angle = Some(angle);
+    }
     Ok(BoneCone { axis, limits })
 }

@@ -32,7 +32,7 @@ impl From<kinopt::Solution> for Solution {
 
 #[pymethods]
 impl Solution {
-    /// The configuration, shape (dof,), radians and metres, within all limits to the bit.
+    /// The configuration, shape (nq,), radians and metres, within all limits to the bit.
     ///
     /// Always the same array, which cannot be written to: take a copy to change it.
     #[getter]

@@ -24,7 +24,7 @@ const STEPS: usize = 40;
 /// body follows over several frames, which `catching_up` tells. It leaps only where `search` gives a number of
 /// attempts from elsewhere (drawn by `seed`) for a frame that settles on a miss, and then `leap` says so.
 ///
-/// It goes from the configuration `start`, shape (dof,), which is projected into the limits. `solver` gives the
+/// It goes from the configuration `start`, shape (nq,), which is projected into the limits. `solver` gives the
 /// method and the limits of a frame, 40 steps unless it sets them. Raises `InvalidValueError` for a start
 /// that does not fit, for a problem without tasks, for a geometric method, and for settings out of range. Tasks
 /// that the problem is given later are none of the drag's.
@@ -168,7 +168,7 @@ impl Drag {
         })
     }
 
-    /// Goes on from another configuration, shape (dof,), projected into the limits.
+    /// Goes on from another configuration, shape (nq,), projected into the limits.
     ///
     /// Raises `InvalidValueError` for another length and for numbers that are not finite.
     fn stand_at(&self, py: Python<'_>, q: &Bound<'_, PyAny>) -> PyResult<()> {
@@ -176,7 +176,7 @@ impl Drag {
         py.detach(|| self.lock().stand_at(&q).or_raise())
     }
 
-    /// Where the body stands, shape (dof,).
+    /// Where the body stands, shape (nq,).
     #[getter]
     fn q<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let q = self.look(py, |drag| drag.q().to_vec());

@@ -126,11 +126,11 @@ impl Solver {
         self.engine.name()
     }
 
-    /// Solves `problem` from the configuration `start`, shape (dof,), which is projected into the limits;
+    /// Solves `problem` from the configuration `start`, shape (nq,), which is projected into the limits;
     /// locked and following joints take their values from the problem's parameters.
     ///
     /// With `max_move` no joint goes further from `start` than that, hard: a ball joint by the angle that it turns by.
-    /// It is one number for each of a configuration, shape (dof,), radians or metres, inf for no limit and the same
+    /// It is one number for each of a configuration, shape (nq,), radians or metres, inf for no limit and the same
     /// four for a ball (`robot.velocity_limits * dt` is a controller's step); a dict of those by joints; or one angle
     /// for all, of slides as far as a joint would carry what is a quarter of the model's reach away. What it holds
     /// is among the `active_limits` as one of kind "move".
@@ -174,7 +174,7 @@ impl Solver {
         Ok(solution.into())
     }
 
-    /// Solves `problem` from each of `starts`, shape (N, dof), or N times from one, shape (dof,).
+    /// Solves `problem` from each of `starts`, shape (N, nq), or N times from one, shape (nq,).
     ///
     /// `targets` has N targets a task, by the tasks' names or numbers: {"hand": array of shape (N, 3)}. Where
     /// there are none, `starts` says how many questions there are. On `threads` threads (None: one a core), with the

@@ -76,7 +76,19 @@ pub(super) fn take(
     builder: &mut ModelBuilder,
 ) -> Result<(), RobotFileError> {
     match coupling {
-        Coupling::Stands(joint, value) => builder.narrow(joint, Limits::new(value, value)),
+        Coupling::Stands(joint, value) => {
+            if let Some(limits) = builder.limits(joint).filter(|own| !own.contains(value)) {
+                let joint = equality.text("joint1").unwrap_or_default().to_owned();
+                let Limits { lower, upper } = limits;
+                return Err(equality.fault(Fault::StandsOutside {
+                    joint,
+                    value,
+                    lower,
+                    upper,
+                }));
+            }
+            builder.narrow(joint, Limits::new(value, value));
+        }
         Coupling::Follows(mimic) => {
             let master_of = |joint| {
                 let mut mimics = mimics.iter();

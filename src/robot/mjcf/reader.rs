@@ -27,9 +27,8 @@ impl Robot {
     /// MuJoCo's number, an unnamed joint or site BODY/hinge, BODY/site and so on, and a site with a body's name
     /// `site/NAME`. A configuration is MuJoCo's `qpos`: joints in the order of the document, a free joint as x, y, z
     /// and a quaternion w, x, y, z, a ball as its quaternion, `ref` counted in. A free joint NAME is `NAME/x`,
-    /// `NAME/y`, `NAME/z` and `NAME/rotation`. Ranges are limits where MuJoCo has it so; MuJoCo limits a ball's whole
-    /// angle, of which a cone about z and a twist of the same size are taken that together stay within it, with a
-    /// note in [`repairs`](Self::repairs).
+    /// `NAME/y`, `NAME/z` and `NAME/rotation`. Ranges are limits where MuJoCo has it so; a ball's limits
+    /// its whole [angle](crate::model::BallLimits::angle), of which half a turn and more is no limit.
     ///
     /// Joints that an active linear `equality` couples follow; `connect` and `weld` are
     /// [`loops`](crate::model::Model::loops) of the model, unnamed ones BODY/connect and BODY/weld by their first body;

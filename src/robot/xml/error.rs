@@ -245,6 +245,18 @@ pub enum Fault {
         /// The joint.
         joint: String,
     },
+    /// A relation that has a joint stand where its range does not let it, in radians or metres.
+    #[error("joint `{joint}` should stand at {value}, outside its range from {lower} to {upper}")]
+    StandsOutside {
+        /// The joint.
+        joint: String,
+        /// Where.
+        value: f64,
+        /// Where its range begins.
+        lower: f64,
+        /// Where it ends.
+        upper: f64,
+    },
     /// Two groups of one name.
     #[error("group `{group}` is given twice")]
     RepeatedGroup {
