@@ -86,6 +86,7 @@ impl Feet {
                 true => Footing::Held {
                     tilts: foot.tilts.clone(),
                     firmly: foot.firmly,
+                    heights: Vec::new(),
                 },
                 false => Footing::Over {
                     heights: limbs.map(stands_on).collect(),

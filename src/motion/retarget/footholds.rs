@@ -7,11 +7,14 @@ use crate::kinematics::ForwardKinematics;
 use crate::model::FrameId;
 use crate::motion::clip::MotionProblemBuilder;
 
-/// What a metre below the ground costs in a whole movement, for the most that any place counts.
-const OVER: f64 = 60.0;
+/// What a metre below the ground costs in a whole movement, for the most that any place counts: as much as one off what is held.
+const OVER: f64 = 200.0;
+/// What is held may be deeper than it came by so much, metres: where it stands it is on the edge, at which costs are not smooth.
+const SLACK: f64 = 3e-4;
 
 impl Retargeting<'_> {
-    /// Keeps the soles over the ground, and as they stand in a movement frame by frame where all their limbs do.
+    /// Keeps the soles over the ground, and as they stand in a movement frame by frame where all their limbs do: over what they
+    /// stand on there too, as a foot that is held at its ankle alone is tipped by a leg that can do no more.
     pub(super) fn keep_feet_over_ground(
         &self,
         q: &[f64],
@@ -60,6 +63,7 @@ impl Retargeting<'_> {
                 footings.push(Footing::Held {
                     tilts: tilts.clone(),
                     firmly: false,
+                    heights: heights.iter().map(|height| height - SLACK).collect(),
                 });
                 held = Some(tilts);
             }

@@ -16,8 +16,8 @@ const TURNED_FIRMLY: f64 = 30.0;
 
 /// r = w min(z − radius − height, 0) for each ball of a sole, then r = w ((R e)·z − tilt) for each direction that is to be level.
 ///
-/// A foot that is held stays as tilted as it came down, and over nothing: what is above an edge is worth nothing and what is
-/// below it much, so that steps along a held foot would be refused.
+/// A foot that is held stays as tilted as it came down. Frame by frame it stays over nothing: what is above an edge is worth
+/// nothing and what is below it much, so that the few steps along a held foot would be refused.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct OverGround {
     sole: Sole,
@@ -31,8 +31,13 @@ pub(super) struct OverGround {
 pub(super) enum Footing {
     /// It stays over heights, ball by ball, and is to be level, which counts so many times as much as in the air.
     Over { heights: Vec<f64>, levelling: f64 },
-    /// It stays as tilted as it is, direction by direction; firmly, where it would go into the ground else.
-    Held { tilts: Vec<f64>, firmly: bool },
+    /// It stays as tilted as it is, direction by direction; firmly, where it would go into the ground else; and over heights, if
+    /// there are any.
+    Held {
+        tilts: Vec<f64>,
+        firmly: bool,
+        heights: Vec<f64>,
+    },
 }
 
 impl OverGround {
@@ -57,7 +62,7 @@ impl OverGround {
     fn tilt(&self, direction: usize) -> (f64, f64) {
         match &self.footing {
             Footing::Over { levelling, .. } => (0.0, TILTED * levelling),
-            Footing::Held { tilts, firmly } => {
+            Footing::Held { tilts, firmly, .. } => {
                 (tilts[direction], self.weights[1 + usize::from(*firmly)])
             }
         }
@@ -65,8 +70,7 @@ impl OverGround {
 
     fn heights(&self) -> &[f64] {
         match &self.footing {
-            Footing::Over { heights, .. } => heights,
-            Footing::Held { .. } => &[],
+            Footing::Over { heights, .. } | Footing::Held { heights, .. } => heights,
         }
     }
 }
