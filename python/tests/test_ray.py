@@ -3,6 +3,7 @@
 import importlib.util
 import os
 import pickle
+import re
 import signal
 import subprocess
 import sys
@@ -312,6 +313,17 @@ def test_a_killed_job_goes_on_where_it_was_and_loses_nothing_by_a_killed_worker(
         kr.solve_files(folder / "targets", into, dies, workers=1)
     assert pq.read_table(into / names[5])["number"].to_pylist() == list(range(BLOCK, BLOCK + 100))
     assert {name: (into / name).stat().st_mtime_ns for name in finished} == before
+
+
+def test_what_the_readme_shows_runs(cluster, tmp_path, monkeypatch, arm, start, targets):
+    page = (Path(__file__).parents[1] / "README.md").read_text()
+    blocks = re.findall(r"^```python with Ray\n(.*?)^```", page, re.S | re.M)
+    monkeypatch.chdir(tmp_path)
+    names = {"np": np, "arm": arm, "start": start, "targets": targets, "kinopt": kinopt}
+    for block in blocks:
+        exec(compile(block, "README.md", "exec"), names)  # noqa: S102
+    assert len(blocks) == 1
+    assert np.array_equal(names["q"], arm.solve_batch(targets, start).q)
 
 
 def test_the_example_draws_a_reachability_map(cluster, tmp_path, monkeypatch, capsys):
