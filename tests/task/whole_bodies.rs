@@ -464,7 +464,7 @@ fn what_makes_no_sense_is_refused_by_name() {
     refuse!(
         JointCoupling::new(model, [(ball, 1.0)], 0.0),
         "joint coupling",
-        "4"
+        "is a ball"
     );
     refuse!(
         JointCoupling::new(model, [(ball, nan)], 0.0),
