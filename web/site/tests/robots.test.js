@@ -14,6 +14,8 @@ async function robot(files, options) {
     const { page, said } = await opened(options);
     await page.locator("#file").setInputFiles(files);
     await page.waitForFunction(() => kinoptPage.opened.kind === "robot", undefined, { timeout: 60_000 });
+    // It is seen from elsewhere until it is drawn.
+    await settled(page);
     return { page, said };
 }
 
