@@ -111,8 +111,11 @@ impl Edges {
 
     /// By how much rows have changed from what is kept of them: nowhere within their room, nor a little beyond.
     pub(super) fn change(&mut self, now: &mut [f64], kept: &[f64]) {
-        self.there.clear();
-        self.there.extend_from_slice(now);
+        // For what they let through, which is asked where there are edges.
+        if self.any() {
+            self.there.clear();
+            self.there.extend_from_slice(now);
+        }
         for (row, (now, kept)) in now.iter_mut().zip(kept).enumerate() {
             *now -= match (self.slack[row], self.side[row]) {
                 (slack, Side::One | Side::Unknown) if slack > 0.0 => {
