@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::Drag;
-use kinopt::model::{FrameId, Limits, Masses, Model, PointMass};
+use kinopt::model::{FrameId, Limits, Model};
 use kinopt::problem::Problem;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{
@@ -10,6 +10,7 @@ use kinopt::task::{
 };
 use kinopt::{Scalar, Solution, Solver};
 use support::arms::robot;
+use support::bodies::sledge;
 use support::random::Random;
 use support::sample::cases;
 use support::trees::configuration_of;
@@ -153,23 +154,7 @@ fn nearest(corners: [[f64; 2]; 3], to: [f64; 2]) -> [f64; 2] {
 
 #[test]
 fn a_sledge_within_a_triangle_comes_as_near_as_the_triangle_does() {
-    let mut builder = Model::builder("sledge");
-    let [x, y, _] = Vector3::UNITS;
-    let (still, wide) = (Placement::identity(), Limits::new(-5.0, 5.0));
-    let along = builder.prismatic("along", None, still, x, wide);
-    let aside = builder.prismatic("aside", Some(along), still, y, wide);
-    let frame = builder.frame("mass", Some(aside), still);
-    let model = builder.build().unwrap();
-    let at = Vector3::zero();
-    let masses = Masses::new(
-        &model,
-        [PointMass {
-            frame,
-            at,
-            mass: 3.0,
-        }],
-    )
-    .unwrap();
+    let (model, frame, masses) = sledge();
     let corners = [[0.0, 0.0], [2.0, 0.3], [0.7, 1.9]];
     let triangle = SupportPolygon::new(&masses).with_points(corners.map(|[x, y]| [x, y, 0.0]));
     for seed in 0..cases(200, 40) as u64 {

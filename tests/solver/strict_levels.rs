@@ -9,6 +9,7 @@ use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Plane, Point, Pose, Posture, Quantity, Task};
 use kinopt::{Solution, Solver};
 use support::arms::panda;
+use support::bodies::sledge;
 use support::random::Random;
 use support::sample::cases;
 use support::trees::configuration_of;
@@ -359,13 +360,8 @@ fn preferences_have_levels_too_and_are_traded_with_the_last_level_of_goals() {
 /// A level of goals in which a preference is traded ends where both are best, not where the goals are just within their tolerance.
 #[test]
 fn a_traded_preference_is_followed_within_the_goals_tolerance() {
-    let mut builder = Model::builder("slides");
+    let (model, hand, _) = sledge();
     let [x, y, _] = Vector3::UNITS;
-    let (still, wide) = (Placement::identity(), Limits::new(-5.0, 5.0));
-    let along = builder.prismatic("along", None, still, x, wide);
-    let aside = builder.prismatic("aside", Some(along), still, y, wide);
-    let hand = builder.frame("hand", Some(aside), still);
-    let model = builder.build().unwrap();
     let mut tasks = Problem::builder(&model);
     let plane = |normal| Plane::new(hand, [0.0; 3], normal);
     tasks.add(plane(x + y));

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use kinopt::model::{
     BallLimits, FrameId, JointId, Limits, Masses, Model, ModelBuilder, ParameterMap, PointMass,
 };
-use kinopt::spatial::Vector3;
+use kinopt::spatial::{Placement, Vector3};
 
 use super::kept_limits::{Cone, Role, Rule, cross, exponential};
 use super::random::Random;
@@ -317,4 +317,18 @@ fn in_the_middle(limits: &Limits) -> f64 {
 /// A direction as the library takes it.
 pub fn direction(random: &mut Random) -> Vector3<f64> {
     vector(random.direction().into_inner())
+}
+
+/// A mass that slides over the floor: its model, its frame and what it weighs.
+pub fn sledge() -> (Model, FrameId, Masses) {
+    let mut builder = Model::builder("sledge");
+    let [x, y, _] = Vector3::UNITS;
+    let (still, wide) = (Placement::identity(), Limits::new(-5.0, 5.0));
+    let along = builder.prismatic("along", None, still, x, wide);
+    let aside = builder.prismatic("aside", Some(along), still, y, wide);
+    let frame = builder.frame("mass", Some(aside), still);
+    let model = builder.build().unwrap();
+    let (at, mass) = (Vector3::zero(), 2.0);
+    let masses = Masses::new(&model, [PointMass { frame, at, mass }]).unwrap();
+    (model, frame, masses)
 }

@@ -3,30 +3,15 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Problem;
-use kinopt::model::{Limits, Masses, Model, PointMass};
 use kinopt::problem::Evaluation;
 use kinopt::solver::LeastSquares;
-use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::SupportPolygon;
+use support::bodies::sledge;
 use support::random::Random;
-
-/// A mass that slides over the floor.
-fn sledge() -> (Model, Masses) {
-    let mut builder = Model::builder("sledge");
-    let [x, y, _] = Vector3::UNITS;
-    let (still, wide) = (Placement::identity(), Limits::new(-5.0, 5.0));
-    let along = builder.prismatic("along", None, still, x, wide);
-    let aside = builder.prismatic("aside", Some(along), still, y, wide);
-    let frame = builder.frame("mass", Some(aside), still);
-    let model = builder.build().unwrap();
-    let (at, mass) = (Vector3::zero(), 2.0);
-    let masses = Masses::new(&model, [PointMass { frame, at, mass }]).unwrap();
-    (model, masses)
-}
 
 #[test]
 fn the_points_of_a_square_hold_it_in_any_order() {
-    let (model, masses) = sledge();
+    let (model, _, masses) = sledge();
     // Corners, the middles of the sides and the middle of all.
     let mut points: Vec<[f64; 3]> = (0..9)
         .map(|k| [f64::from(k % 3) - 1.0, f64::from(k / 3) - 1.0, 0.0])
@@ -53,7 +38,7 @@ fn the_points_of_a_square_hold_it_in_any_order() {
 
 #[test]
 fn a_polygon_is_the_same_in_whichever_order_it_is_told() {
-    let (_, masses) = sledge();
+    let (_, _, masses) = sledge();
     let points = [[0.0; 3], [1.0, 0.0, 0.3], [1.0, 0.2, 1.0], [0.0, 0.1, 1.0]];
     let (up, margin) = ([0.1, 1.0, 0.2], 0.07);
     let new = || SupportPolygon::new(&masses);
