@@ -1,22 +1,43 @@
-// The package installs from its archive in an empty project; its README's lines run there, and its types check.
+// The package installs from a registry that has its archive, in an empty project; its README's lines run there, and its types check.
 import assert from "node:assert/strict";
-import { execFileSync } from "node:child_process";
+import { execFile, execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { createServer } from "node:http";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import test, { after, before } from "node:test";
 import { fileURLToPath } from "node:url";
+import { promisify } from "node:util";
 import { model } from "./panda.js";
 
 const own = fileURLToPath(new URL("..", import.meta.url));
 const project = mkdtempSync(join(tmpdir(), "kinopt-"));
 const run = (command, ...rest) => execFileSync(command, rest, { cwd: project, encoding: "utf8" });
-const blocks = [...readFileSync(join(own, "README.md"), "utf8").matchAll(/```js\n(.*?)```/gs)].map(([, text]) => text);
+const readme = readFileSync(join(own, "README.md"), "utf8");
+const blocks = [...readme.matchAll(/```js\n(.*?)```/gs)].map(([, text]) => text);
 
-before(() => {
-    const [{ filename }] = JSON.parse(run("npm", "pack", own, "--json"));
+/** A registry that has one package, as npm asks one: what is known of it, and its archive. */
+async function registry({ filename, integrity, name, version }) {
+    const archive = readFileSync(join(project, filename));
+    const server = createServer(({ url }, answer) => {
+        const address = `http://127.0.0.1:${server.address().port}`;
+        const known = { ...JSON.parse(readFileSync(join(own, "package.json"))), dist: { integrity, tarball: `${address}/${filename}` } };
+        if (url === `/${filename}`) answer.end(archive);
+        else if (url === `/${name}`) answer.end(JSON.stringify({ name, "dist-tags": { latest: version }, versions: { [version]: known } }));
+        else answer.writeHead(404).end();
+    });
+    await new Promise((ready) => server.listen(0, "127.0.0.1", ready));
+    return server;
+}
+
+before(async () => {
+    const [archive] = JSON.parse(run("npm", "pack", own, "--json"));
     writeFileSync(join(project, "package.json"), '{ "type": "module" }');
-    run("npm", "install", "--offline", "--no-audit", "--no-fund", `./${filename}`);
+    const server = await registry(archive);
+    const [command, ...words] = readme.match(/```sh in an empty project\n(.*)\n```/)[1].split(" ");
+    const options = ["--no-audit", "--no-fund", "--registry", `http://127.0.0.1:${server.address().port}`];
+    await promisify(execFile)(command, [...words, ...options], { cwd: project });
+    server.close();
 });
 after(() => rmSync(project, { recursive: true }));
 

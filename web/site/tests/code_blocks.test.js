@@ -17,8 +17,23 @@ const RUNNERS = {
     // cli/tests/command/pages.rs.
     sh: (path) => path.startsWith("docs/") || path === "README.md",
 };
-// python/tests/test_readme.py: what opens a page in the browser.
-const opensPage = (path, info) => info.endsWith("until its page answers") && RUNNERS.python(path);
+/** Who runs what is said to be run in another way, by what its fence says of it. */
+const WAYS = {
+    // python/tests/test_readme.py; package.test.js beside this.
+    "until its page answers": (path) => RUNNERS.python(path) || path === "README.md",
+    // python/tests/test_ray.py.
+    "with Ray": (path) => path === "python/README.md",
+    // web/tests/package.test.js.
+    "in an empty project": (path) => path === "web/README.md",
+};
+
+/** Which commands of a block a script of the gate does not have. */
+function missing(script, text) {
+    // A step says what it runs, more quietly.
+    const steps = source(script).replaceAll(/\bstep /g, "").replaceAll(/ --quiet\b/g, "");
+    const commands = text.split(/\n|&&/).map((command) => command.replace(/ +#.*/, "").trim());
+    return commands.filter((command) => command && !command.startsWith("cd ") && !steps.includes(command));
+}
 // Nothing to run.
 const DATA = new Set(["json", "yaml", "xml", "toml", "text"]);
 
@@ -27,25 +42,35 @@ export function blocks(text) {
     let open;
     for (const [number, line] of text.split("\n").entries()) {
         const fence = line.match(/^\s*```(.*)/);
-        if (!fence) continue;
-        if (open === undefined) found.push({ info: (open = fence[1].trim()), line: number + 1 });
-        else open = undefined;
+        if (!fence) open?.push(line);
+        else if (open) open = undefined;
+        else found.push({ info: fence[1].trim(), line: number + 1, lines: (open = []) });
     }
     return found;
 }
 
 test("every block of code has a runner, or says that it has none", () => {
     const unrun = [];
+    const measured = new Set();
     let run = 0;
     for (const { path } of pages(contents()).values()) {
         if (REFERENCES[path]) continue;
-        for (const { info, line } of blocks(source(path))) {
-            const [language] = info.split(/[\s,]/);
-            if (DATA.has(language) || /\bnot run\b/.test(info)) continue;
-            if (RUNNERS[language]?.(path) || opensPage(path, info)) run += 1;
-            else unrun.push(`${path}:${line} ${info || "(no language)"}`);
+        for (const { info, line, lines } of blocks(source(path))) {
+            const [, language, way] = info.match(/^(\w*)[\s,]*(.*)/);
+            if (DATA.has(language)) continue;
+            if (way.startsWith("not run: ")) {
+                measured.add(path);
+                continue;
+            }
+            const script = way.match(/^run by (\S+)$/)?.[1];
+            const left = script ? missing(script, lines.join("\n")) : [];
+            const runner = script ? () => true : (WAYS[way] ?? RUNNERS[language]);
+            if (runner?.(path) && left.length === 0) run += 1;
+            else unrun.push(`${path}:${line} ${info || "(no language)"} ${left}`);
         }
     }
     assert.deepEqual(unrun, []);
+    // Measuring beside others needs what they publish, and hours.
+    assert.deepEqual([...measured], ["benches/rivals/README.md"]);
     assert.ok(run > 60, `${run} blocks`);
 });

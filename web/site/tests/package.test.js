@@ -1,5 +1,6 @@
-// The package in a browser without a bundler: its README's ten lines, and a hundred humanoids dragged at once.
+// The package in a browser without a bundler: its README's ten lines, and a hundred humanoids dragged at once; the site by the project's README.
 import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
 import { cpSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -76,4 +77,22 @@ test("a hundred humanoids are dragged, each with its own hand, five tips pinned"
     const { median, late, reached } = JSON.parse(word);
     console.log(`a hundred humanoids, a frame of each: ${median.toFixed(1)} ms in the median, ${late.toFixed(1)} at the 95th percentile`);
     assert.ok(reached > 0.95 * 30_000, `${reached} of 30 000 frames reached`);
+});
+
+test("the project's README serves the site", async () => {
+    const root = fileURLToPath(new URL("../", own));
+    const [, line] = readFileSync(join(root, "README.md"), "utf8").match(/```sh until its page answers\n(.*)\n```/);
+    const [build, serve] = line.split(" && ");
+    // It made what the other tests look at just now.
+    assert.equal(build, "web/site/build");
+    const [command, ...words] = serve.split(" ");
+    // Any free port.
+    const server = spawn(command, ["-u", ...words, "0"], { cwd: root });
+    try {
+        const port = await new Promise((told) => server.stdout.on("data", (text) => told(/port (\d+)/.exec(text)[1])));
+        const page = await fetch(`http://127.0.0.1:${port}/`);
+        assert.match(await page.text(), /<title>.*kinopt/i);
+    } finally {
+        server.kill();
+    }
 });
