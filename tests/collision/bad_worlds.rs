@@ -2,7 +2,7 @@
 //! about: no panic, no number that is none, no answer that touches.
 
 use kinopt::arm::Arm;
-use kinopt::collision::{Checker, CollisionModel, World};
+use kinopt::collision::{Checker, CollisionModel, Shape, World, separation};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::arms::robot;
 use support::random::Random;
@@ -18,14 +18,12 @@ const NO_LENGTHS: [f64; 7] = [
     1e-10,
     1e10,
 ];
-/// Of one shape, small or large: where it is 10¹⁸ times as long as thick, exact distances are rounding.
-const LENGTHS: [[f64; 4]; 2] = [[1e-9, 1e-4, 0.05, 0.3], [0.05, 0.3, 1e3, 1e9]];
+const LENGTHS: [f64; 6] = [1e-9, 1e-4, 0.05, 0.3, 1e3, 1e9];
 
 /// One of many, now and then one that cannot be, which is told.
 struct Drawn {
     random: Random,
     bad: bool,
-    large: bool,
 }
 
 impl Drawn {
@@ -34,7 +32,15 @@ impl Drawn {
             self.bad = true;
             return NO_LENGTHS[self.random.below(NO_LENGTHS.len())];
         }
-        LENGTHS[usize::from(self.large)][self.random.below(4)]
+        LENGTHS[self.random.below(LENGTHS.len())]
+    }
+
+    /// Of one shape: 10¹² times as long as thick it is none.
+    fn lengths<const N: usize>(&mut self) -> [f64; N] {
+        let lengths = [(); N].map(|()| self.length());
+        let longest = lengths.iter().copied().fold(0.0, f64::max);
+        self.bad |= lengths.iter().any(|length| longest > 1e12 * length);
+        lengths
     }
 
     fn coordinate(&mut self) -> f64 {
@@ -94,24 +100,28 @@ fn what_cannot_be_is_refused_by_name_and_what_is_taken_can_be_asked_about() {
     let mut drawn = Drawn {
         random: Random::new(31),
         bad: false,
-        large: false,
     };
     let (mut refused, mut taken, mut reached) = (0, 0, 0);
     for _ in 0..cases(300, 40) {
         let mut world = World::new();
         for _ in 0..8 {
             drawn.bad = false;
-            drawn.large = drawn.random.below(2) == 0;
             let before = (world.len(), world.revision());
             // Few names, so that some are there twice.
             let name = format!("thing {}", drawn.random.below(12));
             drawn.bad |= world.obstacle(&name).is_ok();
             let at = drawn.placement();
             let added = match drawn.random.below(7) {
-                0 => world.add_box(&name, [(); 3].map(|()| drawn.length()), at),
+                0 => world.add_box(&name, drawn.lengths(), at),
                 1 => world.add_sphere(&name, drawn.length(), at),
-                2 => world.add_cylinder(&name, drawn.length(), drawn.length(), at),
-                3 => world.add_capsule(&name, drawn.length(), drawn.length(), at),
+                2 => {
+                    let [radius, length] = drawn.lengths();
+                    world.add_cylinder(&name, radius, length, at)
+                }
+                3 => {
+                    let [radius, length] = drawn.lengths();
+                    world.add_capsule(&name, radius, length, at)
+                }
                 4 => world.add_points(
                     &name,
                     vec![drawn.point(), drawn.point()],
@@ -199,4 +209,30 @@ fn an_arm_that_starts_deep_inside_something_leaves_it() {
         assert!(!solution.reached || touched.is_empty(), "{touched:?}");
         assert!(solution.reached || !solution.collisions().is_empty());
     }
+}
+
+#[test]
+fn a_box_as_slender_as_may_be_is_measured_and_one_more_slender_refused_by_name() {
+    let ball = Shape::sphere(0.1).unwrap();
+    for long in [1e3, 1e6, 1e9] {
+        for thin in [1e-12 * long, 1e-9 * long, 1e-6 * long] {
+            let plate = Shape::cuboid([0.05_f64.max(thin), long, thin]).unwrap();
+            for gap in [-0.02, 0.0, 1e-3, 0.5] {
+                // Over the plate's middle, and over a place away from it.
+                for along in [0.0, 0.3 * long] {
+                    let at = Vector3::new(0.01, along, 0.5 * thin + 0.1 + gap);
+                    let found = separation(&plate, &Placement::identity(), &ball, &at.into());
+                    let resolved = 1e-9 + 4.0 * f64::EPSILON * long;
+                    let off = found.distance - gap;
+                    assert!(
+                        off.abs() < resolved,
+                        "{long:e} {thin:e} {gap} {along}: {off:e}"
+                    );
+                }
+            }
+        }
+    }
+    let error = Shape::cuboid([0.05, 1e9, 1e-9]).unwrap_err();
+    let told = "the length of the box along y is 1e9 and the length of the box along z 1e-9: more than 1e12 times";
+    assert_eq!(error.to_string(), told);
 }

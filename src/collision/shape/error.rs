@@ -5,6 +5,8 @@ use crate::spatial::Vector3;
 /// Lengths of shapes, so that no square of one over- or underflows.
 const SMALLEST: f64 = 1e-9;
 const LARGEST: f64 = 1e9;
+/// How many times as long as thick a shape may be: rounding along it is then a thousandth of what it is across.
+const SLENDEREST: f64 = 1e12;
 /// Vertices, points and heights of one shape.
 const MOST: usize = 1 << 28;
 
@@ -19,6 +21,20 @@ pub enum ShapeError {
         what: &'static str,
         /// What was given.
         value: f64,
+    },
+    /// Lengths so far apart that distances would be rounding.
+    #[error(
+        "the {longest_name} is {longest:e} and the {shortest_name} {shortest:e}: more than {SLENDEREST:e} times"
+    )]
+    Slender {
+        /// Which is longest.
+        longest_name: &'static str,
+        /// How long it is.
+        longest: f64,
+        /// Which is shortest.
+        shortest_name: &'static str,
+        /// How long it is.
+        shortest: f64,
     },
     /// A coordinate that is NaN, infinite or beyond 10⁹.
     #[error("{what} {index} has a coordinate that is not finite or beyond {LARGEST:e}")]
@@ -117,6 +133,29 @@ pub(super) fn size(what: &'static str, value: f64) -> Result<f64, ShapeError> {
         true => Ok(value),
         false => Err(ShapeError::Size { what, value }),
     }
+}
+
+/// The lengths of one shape, if they are some and not too far apart.
+pub(super) fn sizes<const N: usize>(
+    named: [(&'static str, f64); N],
+) -> Result<[f64; N], ShapeError> {
+    for (what, value) in named {
+        size(what, value)?;
+    }
+    let by_length = |a: &&(&str, f64), b: &&(&str, f64)| a.1.total_cmp(&b.1);
+    let longest = named.iter().max_by(by_length);
+    let shortest = named.iter().min_by(by_length);
+    if let (Some(&(longest_name, longest)), Some(&(shortest_name, shortest))) = (longest, shortest)
+        && longest > SLENDEREST * shortest
+    {
+        return Err(ShapeError::Slender {
+            longest_name,
+            longest,
+            shortest_name,
+            shortest,
+        });
+    }
+    Ok(named.map(|(_, value)| value))
 }
 
 /// Whether all are in range, and not too many for 32 bits.

@@ -24,7 +24,7 @@ pub use triangle_mesh::TriangleMesh;
 
 use crate::robot::Geometry;
 use crate::spatial::Vector3;
-use error::size;
+use error::{size, sizes};
 use geodesic::around_unit_ball;
 
 /// A shape whose numbers are checked, about its own origin; lengths in metres. Cheap to clone.
@@ -86,46 +86,50 @@ impl Shape {
     /// A capsule along z: all points at most `radius` from a segment of `length`.
     ///
     /// # Errors
-    /// A radius or length that is not a positive finite length.
+    /// A radius or length that is not a positive finite length, or one 10¹² times the other.
     pub fn capsule(radius: f64, length: f64) -> Result<Self, ShapeError> {
-        let radius = size("radius of the capsule", radius)?;
-        let length = size("length of the capsule", length)?;
+        let [radius, length] = sizes([
+            ("radius of the capsule", radius),
+            ("length of the capsule", length),
+        ])?;
         Ok(Self::of(ShapeKind::Capsule { radius, length }))
     }
 
     /// A cylinder along z, `length` from one end to the other.
     ///
     /// # Errors
-    /// A radius or length that is not a positive finite length.
+    /// A radius or length that is not a positive finite length, or one 10¹² times the other.
     pub fn cylinder(radius: f64, length: f64) -> Result<Self, ShapeError> {
-        let radius = size("radius of the cylinder", radius)?;
-        let length = size("length of the cylinder", length)?;
+        let [radius, length] = sizes([
+            ("radius of the cylinder", radius),
+            ("length of the cylinder", length),
+        ])?;
         Ok(Self::of(ShapeKind::Cylinder { radius, length }))
     }
 
     /// A box with its whole lengths along x, y and z.
     ///
     /// # Errors
-    /// A length that is not positive and finite.
+    /// A length that is not positive and finite, or is 10¹² times another.
     pub fn cuboid([x, y, z]: [f64; 3]) -> Result<Self, ShapeError> {
-        let size = [
-            size("length of the box along x", x)?,
-            size("length of the box along y", y)?,
-            size("length of the box along z", z)?,
-        ];
+        let size = sizes([
+            ("length of the box along x", x),
+            ("length of the box along y", y),
+            ("length of the box along z", z),
+        ])?;
         Ok(Self::of(ShapeKind::Cuboid { size }))
     }
 
     /// What holds an ellipsoid with these radii along x, y and z: a convex hull of 162 points, which sticks out of it by less than 2 % of a radius.
     ///
     /// # Errors
-    /// A radius that is not positive and finite.
+    /// A radius that is not positive and finite, or is 10¹² times another.
     pub fn ellipsoid([x, y, z]: [f64; 3]) -> Result<Self, ShapeError> {
-        let radii = Vector3::new(
-            size("radius of the ellipsoid along x", x)?,
-            size("radius of the ellipsoid along y", y)?,
-            size("radius of the ellipsoid along z", z)?,
-        );
+        let radii = Vector3::from(sizes([
+            ("radius of the ellipsoid along x", x),
+            ("radius of the ellipsoid along y", y),
+            ("radius of the ellipsoid along z", z),
+        ])?);
         let scaled = |p: &Vector3<f64>| Vector3::new(p.x * radii.x, p.y * radii.y, p.z * radii.z);
         let corners: Vec<_> = around_unit_ball().iter().map(scaled).collect();
         Self::convex(&corners)
