@@ -35,7 +35,7 @@ def rust():
     """Asks the Rust program."""
     # Beside the packages of `cargo test`, whose library it then shares: alone it would compile its own.
     packages = ["-p", "kinopt", "-p", "kinopt-cli", "-p", "kinopt-test-support"]
-    build = ["cargo", "build", "--quiet", "--message-format=json", *packages, "--bin", "answers"]
+    build = ["cargo", "build", "--profile", "test", "--quiet", "--message-format=json", *packages, "--bin", "answers"]
     built = subprocess.run(build, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
     said = [json.loads(line) for line in built.splitlines()]
     (program,) = [one["executable"] for one in said if one.get("executable")]

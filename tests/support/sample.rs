@@ -1,4 +1,4 @@
-//! How much a test looks at: a debug build, in which everything is some ten times slower, looks at a part
+//! How much a test looks at: a debug build, which is some times slower, looks at a part
 //! unless `KINOPT_CASES` is set.
 
 /// How many cases of something: fewer in a debug build, and as many as `KINOPT_CASES` asks for.
