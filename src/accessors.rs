@@ -27,6 +27,7 @@ macro_rules! as_inner {
         fn joint_values(&self) -> Option<usize> { self.$inner.joint_values() }
     };
     (@rows $inner:tt) => { fn rows(&self) -> Vec<crate::task::Rows> { self.$inner.rows() } };
+    (@rooms $inner:tt) => { fn rooms(&self) -> Vec<crate::task::Room> { self.$inner.rooms() } };
     (@target_len $inner:tt) => { fn target_len(&self) -> usize { self.$inner.target_len() } };
     (@validate $inner:tt) => { fn validate(&self) -> Result<(), String> { self.$inner.validate() } };
 }

@@ -413,6 +413,18 @@ fn compile_task(
         weights.resize(weights.len() + rows.count, weight);
         next_row += rows.count;
     }
+    let rooms = pending.residual.rooms();
+    let mut edge_weights = Vec::new();
+    for room in &rooms {
+        let Some(&weight) = weights.get(room.rows()).and_then(<[f64]>::first) else {
+            let (rows, count) = (room.rows(), weights.len());
+            return Err(ProblemError::BadTask {
+                task: name,
+                problem: format!("it has a room of its rows {rows:?}, but {count} rows"),
+            });
+        };
+        edge_weights.resize(edge_weights.len() + room.edges(), weight);
+    }
     Ok(CompiledTask {
         name,
         is_loop: pending.is_loop,
@@ -424,7 +436,10 @@ fn compile_task(
         // Set later: by `Ranks`, which has all tasks, and `choose_sweeps`, which has the tree.
         rank: 0,
         rows_by_rank: 0..0,
+        edges_by_rank: 0..0,
         swept: false,
+        edge_weights,
+        rooms,
         weights,
         frames: slots,
         coordinates,

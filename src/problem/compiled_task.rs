@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::kinematics::FrameSlot;
-use crate::task::{Role, Rows};
+use crate::task::{Role, Room, Rows};
 
 /// How far from where it was a goal may end for the sake of ranks below, as a share of its tolerance.
 const KEPT: f64 = 1e-3;
@@ -60,6 +60,10 @@ pub(crate) struct CompiledTask {
     pub(crate) rows_by_rank: Range<usize>,
     /// The weight of each row.
     pub(crate) weights: Vec<f64>,
+    /// Within what its rows vanish, where the edges of that stand, rank by rank, and the weight of each.
+    pub(crate) rooms: Vec<Room>,
+    pub(crate) edges_by_rank: Range<usize>,
+    pub(crate) edge_weights: Vec<f64>,
     pub(crate) frames: Vec<FrameSlot>,
     /// Whether its Jacobian comes cheaper by sweeps over the whole tree than frame by frame.
     pub(crate) swept: bool,

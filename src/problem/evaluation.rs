@@ -51,8 +51,8 @@ impl Scratch {
         let mut local = LocalJacobian::default();
         let mut gathered = DualScratch::default();
         for task in &problem.tasks {
-            let (rows, frames, joints) =
-                (task.rows.len(), task.frames.len(), task.coordinates.len());
+            let rows = task.rows.len().max(task.edge_weights.len());
+            let (frames, joints) = (task.frames.len(), task.coordinates.len());
             local.reserve(rows, frames, joints);
             gathered.reserve(rows, frames, joints);
         }
@@ -89,6 +89,25 @@ impl Scratch {
     /// What the task gathered last reads: its frames and its joints.
     pub(super) fn placed(&self) -> (&[Placement<f64>], &[f64]) {
         (&self.frames, &self.joints)
+    }
+
+    /// The same, and room for derivatives by it.
+    pub(super) fn reading(
+        &mut self,
+    ) -> (
+        &[Placement<f64>],
+        &[f64],
+        &mut LocalJacobian,
+        &mut DualScratch,
+    ) {
+        let Self {
+            frames,
+            joints,
+            local,
+            local_dual,
+            ..
+        } = self;
+        (frames, joints, local, local_dual)
     }
 
     /// Where the last forward pass left the tree.
@@ -196,15 +215,9 @@ impl<'a> Evaluation<'a> {
         residual: &dyn ErasedResidual,
     ) {
         Self::gather(scratch, task);
-        let Scratch {
-            frames,
-            joints,
-            local,
-            local_dual,
-            ..
-        } = scratch;
+        let (frames, joints, local, dual) = scratch.reading();
         local.reset(task.rows.len(), frames.len(), joints.len());
-        residual.differentiate(frames, joints, local, local_dual);
+        residual.differentiate(frames, joints, local, dual);
         local.scale_rows(&task.weights);
     }
 
@@ -230,9 +243,21 @@ impl<'a> Evaluation<'a> {
         first_row: usize,
         jacobian: &mut DMatrix<f64>,
     ) {
+        Self::differentiate(self.scratch, task, self.question.residual(index));
+        self.add_local(x, task, first_row, jacobian);
+    }
+
+    /// Adds the rows that the derivatives of one task by what it reads make.
+    #[inline]
+    pub(super) fn add_local(
+        &mut self,
+        x: &[f64],
+        task: &CompiledTask,
+        first_row: usize,
+        jacobian: &mut DMatrix<f64>,
+    ) {
         let (problem, tree) = (self.question.problem, self.question.tree());
         let rows = jacobian.nrows();
-        Self::differentiate(self.scratch, task, self.question.residual(index));
         if task.swept {
             Self::add_by_sweeps(tree, self.scratch, task, first_row, jacobian);
         }
@@ -275,7 +300,7 @@ impl<'a> Evaluation<'a> {
         } = scratch;
         let rows = jacobian.nrows();
         let entries = jacobian.as_mut_slice();
-        for row in 0..task.rows.len() {
+        for row in 0..local.rows() {
             wrenches.clear();
             let part = |parts: &[Vector3<f64>]| parts.get(row).copied();
             let nothing = |parts| part(parts).is_none_or(|v| v.to_array() == [0.0; 3]);
@@ -300,37 +325,64 @@ impl<'a> Evaluation<'a> {
     /// Jᵀ r, by one sweep over the tree from the frames to the root; by the variables themselves, not by the
     /// components of a step.
     pub(crate) fn reverse_gradient(&mut self, x: &[f64], r: &[f64], gradient: &mut [f64]) {
+        self.start_sweep(x, gradient);
+        self.push_residual(x, r, gradient);
+        self.end_sweep(gradient);
+    }
+
+    pub(super) fn start_sweep(&mut self, x: &[f64], gradient: &mut [f64]) {
         self.forward(x);
         gradient.fill(0.0);
-        let (problem, tree) = (self.question.problem, self.question.tree());
         self.scratch.wrenches.clear();
+    }
+
+    /// Adds what a share's rows push at the frames, and the gradient by the joints that they read.
+    pub(super) fn push_residual(&mut self, x: &[f64], r: &[f64], gradient: &mut [f64]) {
+        let problem = self.question.problem;
         for (index, task, rows) in problem.tasks_of(self.share) {
             Self::differentiate(self.scratch, task, self.question.residual(index));
-            let Scratch {
-                state,
-                local,
-                wrenches,
-                ..
-            } = &mut *self.scratch;
-            let r = &r[rows];
-            for (k, &frame) in task.frames.iter().enumerate() {
-                let sum = |parts: &[Vector3<f64>]| {
-                    let weighted = parts.iter().zip(r).map(|(&part, &value)| part * value);
-                    weighted.fold(Vector3::zero(), |sum, part| sum + part)
-                };
-                let wrench = Wrench {
-                    force: sum(local.linear(k)),
-                    moment: sum(local.angular(k)),
-                };
-                tree.push(state, frame, wrench, wrenches);
-            }
-            for (k, &coordinate) in task.coordinates.iter().enumerate() {
-                for (variable, slope) in problem.map.slopes(coordinate, x) {
-                    let sum: f64 = local.joint(k).map(|(row, entry)| entry * r[row]).sum();
-                    gradient[variable] += slope * sum;
-                }
+            self.push_local(x, task, &r[rows], gradient);
+        }
+    }
+
+    /// The same of the task that was differentiated last.
+    #[inline]
+    pub(super) fn push_local(
+        &mut self,
+        x: &[f64],
+        task: &CompiledTask,
+        r: &[f64],
+        gradient: &mut [f64],
+    ) {
+        let (problem, tree) = (self.question.problem, self.question.tree());
+        let Scratch {
+            state,
+            local,
+            wrenches,
+            ..
+        } = &mut *self.scratch;
+        for (k, &frame) in task.frames.iter().enumerate() {
+            let sum = |parts: &[Vector3<f64>]| {
+                let weighted = parts.iter().zip(r).map(|(&part, &value)| part * value);
+                weighted.fold(Vector3::zero(), |sum, part| sum + part)
+            };
+            let wrench = Wrench {
+                force: sum(local.linear(k)),
+                moment: sum(local.angular(k)),
+            };
+            tree.push(state, frame, wrench, wrenches);
+        }
+        for (k, &coordinate) in task.coordinates.iter().enumerate() {
+            for (variable, slope) in problem.map.slopes(coordinate, x) {
+                let sum: f64 = local.joint(k).map(|(row, entry)| entry * r[row]).sum();
+                gradient[variable] += slope * sum;
             }
         }
+    }
+
+    /// Adds to the gradient what has been pushed at the frames.
+    pub(super) fn end_sweep(&mut self, gradient: &mut [f64]) {
+        let tree = self.question.tree();
         let Scratch {
             state, wrenches, ..
         } = &mut *self.scratch;

@@ -4,6 +4,7 @@ mod anchor;
 mod builder;
 mod by_parameters;
 mod compiled_task;
+mod depths;
 mod derivatives;
 mod dual_jacobian;
 mod error;

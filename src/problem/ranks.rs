@@ -72,11 +72,14 @@ impl Ranks {
         ranks.sort_unstable();
         ranks.dedup();
         let (mut ends, mut end) = (Vec::with_capacity(ranks.len()), 0);
+        let mut last_edge = 0;
         for (rank, own) in ranks.iter().enumerate() {
             for task in tasks.iter_mut().filter(|task| order(task) == *own) {
                 task.rank = rank;
                 task.rows_by_rank = end..end + task.rows.len();
                 end = task.rows_by_rank.end;
+                task.edges_by_rank = last_edge..last_edge + task.edge_weights.len();
+                last_edge = task.edges_by_rank.end;
             }
             ends.push(end);
         }

@@ -32,7 +32,8 @@ pub use iterate::Iterate;
 pub use least_squares::LeastSquares;
 pub use levenberg_marquardt::{Damping, LevenbergMarquardt, LevenbergMarquardtState};
 pub(crate) use linear::{
-    BranchedMatrix, HeldStep, InnerProducts, RowSpace, RowSpan, StepBounds, TangentNewton, dot,
+    BranchedMatrix, HeldStep, Inequalities, InnerProducts, RowSpace, RowSpan, StepBounds,
+    TangentNewton, dot,
 };
 pub use method::{AnyMethod, Method, Step};
 pub use minimise::{Outcome, minimise};

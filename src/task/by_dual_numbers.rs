@@ -1,7 +1,7 @@
 //! The derivatives of a residual that nobody wrote by hand: dual numbers, one frame's twist or six joints at a
 //! time.
 
-use super::{LocalJacobian, Residual};
+use super::LocalJacobian;
 use crate::scalar::{Dual, Scalar};
 use crate::spatial::{Placement, Vector3};
 
@@ -39,9 +39,9 @@ pub(super) fn make_room<T>(vector: &mut Vec<T>, count: usize) {
     vector.reserve(count.saturating_sub(vector.len()));
 }
 
-/// Moves one frame, or six joints, at a time.
-pub(super) fn by_dual_numbers<R: Residual>(
-    residual: &R,
+/// Differentiates what `evaluate` writes by frames and joints: moves one frame, or six joints, at a time.
+pub(super) fn by_dual_numbers(
+    evaluate: impl Fn(&[Placement<Dual<CHUNK>>], &[Dual<CHUNK>], &mut [Dual<CHUNK>]),
     frames: &[Placement<f64>],
     joints: &[f64],
     jacobian: &mut LocalJacobian,
@@ -62,7 +62,7 @@ pub(super) fn by_dual_numbers<R: Residual>(
 
     for (k, frame) in frames.iter().enumerate() {
         dual_frames[k] = moved_by_unit_twists(frame);
-        residual.evaluate(dual_frames, dual_joints, r);
+        evaluate(dual_frames, dual_joints, r);
         for (row, value) in r.iter().enumerate() {
             let [vx, vy, vz, wx, wy, wz] = value.derivatives();
             jacobian.linear_mut(k)[row] = Vector3::new(vx, vy, vz);
@@ -75,7 +75,7 @@ pub(super) fn by_dual_numbers<R: Residual>(
         for k in chunk.clone() {
             dual_joints[k] = Dual::variable(joints[k], k - first);
         }
-        residual.evaluate(dual_frames, dual_joints, r);
+        evaluate(dual_frames, dual_joints, r);
         for (row, value) in r.iter().enumerate() {
             let derivatives = value.derivatives();
             for k in chunk.clone() {

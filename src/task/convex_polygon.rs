@@ -2,6 +2,9 @@
 
 use crate::scalar::Scalar;
 
+/// Corners that turn by less, in radians, are as good as straight.
+const STRAIGHT: f64 = 1e-7;
+
 /// A point of the plane.
 pub(super) type Point2<S> = [S; 2];
 
@@ -11,8 +14,18 @@ pub(super) type Point2<S> = [S; 2];
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ConvexPolygon<S> {
     corners: Vec<Point2<S>>,
+    /// Which of the points that it was drawn around each corner is; nothing once it has shrunk.
+    sources: Vec<usize>,
     /// The mean of the points that it was drawn around.
     middle: Point2<S>,
+}
+
+/// A point, by its value too, and which one it is.
+#[derive(Clone, Copy)]
+struct Seen<S> {
+    point: Point2<S>,
+    at: [f64; 2],
+    source: usize,
 }
 
 fn minus<S: Scalar>(a: Point2<S>, b: Point2<S>) -> Point2<S> {
@@ -42,24 +55,32 @@ impl<S: Scalar> ConvexPolygon<S> {
     /// The convex hull of points, at least one, by the monotone chain of Andrew (1979, "Another efficient
     /// algorithm for convex hulls in two dimensions").
     pub(super) fn around(points: impl Iterator<Item = Point2<S>>) -> Self {
-        let mut points: Vec<(Point2<S>, [f64; 2])> =
-            points.map(|point| (point, point.map(value))).collect();
+        let points = points.enumerate();
+        let mut points: Vec<Seen<S>> = points
+            .map(|(source, point)| Seen {
+                point,
+                at: point.map(value),
+                source,
+            })
+            .collect();
         let share = S::constant(1.0 / points.len() as f64);
         let zero = [S::zero(); 2];
-        let middle = (points.iter()).fold(zero, |sum, (point, _)| along(sum, *point, share));
-        points.sort_by(|(_, a), (_, b)| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-        points.dedup_by(|(_, a), (_, b)| a == b);
-        let mut hull: Vec<(Point2<S>, [f64; 2])> = Vec::with_capacity(2 * points.len());
-        let mut walk = |way: &mut dyn Iterator<Item = &(Point2<S>, [f64; 2])>| {
+        let middle = (points.iter()).fold(zero, |sum, seen| along(sum, seen.point, share));
+        points.sort_by(|Seen { at: a, .. }, Seen { at: b, .. }| {
+            a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]))
+        });
+        points.dedup_by(|a, b| a.at == b.at);
+        let mut hull: Vec<Seen<S>> = Vec::with_capacity(2 * points.len());
+        let mut walk = |way: &mut dyn Iterator<Item = &Seen<S>>| {
             let first = hull.len();
-            for &(point, at) in way {
-                while let [.., (_, a), (_, b)] = &hull[first..] {
-                    if turn(*a, *b, at) > 0.0 {
+            for &seen in way {
+                while let [.., a, b] = &hull[first..] {
+                    if turn(a.at, b.at, seen.at) > 0.0 {
                         break;
                     }
                     hull.pop();
                 }
-                hull.push((point, at));
+                hull.push(seen);
             }
             // The next walk begins with it.
             hull.pop();
@@ -71,7 +92,8 @@ impl<S: Scalar> ConvexPolygon<S> {
             hull = points;
         }
         Self {
-            corners: hull.into_iter().map(|(point, _)| point).collect(),
+            corners: hull.iter().map(|seen| seen.point).collect(),
+            sources: hull.iter().map(|seen| seen.source).collect(),
             middle,
         }
     }
@@ -119,8 +141,48 @@ impl<S: Scalar> ConvexPolygon<S> {
         }
         Self {
             corners: left,
+            sources: Vec::new(),
             ..self
         }
+    }
+
+    /// How far `at` is within a margin of each edge, by the point that the edge begins at; infinitely far where none
+    /// does. Corners that hardly turn have no edge of their own: rounding alone would make and unmake it. A polygon
+    /// without room has minus infinity everywhere.
+    pub(super) fn depths(&self, at: Point2<S>, margin: f64, depths: &mut [S]) {
+        depths.fill(S::constant(f64::INFINITY));
+        let turns = self.turning_corners();
+        if turns.len() < 3 {
+            return depths.fill(S::constant(f64::NEG_INFINITY));
+        }
+        let next = turns.iter().cycle().skip(1);
+        for (&from, &to) in turns.iter().zip(next) {
+            let way = minus(self.corners[to], self.corners[from]);
+            let away = minus(at, self.corners[from]);
+            let depth = (way[0] * away[1] - way[1] * away[0]) / dot(way, way).sqrt();
+            depths[self.sources[from]] = depth - S::constant(margin);
+        }
+    }
+
+    /// The corners at which it turns by more than rounding may.
+    fn turning_corners(&self) -> Vec<usize> {
+        let at = |corner: usize| self.corners[corner].map(value);
+        let mut kept: Vec<usize> = (0..self.corners.len()).collect();
+        let mut k = 0;
+        while k < kept.len() && kept.len() > 2 {
+            let last = at(kept[(k + kept.len() - 1) % kept.len()]);
+            let (own, next) = (at(kept[k]), at(kept[(k + 1) % kept.len()]));
+            let squared = |a, b| -> f64 {
+                let way: Point2<f64> = minus(b, a);
+                dot(way, way)
+            };
+            let lengths = squared(last, own) * squared(own, next);
+            match turn(last, own, next) > STRAIGHT * lengths.sqrt() {
+                true => k += 1,
+                false => drop(kept.remove(k)),
+            }
+        }
+        kept
     }
 
     /// From the nearest place of the polygon to `at`; zero inside.

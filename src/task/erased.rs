@@ -3,7 +3,7 @@
 use std::any::Any;
 
 use super::by_dual_numbers::{CHUNK, DualScratch, by_dual_numbers};
-use super::{LocalJacobian, Residual};
+use super::{LocalJacobian, Residual, Room};
 use crate::scalar::Dual;
 use crate::spatial::Placement;
 
@@ -32,6 +32,19 @@ pub(crate) trait ErasedResidual: Send + Sync + Any {
 
     /// Writes the exact local derivatives; `jacobian` has its shape and is zero.
     fn differentiate(
+        &self,
+        frames: &[Placement<f64>],
+        joints: &[f64],
+        jacobian: &mut LocalJacobian,
+        scratch: &mut DualScratch,
+    );
+
+    fn rooms(&self) -> Vec<Room>;
+
+    fn depths(&self, frames: &[Placement<f64>], joints: &[f64], depths: &mut [f64]);
+
+    /// As [`differentiate`](Self::differentiate), of the depths.
+    fn differentiate_depths(
         &self,
         frames: &[Placement<f64>],
         joints: &[f64],
@@ -105,7 +118,39 @@ impl<R: Residual> ErasedResidual for R {
         scratch: &mut DualScratch,
     ) {
         if !Residual::differentiate(self, frames, joints, jacobian) {
-            by_dual_numbers(self, frames, joints, jacobian, scratch);
+            by_dual_numbers(
+                |frames, joints, rows| Residual::evaluate(self, frames, joints, rows),
+                frames,
+                joints,
+                jacobian,
+                scratch,
+            );
+        }
+    }
+
+    fn rooms(&self) -> Vec<Room> {
+        Residual::rooms(self)
+    }
+
+    fn depths(&self, frames: &[Placement<f64>], joints: &[f64], depths: &mut [f64]) {
+        Residual::depths(self, frames, joints, depths);
+    }
+
+    fn differentiate_depths(
+        &self,
+        frames: &[Placement<f64>],
+        joints: &[f64],
+        jacobian: &mut LocalJacobian,
+        scratch: &mut DualScratch,
+    ) {
+        if !Residual::differentiate_depths(self, frames, joints, jacobian) {
+            by_dual_numbers(
+                |frames, joints, depths| Residual::depths(self, frames, joints, depths),
+                frames,
+                joints,
+                jacobian,
+                scratch,
+            );
         }
     }
 

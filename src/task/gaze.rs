@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::look_at::{line_of_sight, turn_onto};
 use super::residual::{moved, not_finite, refuse};
 use super::within::beyond;
-use super::{Quantity, Residual, Rows};
+use super::{Quantity, Residual, Room, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
@@ -83,6 +83,22 @@ impl Gaze {
         }
     }
 
+    /// θ².
+    fn squared_angle<S: Scalar>(&self, frames: &[Placement<S>], step: &[S]) -> S {
+        let axis = frames[0].rotation * Vector3::constant(self.axis * (1.0 / self.axis.norm()));
+        let aim = match self.aim {
+            Aim::Along(direction) if step.is_empty() => {
+                Vector3::constant(direction * (1.0 / direction.norm()))
+            }
+            Aim::Along(direction) => {
+                let direction = moved(direction, step);
+                direction * (S::one() / direction.norm())
+            }
+            Aim::At(target) => line_of_sight(&frames[0], axis, moved(target, step)),
+        };
+        turn_onto(axis, aim).norm_squared()
+    }
+
     /// Moves the target, or turns the direction.
     pub fn set_target(&mut self, target: impl Into<Vector3<f64>>) {
         self.aim = match self.aim {
@@ -120,23 +136,23 @@ impl Residual for Gaze {
         step: &[S],
         residual: &mut [S],
     ) {
-        let axis = frames[0].rotation * Vector3::constant(self.axis * (1.0 / self.axis.norm()));
-        let aim = match self.aim {
-            Aim::Along(direction) if step.is_empty() => {
-                Vector3::constant(direction * (1.0 / direction.norm()))
-            }
-            Aim::Along(direction) => {
-                let direction = moved(direction, step);
-                direction * (S::one() / direction.norm())
-            }
-            Aim::At(target) => line_of_sight(&frames[0], axis, moved(target, step)),
-        };
-        let squared = turn_onto(axis, aim).norm_squared();
+        let squared = self.squared_angle(frames, step);
         // Well within the cone, where the angle itself has no derivative.
         let inside = squared.less_than(S::constant(0.25 * self.half_angle * self.half_angle));
         let angle = S::select(inside, S::one(), squared).sqrt();
         let outside = beyond(angle, f64::NEG_INFINITY, self.half_angle);
         residual[0] = S::select(inside, S::zero(), outside);
+    }
+
+    fn rooms(&self) -> Vec<Room> {
+        vec![Room::new(0..1, 1)]
+    }
+
+    /// (α² − θ²) / 2α, which has a slope where θ has none.
+    fn depths<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], depths: &mut [S]) {
+        let half_angle = S::constant(self.half_angle);
+        let squared = self.squared_angle(frames, &[]);
+        depths[0] = (half_angle * half_angle - squared) / (half_angle + half_angle);
     }
 
     fn validate(&self) -> Result<(), String> {

@@ -2,7 +2,7 @@
 
 use super::residual::refuse;
 use super::within::beyond;
-use super::{Quantity, Residual, Role, Rows};
+use super::{Quantity, Residual, Role, Room, Rows};
 use crate::model::{FrameId, JointId, JointKind, Model};
 use crate::scalar::Scalar;
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
@@ -293,6 +293,14 @@ impl Residual for Manipulability {
     fn evaluate<S: Scalar>(&self, _frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         let missing = S::one() - self.measure(joints) * S::constant(1.0 / self.least);
         residual[0] = beyond(missing, f64::NEG_INFINITY, 0.0);
+    }
+
+    fn rooms(&self) -> Vec<Room> {
+        vec![Room::new(0..1, 1)]
+    }
+
+    fn depths<S: Scalar>(&self, _frames: &[Placement<S>], joints: &[S], depths: &mut [S]) {
+        depths[0] = self.measure(joints) * S::constant(1.0 / self.least) - S::one();
     }
 
     fn validate(&self) -> Result<(), String> {

@@ -4,7 +4,7 @@ use super::goal::Goal;
 use super::orientation::check_rotation;
 use super::residual::{add_base, frame_and_base, in_base, not_finite, own_base, turned};
 use super::within::beyond;
-use super::{LocalJacobian, Orientation, Quantity, Residual, Rows};
+use super::{LocalJacobian, Orientation, Quantity, Residual, Room, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3, rotation_log_jacobian};
@@ -257,6 +257,30 @@ impl Residual for Pose {
         }
         add_base(frames, jacobian);
         true
+    }
+
+    /// One for each component that has room and counts.
+    fn rooms(&self) -> Vec<Room> {
+        let bands = self.goal.map(|goal| goal.bands()).unwrap_or_default();
+        let rows = (0..6).filter(|&row| 0.0 < bands[row] && bands[row] < f64::INFINITY);
+        rows.map(|row| Room::new(row..row + 1, 2)).collect()
+    }
+
+    fn depths<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], depths: &mut [S]) {
+        let Some(goal) = &self.goal else { return };
+        let placed = self.base_from_tool(frames);
+        let target = Placement::constant(&self.target);
+        let turn = Self::turn(&target, placed.rotation);
+        // Of q and −q the one that turns less, so that an edge keeps its side.
+        let two = S::constant(2.0);
+        let twice = S::select(turn.w.less_than(S::zero()), -two, two);
+        let components = [Self::offset(&target, &placed), turn.v * twice].map(Vector3::to_array);
+        let components = components.into_iter().flatten().zip(goal.bands());
+        let roomy = components.filter(|(_, band)| 0.0 < *band && *band < f64::INFINITY);
+        for (own, (value, band)) in depths.chunks_exact_mut(2).zip(roomy) {
+            own[0] = S::constant(band) + value;
+            own[1] = S::constant(band) - value;
+        }
     }
 
     fn has_edges(&self) -> bool {

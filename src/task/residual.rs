@@ -1,6 +1,6 @@
 //! The trait that every residual, ours or a user's, answers.
 
-use super::{LocalJacobian, Rows};
+use super::{LocalJacobian, Room, Rows};
 use crate::model::{FrameId, JointId};
 use crate::scalar::Scalar;
 use crate::spatial::{Matrix3, Placement, Vector3, rotation_exp};
@@ -117,10 +117,64 @@ pub trait Residual: Clone + Send + Sync + 'static {
         self.evaluate(frames, joints, residual);
     }
 
-    /// Whether rows of it may vanish within some room, as those of an interval do, so that they have an edge: there they
-    /// hold what ranks below only as long as that pulls outward. Saying no saves descents and derivatives a look for it.
+    /// Whether rows of it may vanish within some room, as those of an interval do, so that they have an edge, where a
+    /// solution may have no derivative. Saying no saves derivatives a look for it.
     fn has_edges(&self) -> bool {
         true
+    }
+
+    /// The rooms within which rows of it vanish, for what ranks below: to that they are inequalities, which hold it at an
+    /// edge alone and only against what pulls outward, by their [`depths`](Self::depths). Rows that are in none are
+    /// equations, even where they happen to be zero.
+    ///
+    /// ```
+    /// use kinopt::model::FrameId;
+    /// use kinopt::spatial::Placement;
+    /// use kinopt::task::{Quantity, Residual, Room, Rows};
+    /// use kinopt::Scalar;
+    ///
+    /// /// Keeps a frame outside a ball about the world's origin.
+    /// #[derive(Clone)]
+    /// struct OutsideBall { frame: FrameId, radius: f64 }
+    ///
+    /// impl OutsideBall {
+    ///     fn depth<S: Scalar>(&self, frames: &[Placement<S>]) -> S {
+    ///         frames[0].translation.norm() - S::constant(self.radius)
+    ///     }
+    /// }
+    ///
+    /// impl Residual for OutsideBall {
+    ///     fn frames(&self) -> Vec<FrameId> { vec![self.frame] }
+    ///     fn rows(&self) -> Vec<Rows> { vec![Rows::new(Quantity::Metres, 1)] }
+    ///     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], r: &mut [S]) {
+    ///         r[0] = self.depth(frames).min(S::zero());
+    ///     }
+    ///     fn rooms(&self) -> Vec<Room> { vec![Room::new(0..1, 1)] }
+    ///     fn depths<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], depths: &mut [S]) {
+    ///         depths[0] = self.depth(frames);
+    ///     }
+    /// }
+    /// ```
+    fn rooms(&self) -> Vec<Room> {
+        Vec::new()
+    }
+
+    /// Writes how deep within each edge of its [`rooms`](Self::rooms) it is, one room after the other: zero at the edge,
+    /// positive on the inner side, in the unit of the room's rows and smooth on both sides. An edge that is not there
+    /// now is infinitely far.
+    fn depths<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], depths: &mut [S]) {
+        let _ = (frames, joints, depths);
+    }
+
+    /// As [`differentiate`](Self::differentiate), of the [`depths`](Self::depths).
+    fn differentiate_depths(
+        &self,
+        frames: &[Placement<f64>],
+        joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        let _ = (frames, joints, jacobian);
+        false
     }
 
     /// Looks at the residual's own numbers when a problem is built.

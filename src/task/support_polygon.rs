@@ -4,7 +4,7 @@ use super::by_dual_numbers::moved_by_unit_twists;
 use super::centre_of_mass::Body;
 use super::convex_polygon::{ConvexPolygon, Point2};
 use super::residual::{not_finite, refuse};
-use super::{LocalJacobian, Quantity, Residual, Rows};
+use super::{LocalJacobian, Quantity, Residual, Room, Rows};
 use crate::model::{FrameId, Masses};
 use crate::scalar::{Dual, Scalar};
 use crate::spatial::{Placement, Vector3};
@@ -159,17 +159,69 @@ impl SupportPolygon {
         if let Some(still) = &self.still {
             return still.outside_of(axes.map(|axis| axis.dot(centre)));
         }
+        let seen = axes.map(|axis| axis.dot(centre));
+        self.polygon(frames).shrunk(self.margin).outside(seen)
+    }
+
+    /// How far the centre is within the margin of each edge, by the point where that begins.
+    fn depths<S: Scalar>(&self, centre: Vector3<S>, frames: &[Placement<S>], depths: &mut [S]) {
+        let axes = self.across().map(Vector3::constant);
+        let seen = axes.map(|axis| axis.dot(centre));
+        self.polygon(frames).depths(seen, self.margin, depths);
+    }
+
+    /// What the points span, seen from above.
+    fn polygon<S: Scalar>(&self, frames: &[Placement<S>]) -> ConvexPolygon<S> {
+        let axes = self.across().map(Vector3::constant);
         let seen = |at: Vector3<S>| -> Point2<S> { axes.map(|axis| axis.dot(at)) };
-        let points = self.points.iter().map(|point| {
+        ConvexPolygon::around(self.points.iter().map(|point| {
             let at = Vector3::constant(point.at);
             seen(match point.frame {
                 Some(frame) => frames[frame].apply(at),
                 None => at,
             })
-        });
-        ConvexPolygon::around(points)
-            .shrunk(self.margin)
-            .outside(seen(centre))
+        }))
+    }
+
+    /// Differentiates rows that `write` takes from the centre and the feet: by the centre once, not by each of the parts
+    /// that it is made of; then by the feet.
+    fn differentiate_by(
+        &self,
+        frames: &[Placement<f64>],
+        jacobian: &mut LocalJacobian,
+        (rows, slopes): (&mut [Dual<6>], &mut [Vector3<f64>]),
+        write: impl Fn(Vector3<Dual<6>>, &[Placement<Dual<6>>], &mut [Dual<6>]),
+    ) {
+        let (parts, feet) = frames.split_at(self.body.frames.len());
+        let centre = self.body.centre(parts);
+        let mut moved: Vec<Placement<Dual<6>>> = feet.iter().map(Placement::constant).collect();
+        let variable = |value, axis| Dual::<6>::variable(value, axis);
+        let from = Vector3::new(
+            variable(centre.x, 0),
+            variable(centre.y, 1),
+            variable(centre.z, 2),
+        );
+        write(from, &moved, rows);
+        for (slope, row) in slopes.iter_mut().zip(&*rows) {
+            let [x, y, z, ..] = row.derivatives();
+            *slope = Vector3::new(x, y, z);
+        }
+        if feet.is_empty() && slopes.iter().all(|slope| slope.to_array() == [0.0; 3]) {
+            return;
+        }
+        self.body.differentiate(parts, slopes, jacobian);
+        let centre = Vector3::constant(centre);
+        for (k, foot) in feet.iter().enumerate() {
+            moved[k] = moved_by_unit_twists(foot);
+            write(centre, &moved, rows);
+            let slot = parts.len() + k;
+            for (row, slope) in rows.iter().enumerate() {
+                let [vx, vy, vz, wx, wy, wz] = slope.derivatives();
+                jacobian.linear_mut(slot)[row] = Vector3::new(vx, vy, vz);
+                jacobian.angular_mut(slot)[row] = Vector3::new(wx, wy, wz);
+            }
+            moved[k] = Placement::constant(foot);
+        }
     }
 }
 
@@ -196,41 +248,42 @@ impl Residual for SupportPolygon {
         residual.copy_from_slice(&self.outside(self.body.centre(parts), feet));
     }
 
-    /// By the centre once, not by each of the parts that it is made of; then by the feet.
     fn differentiate(
         &self,
         frames: &[Placement<f64>],
         _joints: &[f64],
         jacobian: &mut LocalJacobian,
     ) -> bool {
-        let (parts, feet) = frames.split_at(self.body.frames.len());
-        let centre = self.body.centre(parts);
-        let mut moved: Vec<Placement<Dual<6>>> = feet.iter().map(Placement::constant).collect();
-        let variable = |value, axis| Dual::<6>::variable(value, axis);
-        let from = Vector3::new(
-            variable(centre.x, 0),
-            variable(centre.y, 1),
-            variable(centre.z, 2),
-        );
-        let slopes = self.outside(from, &moved).map(|row| {
-            let [x, y, z, ..] = row.derivatives();
-            Vector3::new(x, y, z)
+        let (mut rows, mut slopes) = ([Dual::zero(); 2], [Vector3::zero(); 2]);
+        let room = (&mut rows[..], &mut slopes[..]);
+        self.differentiate_by(frames, jacobian, room, |centre, feet, rows| {
+            rows.copy_from_slice(&self.outside(centre, feet));
         });
-        if feet.is_empty() && slopes.iter().all(|slope| slope.to_array() == [0.0; 3]) {
-            return true;
-        }
-        self.body.differentiate(parts, &slopes, jacobian);
-        let centre = Vector3::constant(centre);
-        for (k, foot) in feet.iter().enumerate() {
-            moved[k] = moved_by_unit_twists(foot);
-            let rows = self.outside(centre, &moved).map(|row| row.derivatives());
-            let slot = parts.len() + k;
-            for (row, [vx, vy, vz, wx, wy, wz]) in rows.into_iter().enumerate() {
-                jacobian.linear_mut(slot)[row] = Vector3::new(vx, vy, vz);
-                jacobian.angular_mut(slot)[row] = Vector3::new(wx, wy, wz);
-            }
-            moved[k] = Placement::constant(foot);
-        }
+        true
+    }
+
+    /// The polygon, with an edge that begins at each of its points that is a corner.
+    fn rooms(&self) -> Vec<Room> {
+        vec![Room::new(0..2, self.points.len())]
+    }
+
+    fn depths<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], depths: &mut [S]) {
+        let (parts, feet) = frames.split_at(self.body.frames.len());
+        Self::depths(self, self.body.centre(parts), feet, depths);
+    }
+
+    fn differentiate_depths(
+        &self,
+        frames: &[Placement<f64>],
+        _joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        let edges = jacobian.rows();
+        let (mut rows, mut slopes) = (vec![Dual::zero(); edges], vec![Vector3::zero(); edges]);
+        let room = (&mut rows[..], &mut slopes[..]);
+        self.differentiate_by(frames, jacobian, room, |centre, feet, depths| {
+            Self::depths(self, centre, feet, depths);
+        });
         true
     }
 

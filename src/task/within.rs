@@ -1,7 +1,7 @@
 //! Any residual may have room.
 
 use super::residual::refuse;
-use super::{Residual, Role};
+use super::{Residual, Role, Room};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 
@@ -121,6 +121,16 @@ impl<R: Residual> Within<R> {
         }
     }
 
+    /// How many edges the room of one row has: an interval that is endless both ways has one that is never near.
+    fn edges(&self) -> usize {
+        let bounds = [self.lower, self.upper];
+        bounds
+            .iter()
+            .filter(|bound| bound.is_finite())
+            .count()
+            .max(1)
+    }
+
     getters! {
         /// What has room.
         pub fn residual(&self) -> &R = &self.residual;
@@ -148,6 +158,33 @@ impl<R: Residual> Residual for Within<R> {
         self.residual.evaluate_moved(frames, joints, step, residual);
         for row in residual {
             *row = beyond(*row, self.lower, self.upper);
+        }
+    }
+
+    /// One for each row, where the interval is more than a number.
+    fn rooms(&self) -> Vec<Room> {
+        let edges = self.edges();
+        let rows: usize = self.residual.rows().iter().map(|rows| rows.count).sum();
+        let rows = if self.lower < self.upper { rows } else { 0 };
+        (0..rows)
+            .map(|row| Room::new(row..row + 1, edges))
+            .collect()
+    }
+
+    fn depths<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], depths: &mut [S]) {
+        let edges = self.edges();
+        let rows = depths.len() / edges;
+        self.residual.evaluate(frames, joints, &mut depths[..rows]);
+        // From the last row on, so that none is written before it is read.
+        for row in (0..rows).rev() {
+            let value = depths[row];
+            let own = &mut depths[row * edges..(row + 1) * edges];
+            if self.lower.is_finite() {
+                own[0] = value - S::constant(self.lower);
+            }
+            if self.upper.is_finite() {
+                own[edges - 1] = S::constant(self.upper) - value;
+            }
         }
     }
 

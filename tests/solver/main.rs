@@ -1,6 +1,7 @@
 //! Solving problems of tasks.
 
 mod asked_within_bounds;
+mod balance_at_its_edge;
 mod ball_joints;
 mod contradicting_targets;
 mod drags;

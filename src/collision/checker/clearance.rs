@@ -9,7 +9,7 @@ use crate::collision::Separation;
 use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
-use crate::task::{LocalJacobian, Numeric, NumericResidual, Quantity, Residual, Rows};
+use crate::task::{LocalJacobian, Numeric, NumericResidual, Quantity, Residual, Room, Rows};
 
 /// Everything should be at least so far apart: one row a part of the robot, in metres, r = ‖(d₀ − d)₊‖ over the pairs in which
 /// that part comes first, by their exact distances d; 0 where all are farther apart than d₀.
@@ -172,6 +172,9 @@ impl NumericResidual for Distances {
     }
 }
 
+/// How much nearer than it should be something counts as at the edge, metres.
+const FELT: f64 = 5e-10;
+
 impl Residual for Clearance {
     as_inner!(0: kind, frames, rows, validate);
 
@@ -181,6 +184,20 @@ impl Residual for Clearance {
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         self.0.evaluate(frames, joints, residual);
+    }
+
+    fn rooms(&self) -> Vec<Room> {
+        let rows = 0..self.0.0.scene.frames().len();
+        rows.map(|row| Room::new(row..row + 1, 1)).collect()
+    }
+
+    /// How deep within is not known, only that it is: an edge stands where too little is missing to count, so that
+    /// what holds there is felt.
+    fn depths<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], depths: &mut [S]) {
+        self.0.evaluate(frames, joints, depths);
+        for depth in depths {
+            *depth = S::constant(FELT) - *depth;
+        }
     }
 
     fn differentiate(

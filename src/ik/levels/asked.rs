@@ -43,6 +43,22 @@ impl Asked<'_, '_> {
         }
     }
 
+    /// How deep the goals of a share of the first ranks are within the edges of their rooms.
+    pub(super) fn depths(&mut self, share: Share, x: &[f64], depths: &mut [f64]) {
+        if !depths.is_empty() {
+            self.counts.residuals += 1;
+            self.evaluate(share).depths(x, depths);
+        }
+    }
+
+    /// The derivatives of that.
+    pub(super) fn depth_jacobian(&mut self, share: Share, x: &[f64], jacobian: &mut DMatrix<f64>) {
+        if !jacobian.is_empty() {
+            self.counts.jacobians += 1;
+            self.evaluate(share).depth_jacobian(x, jacobian);
+        }
+    }
+
     /// Whether it is too late to go on.
     pub(super) fn is_late(&self) -> bool {
         self.deadline

@@ -25,6 +25,7 @@ impl Descent {
         asked.counts.residuals += 1;
         let worthwhile = self.held.worthwhile();
         let limit = steps.min(asked.stopping.max_iterations());
+        self.newton.has_stepped = false;
         let (mut iterations, mut bend, mut moved, mut last_falls) = (0, 1.0, 0.0, None);
         loop {
             if !cost.is_finite() {
@@ -137,15 +138,16 @@ impl Descent {
         if !self.step.take_pulls(&self.jacobian, &self.pulls) {
             return None;
         }
-        if self.held.has_edges() {
+        if self.held.rooms.any() {
             let space = asked.question.space();
             let fixed = self.fixed.iter().enumerate();
             let pinned = fixed.map(|(j, fixed)| *fixed || !space.is_between_bounds(&self.x, j));
             self.newton.pinned.clear();
             self.newton.pinned.extend(pinned);
             self.take_lagrangian(asked);
+            self.held.rooms.stand_where_they_work();
         } else {
-            self.held.take_rows(asked, &self.x, &self.fixed);
+            self.held.take_rows(asked, &self.x, &self.fixed, false);
         }
         let held = self.held.rows();
         let within = StepBounds {

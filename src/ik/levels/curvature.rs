@@ -8,9 +8,10 @@ use nalgebra::DMatrix;
 
 use super::asked::Asked;
 use super::held::{HeldRank, is_of_reached};
+use super::rooms::Rooms;
 use super::slope_differences::{SlopeDifferences, Weighted};
 use crate::problem::{Problem, Share};
-use crate::solver::{RowSpan, dot, half_squared, negligible_slope};
+use crate::solver::{RowSpan, dot};
 
 /// A row adds to those above it if so much of it is new, as a share of its rank's length, …
 pub(super) const NEW: f64 = 1e-9;
@@ -20,18 +21,21 @@ pub(super) const NEW_CURVATURE: f64 = 1e-5;
 /// The rows that hold missed ranks, and room to take them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Curvature {
-    /// What a step may not change: of missed ranks alone n rows; of several the rows of all, then n for each
-    /// missed one.
+    /// What a step may not change: of missed ranks alone n rows; of several the rows of all, one for each edge of their
+    /// rooms, then n for each missed one.
     rows: DMatrix<f64>,
+    /// How many rows the residual of all has, and how many those are with the edges.
+    pub(super) residual: usize,
+    pub(super) first: usize,
     /// By how much it has changed.
     change: Vec<f64>,
-    slope: Vec<f64>,
+    pub(super) slope: Vec<f64>,
     differences: SlopeDifferences,
     /// What multiplies the gradients of the rows in each missed rank's L, rank by rank.
-    multipliers: Vec<f64>,
+    pub(super) multipliers: Vec<f64>,
     /// What the ranks above each missed one take, and leave.
     above: Vec<RowSpan>,
-    running: RowSpan,
+    pub(super) running: RowSpan,
 }
 
 impl Curvature {
@@ -41,16 +45,18 @@ impl Curvature {
         let rows = problem.rows_of(Share::above(rank));
         self.slope.resize(n, 0.0);
         self.differences.fit(n, rows);
+        let edges = problem.edges_above(rank);
+        (self.residual, self.first) = (rows, rows + edges);
         let own = match rank {
             1 => n,
-            _ => rows + n * rank,
+            _ => rows + edges + n * rank,
         };
         if self.rows.shape() != (own, n) {
             self.rows = DMatrix::zeros(own, n);
         }
         if rank > 1 {
             self.change.resize(own, 0.0);
-            self.multipliers.resize(rows * rank, 0.0);
+            self.multipliers.resize((rows + edges) * rank, 0.0);
             self.above.resize_with(rank, RowSpan::default);
         }
         own
@@ -59,6 +65,10 @@ impl Curvature {
     /// C: what a step may not change.
     pub(super) fn rows(&self) -> &DMatrix<f64> {
         &self.rows
+    }
+
+    pub(super) fn rows_mut(&mut self) -> &mut DMatrix<f64> {
+        &mut self.rows
     }
 
     /// The second derivative of a lone rank's cost at x.
@@ -70,6 +80,7 @@ impl Curvature {
         let of = Weighted {
             share: Share::rank(0),
             multipliers: &[],
+            edges: &[],
             own: 0..0,
         };
         differences.columns(asked, &of, x, fixed, |j, column| {
@@ -81,12 +92,13 @@ impl Curvature {
     pub(super) fn of_all(
         &mut self,
         asked: &mut Asked<'_, '_>,
-        ranks: &[HeldRank],
+        (ranks, rooms): (&[HeldRank], &Rooms),
         x: &[f64],
         (jacobian, residual): (&DMatrix<f64>, &[f64]),
         fixed: &[bool],
     ) {
         self.rows.as_mut_slice().fill(0.0);
+        self.copy_rows(jacobian, self.residual..self.first);
         let mut above = std::mem::take(&mut self.running);
         above.clear();
         for held in ranks {
@@ -94,73 +106,24 @@ impl Curvature {
             if held.reached {
                 self.copy_rows(jacobian, own.clone());
                 add_rows(&mut above, jacobian, own, fixed, NEW);
+                for edge in rooms.locked_of(held.rank) {
+                    let row = self.residual + edge;
+                    add_rows(&mut above, jacobian, row..row + 1, fixed, NEW);
+                }
                 continue;
             }
             self.take_multipliers(asked, ranks, held, &mut above, (jacobian, residual));
             self.above[held.rank].clone_from(&above);
             self.differentiate_slope(asked, (ranks, held), x, fixed);
-            let first = residual.len() + held.rank * x.len();
+            let first = self.first + held.rank * x.len();
             let own = first..first + x.len();
             add_rows(&mut above, &self.rows, own, fixed, NEW_CURVATURE);
         }
         self.running = above;
     }
 
-    /// Whether a row of a reached rank has a say in where a missed one stands.
-    pub(super) fn weighs(&self, ranks: &[HeldRank], row: usize) -> bool {
-        let rows = self.change.len() - ranks.len() * self.slope.len();
-        let mut missed = ranks.iter().filter(|held| !held.reached);
-        missed.any(|held| {
-            let own = &self.multipliers[held.rank * rows..(held.rank + 1) * rows];
-            let most = own.iter().fold(0.0_f64, |most, m| most.max(m.abs()));
-            own[row].abs() > NEW * most
-        })
-    }
-
-    /// Fixes the variables that stand on a bound for a missed rank's sake.
-    pub(super) fn fix(
-        &mut self,
-        asked: &mut Asked<'_, '_>,
-        ranks: &[HeldRank],
-        x: &[f64],
-        jacobian: &DMatrix<f64>,
-        residual: &[f64],
-        fixed: &mut [bool],
-    ) {
-        let space = asked.question.space();
-        // Multipliers are sought with what may go both ways.
-        let bound: Vec<bool> = (0..x.len())
-            .map(|j| !space.is_between_bounds(x, j))
-            .collect();
-        let mut above = std::mem::take(&mut self.running);
-        above.clear();
-        for held in ranks {
-            let own = asked.question.problem.ranks().rows_of(held.rank);
-            if held.reached {
-                add_rows(&mut above, jacobian, own, &bound, NEW);
-                continue;
-            }
-            self.take_multipliers(asked, ranks, held, &mut above, (jacobian, residual));
-            let rows = residual.len();
-            let multipliers = &self.multipliers[held.rank * rows..(held.rank + 1) * rows];
-            let columns = jacobian.as_slice().chunks_exact(residual.len().max(1));
-            let mut steepest = 0.0_f64;
-            for (slope, column) in self.slope.iter_mut().zip(columns) {
-                *slope = dot(column, multipliers);
-                let own = &column[own.clone()];
-                steepest = steepest.max(dot(own, own).sqrt());
-            }
-            let cost = half_squared(&residual[own]);
-            let negligible = negligible_slope(steepest, cost, &asked.stopping);
-            for (j, fixed) in fixed.iter_mut().enumerate() {
-                *fixed |= space.holds(x, j, self.slope[j], negligible);
-            }
-        }
-        self.running = above;
-    }
-
     /// λ of a missed rank, with its own residual where its rows are: what multiplies all rows' gradients in ∇L.
-    fn take_multipliers(
+    pub(super) fn take_multipliers(
         &mut self,
         asked: &Asked<'_, '_>,
         ranks: &[HeldRank],
@@ -168,7 +131,7 @@ impl Curvature {
         above: &mut RowSpan,
         (jacobian, residual): (&DMatrix<f64>, &[f64]),
     ) {
-        let rows = residual.len();
+        let (rows, first) = (self.first, self.residual);
         let own = asked.question.problem.ranks().rows_of(missed.rank);
         let slope = &mut self.slope;
         let columns = jacobian.as_slice().chunks_exact(rows.max(1));
@@ -178,7 +141,8 @@ impl Curvature {
         let multipliers = &mut self.multipliers[missed.rank * rows..(missed.rank + 1) * rows];
         multipliers.fill(0.0);
         for (row, multiplier) in above.multipliers(slope) {
-            if is_of_reached(asked.question.problem, ranks, row) {
+            let is_edge = (first..rows).contains(&row);
+            if is_edge || is_of_reached(asked.question.problem, ranks, row) {
                 multipliers[row] = multiplier;
             }
         }
@@ -193,7 +157,7 @@ impl Curvature {
         trial: &[f64],
         fixed: &[bool],
     ) {
-        let (rows, n) = (self.change.len() - ranks.len() * trial.len(), trial.len());
+        let (rows, n) = ((self.residual, self.first), trial.len());
         for missed in ranks.iter().filter(|held| !held.reached) {
             let Self {
                 change,
@@ -205,7 +169,7 @@ impl Curvature {
             let of = lagrangian(asked, ranks, missed, multipliers, rows);
             let slope = differences.slope(asked, &of, trial, fixed);
             above[missed.rank].project_out(slope);
-            let first = rows + missed.rank * n;
+            let first = rows.1 + missed.rank * n;
             change[first..first + n].copy_from_slice(slope);
         }
     }
@@ -224,14 +188,15 @@ impl Curvature {
             differences,
             multipliers,
             above,
+            residual,
+            first,
             ..
         } = self;
-        let order = to.nrows();
-        let rows = order - ranks.len() * n;
+        let (order, rows) = (to.nrows(), (*residual, *first));
         let of = lagrangian(asked, ranks, missed, multipliers, rows);
         differences.columns(asked, &of, x, fixed, |j, column| {
             above[missed.rank].project_out(column);
-            let first = j * order + rows + missed.rank * n;
+            let first = j * order + rows.1 + missed.rank * n;
             to.as_mut_slice()[first..first + n].copy_from_slice(column);
         });
     }
@@ -255,6 +220,9 @@ impl Curvature {
                 false => self.change[own].fill(0.0),
             }
         }
+        let edges = self.residual..self.first;
+        self.change[edges.clone()].copy_from_slice(&residual_change[edges.clone()]);
+        self.copy_rows(jacobian, edges);
         (&self.rows, &self.change)
     }
 
@@ -294,11 +262,13 @@ fn lagrangian<'a>(
     ranks: &[HeldRank],
     missed: &HeldRank,
     multipliers: &'a [f64],
-    rows: usize,
+    (residual, all): (usize, usize),
 ) -> Weighted<'a> {
+    let (multipliers, edges) = multipliers[missed.rank * all..][..all].split_at(residual);
     Weighted {
         share: Share::above(ranks.len()),
-        multipliers: &multipliers[missed.rank * rows..(missed.rank + 1) * rows],
+        multipliers,
+        edges,
         own: asked.question.problem.ranks().rows_of(missed.rank),
     }
 }

@@ -81,7 +81,8 @@ impl Descent {
             self.jacobian = DMatrix::zeros(pulls, n);
         }
         let held = self.held.fit(problem, rank);
-        self.newton.fit(n, problem.rows_of(Share::above(rank + 1)));
+        let rows = problem.rows_of(Share::above(rank + 1));
+        self.newton.fit(n, rows, problem.edges_above(rank + 1));
         self.step.reserve(held, pulls, n);
     }
 

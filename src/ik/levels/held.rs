@@ -9,19 +9,10 @@ use nalgebra::DMatrix;
 
 use super::asked::Asked;
 use super::curvature::{Curvature, NEW, NEW_CURVATURE, add_rows};
-use super::edges::Edges;
+use super::rooms::Rooms;
 use crate::problem::{Evaluation, Problem, Share};
-use crate::solver::{
-    AnyMethod, HeldStep, LevenbergMarquardt, RowSpan, Silent, StepBounds, half_squared,
-    negligible_slope,
-};
+use crate::solver::{RowSpan, half_squared, negligible_slope};
 
-/// Corrections back after a step.
-const CORRECTIONS: usize = 6;
-/// Steps of a missed first rank's own search after one.
-const SETTLING: usize = 20;
-/// Places tried along a step that leads out of a room, until one is at its edge.
-const LANDINGS: usize = 60;
 /// How much of a missed rank's cost counts as the same.
 pub(super) const SAME_MISS: f64 = 1e-9;
 /// What a descent gains at least, as a share of its cost, for a step to make sense.
@@ -31,7 +22,7 @@ const WORTHWHILE_BELOW_A_MISS: f64 = 1e-7;
 
 /// How the ranks above came out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Above {
+pub(super) enum Above {
     /// All are reached.
     #[default]
     Reached,
@@ -59,17 +50,20 @@ pub(super) fn is_of_reached(problem: &Problem, ranks: &[HeldRank], row: usize) -
 /// The ranks above one, and room to keep them where they are.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Held {
-    ranks: Vec<HeldRank>,
-    above: Above,
-    /// Their residual where their searches ended, and at a trial.
-    kept: Vec<f64>,
-    now: Vec<f64>,
-    jacobian: DMatrix<f64>,
-    curvature: Curvature,
-    edges: Edges,
+    pub(super) ranks: Vec<HeldRank>,
+    pub(super) above: Above,
+    /// Their residual where their searches ended.
+    pub(super) kept: Vec<f64>,
+    /// By how much that has changed at a trial; then how far edges are from where they should be.
+    pub(super) now: Vec<f64>,
+    /// The rows that hold reached ranks: their residual's, then one for each edge of their rooms.
+    pub(super) jacobian: DMatrix<f64>,
+    pub(super) of_residual: DMatrix<f64>,
+    pub(super) rooms: Rooms,
+    pub(super) curvature: Curvature,
     /// Where a correction starts, and the correction.
-    uncorrected: Vec<f64>,
-    back: Vec<f64>,
+    pub(super) uncorrected: Vec<f64>,
+    pub(super) back: Vec<f64>,
 }
 
 impl Held {
@@ -78,18 +72,25 @@ impl Held {
         let n = problem.variables();
         let rows = problem.rows_of(Share::above(rank));
         self.kept.resize(rows, 0.0);
-        self.now.resize(rows, 0.0);
+        let edges = problem.edges_above(rank);
+        self.now.resize(rows + edges, 0.0);
+        self.rooms.fit(edges, rows, n);
         self.uncorrected.resize(n, 0.0);
         self.back.resize(n, 0.0);
-        if self.jacobian.shape() != (rows, n) {
-            self.jacobian = DMatrix::zeros(rows, n);
+        for (matrix, rows) in [
+            (&mut self.jacobian, rows + edges),
+            (&mut self.of_residual, if edges > 0 { rows } else { 0 }),
+        ] {
+            if matrix.shape() != (rows, n) {
+                *matrix = DMatrix::zeros(rows, n);
+            }
         }
         self.ranks.clear();
         self.ranks.reserve(rank);
-        rows.max(self.curvature.fit(problem, rank))
+        (rows + edges).max(self.curvature.fit(problem, rank))
     }
 
-    fn share(&self) -> Share {
+    pub(super) fn share(&self) -> Share {
         Share::above(self.ranks.len())
     }
 
@@ -129,16 +130,16 @@ impl Held {
             1 if rank == 1 => Above::FirstMissed,
             _ => Above::Mixed,
         };
-        self.edges.take(asked.question, &self.ranks, residual.len());
+        self.rooms.take(asked, &self.ranks, x);
         fixed.fill(false);
         match self.above {
             Above::Reached => {}
             Above::FirstMissed => self.fix_for_a_missed_first(asked, x, fixed),
             Above::Mixed => {
-                let share = self.share();
-                asked.held_jacobian(share, x, &mut self.jacobian);
-                self.curvature
-                    .fix(asked, &self.ranks, x, &self.jacobian, &self.kept, fixed);
+                self.take_jacobian(asked, x, false);
+                let here = (&self.jacobian, &self.kept[..]);
+                let (ranks, rooms) = (&self.ranks, &mut self.rooms);
+                self.curvature.fix(asked, (ranks, rooms), x, here, fixed);
             }
         }
         self.above == Above::Reached
@@ -163,64 +164,51 @@ impl Held {
         }
     }
 
-    /// Takes C, for steps from x with C Δ = 0.
-    pub(super) fn take_rows(&mut self, asked: &mut Asked<'_, '_>, x: &[f64], fixed: &[bool]) {
-        self.edges.hold_all();
-        let share = self.share();
-        if self.above == Above::FirstMissed {
-            return self.curvature.of_first(asked, x, &[]);
-        }
-        asked.held_jacobian(share, x, &mut self.jacobian);
-        if self.above == Above::Mixed || self.edges.any() {
-            asked.residual(share, x, &mut self.now);
-        }
-        self.take_curvature(asked, x, fixed);
-    }
-
-    /// Whether anything that is held may have an edge.
-    pub(super) fn has_edges(&self) -> bool {
-        self.above != Above::FirstMissed && self.edges.any()
-    }
-
-    /// The rows of missed ranks below reached ones.
-    fn take_curvature(&mut self, asked: &mut Asked<'_, '_>, x: &[f64], fixed: &[bool]) {
-        if self.above == Above::Mixed {
-            let here = (&self.jacobian, &self.now[..]);
-            self.curvature.of_all(asked, &self.ranks, x, here, fixed);
-        }
-    }
-
-    /// Takes a row out of C that stands at the edge of its room while the multipliers of the rows pull it inward, and
-    /// no missed rank pushes it outward; whether there was one.
-    pub(super) fn let_go(
+    /// Takes C, for steps from x with C Δ = 0, with the edges that it stands on and, where a step has led there, rests on.
+    pub(super) fn take_rows(
         &mut self,
         asked: &mut Asked<'_, '_>,
         x: &[f64],
         fixed: &[bool],
-        multipliers: &[f64],
-    ) -> bool {
-        if !self.has_edges() {
+        has_stepped: bool,
+    ) {
+        if self.above == Above::FirstMissed {
+            return self.curvature.of_first(asked, x, &[]);
+        }
+        self.take_jacobian(asked, x, has_stepped);
+        if self.above == Above::Mixed {
+            let rows = self.kept.len();
+            asked.residual(self.share(), x, &mut self.now[..rows]);
+            let here = (&self.jacobian, &self.now[..rows]);
+            let (ranks, rooms) = (&self.ranks, &self.rooms);
+            self.curvature.of_all(asked, (ranks, rooms), x, here, fixed);
+        }
+    }
+
+    /// Takes the rows of reached ranks, and the edges that hold.
+    fn take_jacobian(&mut self, asked: &mut Asked<'_, '_>, x: &[f64], has_stepped: bool) {
+        let share = self.share();
+        if self.rooms.len() == 0 {
+            return asked.held_jacobian(share, x, &mut self.jacobian);
+        }
+        asked.held_jacobian(share, x, &mut self.of_residual);
+        self.rooms.stand(asked, self.ranks.len(), x);
+        self.rooms.work(has_stepped);
+        self.rooms.complete(&self.of_residual, &mut self.jacobian);
+    }
+
+    /// Takes an edge out of C that the multipliers of the edges pull away from; whether there was one.
+    pub(super) fn let_go(&mut self, multipliers: &[f64]) -> bool {
+        let Some(edge) = self.rooms.let_go(multipliers) else {
             return false;
-        }
-        let Self {
-            ranks,
-            above,
-            edges,
-            curvature,
-            jacobian,
-            now,
-            ..
-        } = self;
-        let multiplier = |row: usize| match *above == Above::Mixed && curvature.weighs(ranks, row) {
-            true => 0.0,
-            false => multipliers[row],
         };
-        let lets = edges.let_go(asked, ranks, x, (jacobian, now), multiplier);
-        if lets {
-            edges.take_out(jacobian);
-            self.take_curvature(asked, x, fixed);
-        }
-        lets
+        let row = self.kept.len() + edge;
+        let whole = match self.above {
+            Above::Mixed => self.curvature.rows_mut(),
+            Above::Reached | Above::FirstMissed => &mut self.jacobian,
+        };
+        whole.row_mut(row).fill(0.0);
+        true
     }
 
     /// C as it was taken last.
@@ -231,61 +219,9 @@ impl Held {
         }
     }
 
-    /// What of a rank's gain at a trial that was brought back is due to rows at an edge, by their multipliers.
-    pub(super) fn let_through(&self, multipliers: &[f64]) -> f64 {
-        match self.has_edges() {
-            true => self.edges.let_through(multipliers),
-            false => 0.0,
-        }
-    }
-
-    /// How much of a step from x leads to the edge of the first room that held nothing there, all of it if none is
-    /// left; `trial` is where all of it leads, and then where so much does.
-    pub(super) fn share_to_an_edge(
-        &mut self,
-        asked: &mut Asked<'_, '_>,
-        x: &[f64],
-        step: &[f64],
-        trial: &mut [f64],
-    ) -> f64 {
-        if !self.has_edges() {
-            return 1.0;
-        }
-        // By the secant through the last two places beyond, halved where that leads back within.
-        let space = asked.question.space();
-        let (mut within, mut beyond, mut last) = (0.0, (1.0, self.beyond(asked, trial)), None);
-        for _ in 0..LANDINGS {
-            let (share, by) = beyond;
-            if by <= 1.0 {
-                break;
-            }
-            let slope = last.map(|(at, before): (f64, f64)| (before - by) / (at - share));
-            let aim = slope.map(|slope| share - (by - 0.5) / slope);
-            let next = aim.filter(|aim| within < *aim && *aim < share);
-            let next = next.unwrap_or(0.5 * (within + share));
-            space.integrate_share(x, next, step, trial);
-            space.project(trial);
-            match self.beyond(asked, trial) {
-                0.0 => {
-                    within = next;
-                    last = None;
-                }
-                by => last = Some(std::mem::replace(&mut beyond, (next, by))),
-            }
-        }
-        space.integrate_share(x, beyond.0, step, trial);
-        space.project(trial);
-        beyond.0
-    }
-
-    fn beyond(&mut self, asked: &mut Asked<'_, '_>, trial: &[f64]) -> f64 {
-        asked.residual(self.share(), trial, &mut self.now);
-        self.edges.beyond(&self.now)
-    }
-
     /// Adds C's rows, of the variables that are not fixed, to a span.
     pub(super) fn span(&self, problem: &Problem, span: &mut RowSpan, fixed: &[bool]) {
-        let (rows, n) = (self.kept.len(), fixed.len());
+        let (rows, n) = (self.jacobian.nrows(), fixed.len());
         for held in &self.ranks {
             let (own, share) = match (self.above, held.reached) {
                 (Above::FirstMissed, _) => (0..n, NEW_CURVATURE),
@@ -296,16 +232,29 @@ impl Held {
                 }
             };
             add_rows(span, self.rows(), own, fixed, share);
+            for edge in self.rooms.locked_of(held.rank) {
+                let row = self.kept.len() + edge;
+                add_rows(span, self.rows(), row..row + 1, fixed, NEW);
+            }
         }
     }
 
-    /// Adds what the span's rows take of a slope to it, and writes the multipliers of those of reached ranks.
+    /// Adds the edges that work.
+    pub(super) fn span_working(&self, span: &mut RowSpan, fixed: &[bool]) {
+        for edge in self.rooms.working() {
+            let row = self.kept.len() + edge;
+            add_rows(span, self.rows(), row..row + 1, fixed, NEW);
+        }
+    }
+
+    /// Adds what the span's rows take of a slope to it, and writes the multipliers of the rows of reached ranks and of
+    /// edges.
     pub(super) fn multiply(
         &self,
         problem: &Problem,
         span: &mut RowSpan,
         slope: &mut [f64],
-        weights: &mut [f64],
+        (weights, edges): (&mut [f64], &mut [f64]),
     ) {
         let rows = self.rows();
         for (row, multiplier) in span.multipliers(slope) {
@@ -313,107 +262,11 @@ impl Held {
             for (slope, column) in slope.iter_mut().zip(columns) {
                 *slope += multiplier * column[row];
             }
-            if is_of_reached(problem, &self.ranks, row) {
-                weights[row] = multiplier;
+            match row.checked_sub(self.kept.len()) {
+                None if is_of_reached(problem, &self.ranks, row) => weights[row] = multiplier,
+                Some(edge) if edge < self.rooms.len() => edges[edge] = multiplier,
+                _ => {}
             }
         }
-    }
-
-    /// Moves a trial to where the held ranks are what they were; whether it came there.
-    pub(super) fn bring_back(
-        &mut self,
-        asked: &mut Asked<'_, '_>,
-        trial: &mut [f64],
-        step: &mut HeldStep,
-        fixed: &[bool],
-    ) -> bool {
-        match self.above {
-            Above::Reached | Above::Mixed => self.correct(asked, trial, step, fixed),
-            Above::FirstMissed => self.settle(asked, trial),
-        }
-    }
-
-    /// Newton's method on what has changed: the residuals of reached ranks, and the slopes of missed ones.
-    fn correct(
-        &mut self,
-        asked: &mut Asked<'_, '_>,
-        trial: &mut [f64],
-        step: &mut HeldStep,
-        fixed: &[bool],
-    ) -> bool {
-        let question = asked.question;
-        let share = self.share();
-        for round in 0..=CORRECTIONS {
-            asked.residual(share, trial, &mut self.now);
-            let stands = self.stand(question.problem);
-            if self.above == Above::Mixed && round < CORRECTIONS {
-                self.curvature.slopes(asked, &self.ranks, trial, fixed);
-            }
-            self.edges.change(&mut self.now, &self.kept);
-            // One correction at least: what is left of a step's square would drown what it gains.
-            if round > 0 && stands && self.is_kept(question.problem) {
-                return true;
-            }
-            if round == CORRECTIONS || !self.now.iter().all(|v| v.is_finite()) {
-                break;
-            }
-            asked.held_jacobian(share, trial, &mut self.jacobian);
-            let (held, miss) = match self.above {
-                Above::Mixed => {
-                    self.curvature
-                        .system(asked, &self.ranks, &self.jacobian, &self.now)
-                }
-                _ => (&self.jacobian, &self.now[..]),
-            };
-            let within = StepBounds {
-                x: trial,
-                space: question.space(),
-                fixed,
-            };
-            step.restore(held, miss, &within, &mut self.back);
-            self.uncorrected.copy_from_slice(trial);
-            let space = question.space();
-            space.integrate(&self.uncorrected, &self.back, trial);
-            space.project(trial);
-        }
-        false
-    }
-
-    /// Whether, by the residual now, every rank is as good as it was: reached, or missed by no more.
-    fn stand(&self, problem: &Problem) -> bool {
-        self.ranks.iter().all(|held| {
-            let own = &self.now[problem.ranks().rows_of(held.rank)];
-            match held.reached {
-                true => problem.is_reached_by(Share::rank(held.rank), own),
-                false => half_squared(own) <= held.cost * (1.0 + SAME_MISS),
-            }
-        })
-    }
-
-    /// Whether, by the change of the residual, reached ranks are where they were.
-    fn is_kept(&self, problem: &Problem) -> bool {
-        let mut reached = self.ranks.iter().filter(|held| held.reached);
-        reached.all(|held| {
-            let own = &self.now[problem.ranks().rows_of(held.rank)];
-            problem.is_kept(Share::rank(held.rank), own)
-        })
-    }
-
-    /// A missed first rank's own search from the trial; whether its cost is as low as it was.
-    fn settle(&mut self, asked: &mut Asked<'_, '_>, trial: &mut [f64]) -> bool {
-        let stopping = asked.stopping.with_max_iterations(SETTLING);
-        let share = self.share();
-        let memory = &mut *asked.memory;
-        LevenbergMarquardt::default().minimise(
-            &mut Evaluation::of(share, asked.question, asked.scratch),
-            trial,
-            &stopping,
-            asked.deadline,
-            &mut Silent,
-            memory,
-        );
-        asked.counts += memory.counts();
-        trial.copy_from_slice(memory.x());
-        memory.cost() <= half_squared(&self.kept) * (1.0 + SAME_MISS)
     }
 }

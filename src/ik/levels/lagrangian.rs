@@ -6,20 +6,31 @@ use super::slope_differences::release;
 use crate::solver::dot;
 
 impl Descent {
-    /// Takes what is held at x, without the [edges](super::edges) that the rank pulls away from, then ∇L and what
-    /// multiplies the gradients of all rows in it; by the rank's residual and Jacobian there.
+    /// Takes what is held at x, then ∇L and what multiplies the gradients of all rows in it, by the rank's residual and
+    /// Jacobian there.
     pub(super) fn take_lagrangian(&mut self, asked: &mut Asked<'_, '_>) {
+        let Self {
+            newton,
+            held,
+            x,
+            fixed,
+            ..
+        } = self;
+        held.take_rows(asked, x, fixed, newton.has_stepped);
+        self.take_multipliers(asked);
+    }
+
+    /// Takes ∇L anew for what is held and the variables that are pinned, without the edges that it pulls away from.
+    pub(super) fn take_multipliers(&mut self, asked: &Asked<'_, '_>) {
         let Self {
             newton,
             held,
             jacobian,
             pulls,
-            x,
             fixed,
             ..
         } = self;
         let problem = asked.question.problem;
-        held.take_rows(asked, x, fixed);
         loop {
             let columns = jacobian.as_slice().chunks_exact(pulls.len().max(1));
             for (slope, column) in newton.slope.iter_mut().zip(columns) {
@@ -27,10 +38,17 @@ impl Descent {
             }
             newton.above.clear();
             newton.weights.fill(0.0);
+            newton.edges.fill(0.0);
             held.span(problem, &mut newton.above, &newton.pinned);
+            held.span_working(&mut newton.above, &newton.pinned);
             let (slope, weights) = (&mut newton.slope, &mut newton.weights);
-            held.multiply(problem, &mut newton.above, slope, weights);
-            if !held.let_go(asked, x, fixed, weights) {
+            held.multiply(
+                problem,
+                &mut newton.above,
+                slope,
+                (weights, &mut newton.edges),
+            );
+            if !held.let_go(&newton.edges) {
                 break;
             }
         }

@@ -12,12 +12,16 @@ mod asked;
 mod conjugate_steps;
 mod curvature;
 mod descent;
-mod edges;
 mod extent;
 mod held;
 mod lagrangian;
 mod newton;
+mod newton_step;
+mod rooms;
 mod slope_differences;
+mod standing;
+mod trial_edges;
+mod way_back;
 
 use std::time::Instant;
 

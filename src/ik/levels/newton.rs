@@ -9,9 +9,9 @@
 use super::asked::Asked;
 use super::descent::{Descended, Descent};
 use super::extent::Steps;
-use super::slope_differences::{SlopeDifferences, Weighted, release};
+use super::slope_differences::{SlopeDifferences, release};
 use crate::problem::Share;
-use crate::solver::{Iteration, Observer, RowSpan, StepBounds, TangentNewton, Termination, dot};
+use crate::solver::{Iteration, Observer, RowSpan, TangentNewton, Termination, dot};
 
 /// The first damping, and the least that is more than none, as shares of the stiffest entry of the Hessian.
 const FIRST_DAMPING: f64 = 1e-4;
@@ -36,31 +36,33 @@ pub(super) struct NewtonMemory {
     /// Which variables a bound holds.
     pub(super) pinned: Vec<bool>,
     /// On which bounds the last step's model came to rest, if there was one.
-    resting: Vec<bool>,
-    has_stepped: bool,
+    pub(super) resting: Vec<bool>,
+    pub(super) has_stepped: bool,
     /// Whether the next step's model weighs which bounds hold: it bends down more often then, as bounds hold what
     /// would fall, and its steps are shorter.
-    weighs_bounds: bool,
+    pub(super) weighs_bounds: bool,
     /// With which the step came to one.
-    stopped: Vec<bool>,
+    pub(super) stopped: Vec<bool>,
     /// ∇L, and what is left of it along what is free.
     pub(super) slope: Vec<f64>,
     left: Vec<f64>,
-    /// What multiplies the gradients of all rows in ∇L.
+    /// What multiplies the gradients of all rows in ∇L, and of the edges of rooms.
     pub(super) weights: Vec<f64>,
-    differences: SlopeDifferences,
-    model: TangentNewton,
+    pub(super) edges: Vec<f64>,
+    pub(super) differences: SlopeDifferences,
+    pub(super) model: TangentNewton,
 }
 
 impl NewtonMemory {
     /// Makes room for so many variables, and rows of a level and those above it.
-    pub(super) fn fit(&mut self, variables: usize, rows: usize) {
+    pub(super) fn fit(&mut self, variables: usize, rows: usize, edges: usize) {
         self.pinned.resize(variables, false);
         self.resting.resize(variables, false);
         self.stopped.resize(variables, false);
         self.slope.resize(variables, 0.0);
         self.left.resize(variables, 0.0);
         self.weights.resize(rows, 0.0);
+        self.edges.resize(edges, 0.0);
         self.differences.fit(variables, rows);
         self.above.reserve(variables, variables);
         self.model.reserve(variables);
@@ -136,7 +138,7 @@ impl Descent {
                 moved = question.space().distance(&self.trial, &self.x, way);
                 std::mem::swap(&mut self.x, &mut self.trial);
             }
-            let is_kept = self.newton.pinned != self.fixed;
+            let is_kept = self.newton.pinned != self.fixed || self.held.rooms.any_works();
             self.newton.weighs_bounds = match tried {
                 Tried::Gained => false,
                 _ if weighs == 0 && is_kept => true,
@@ -157,19 +159,15 @@ impl Descent {
         let more = |damping: f64| FACTOR * damping.max(LEAST_DAMPING * stiffest);
         let mut damping = damping.unwrap_or(FIRST_DAMPING * stiffest);
         for _ in 0..TRIALS {
-            let Some(promise) = self.aim_newton(asked, damping) else {
+            let Some(promised) = self.aim_newton(asked, damping) else {
                 damping = more(damping);
                 continue;
             };
-            let (now, share) = self.try_step(asked);
-            let (won, promised) = (cost - now, promise.of(share));
-            // What rounding hides is taken at its word; at an edge that is new it goes on.
+            let won = cost - self.try_step(asked);
+            // What rounding hides is taken at its word.
             if promised <= HIDDEN * cost {
                 let settles = won >= -HIDDEN * cost;
-                return match settles && share < 1.0 {
-                    true => (Tried::Gained, damping),
-                    false => (Tried::Hidden { settles }, damping),
-                };
+                return (Tried::Hidden { settles }, damping);
             }
             let kept = won / promised;
             if kept > GOOD {
@@ -204,166 +202,51 @@ impl Descent {
             let rests = !newton.has_stepped || newton.resting[j];
             newton.pinned[j] = self.fixed[j] || (stands && rests);
         }
-        self.take_lagrangian(asked);
+        let Self {
+            held,
+            newton,
+            x,
+            fixed,
+            ..
+        } = self;
+        held.take_rows(asked, x, fixed, newton.has_stepped);
+        loop {
+            self.take_multipliers(asked);
+            // What is pulled inward is let go.
+            let newton = &mut self.newton;
+            let mut leaves = false;
+            for (j, pinned) in newton.pinned.iter_mut().enumerate() {
+                let keeps = self.fixed[j] || space.holds(&self.x, j, newton.slope[j], 0.0);
+                leaves |= *pinned && !keeps;
+                *pinned &= keeps;
+            }
+            if leaves {
+                newton.above.clear();
+                self.held
+                    .span(asked.question.problem, &mut newton.above, &newton.pinned);
+                self.held.span_working(&mut newton.above, &newton.pinned);
+            }
+            // Edges may be pulled the other way then.
+            if !leaves || !self.held.rooms.any_works() {
+                break;
+            }
+        }
         let Self {
             newton,
             held,
             pulls,
             ..
         } = self;
-        let problem = asked.question.problem;
-        let slope = &mut newton.slope;
-        // What is pulled inward is let go.
-        let mut leaves = false;
-        for (j, pinned) in newton.pinned.iter_mut().enumerate() {
-            let keeps = self.fixed[j] || space.holds(&self.x, j, slope[j], 0.0);
-            leaves |= *pinned && !keeps;
-            *pinned &= keeps;
-        }
-        if leaves {
-            newton.above.clear();
-            held.span(problem, &mut newton.above, &newton.pinned);
-        }
-        newton.left.clone_from(slope);
+        newton.left.clone_from(&newton.slope);
         release(&mut newton.left, &newton.pinned);
         newton.above.project_out(&mut newton.left);
-        if newton.weighs_bounds && newton.pinned != self.fixed {
+        let keeps = newton.pinned != self.fixed || held.rooms.any_works();
+        if newton.weighs_bounds && keeps {
             newton.above.clear();
-            held.span(problem, &mut newton.above, &self.fixed);
+            held.span(asked.question.problem, &mut newton.above, &self.fixed);
         }
+        held.rooms.take_out(&newton.edges, &mut newton.slope);
         let left = dot(&newton.left, &newton.left).sqrt();
         left <= LEVEL * (longest * dot(pulls, pulls)).sqrt()
-    }
-
-    /// ∇²L along what is free at x.
-    fn take_hessian(&mut self, asked: &mut Asked<'_, '_>) {
-        let NewtonMemory {
-            weights,
-            differences,
-            above,
-            model,
-            pinned,
-            weighs_bounds,
-            ..
-        } = &mut self.newton;
-        let of = Weighted {
-            share: Share::above(self.rank + 1),
-            multipliers: weights,
-            own: weights.len() - self.pulls.len()..weights.len(),
-        };
-        let kept = if *weighs_bounds {
-            &self.fixed
-        } else {
-            &*pinned
-        };
-        above.complement(kept, &mut model.directions);
-        differences.stand(asked, &of, &self.x);
-        model.take(self.x.len(), |direction, image| {
-            differences.along(asked, &of, (&self.x, direction), image);
-        });
-    }
-
-    /// Puts the damped step into `best`, no longer than a joint may move; what it promises, if the model has a
-    /// minimum.
-    fn aim_newton(&mut self, asked: &Asked<'_, '_>, damping: f64) -> Option<Promise> {
-        let NewtonMemory {
-            model,
-            slope,
-            resting,
-            has_stepped,
-            pinned,
-            weighs_bounds,
-            ..
-        } = &mut self.newton;
-        let within = StepBounds {
-            x: &self.x,
-            space: asked.question.space(),
-            fixed: if *weighs_bounds { &self.fixed } else { pinned },
-        };
-        let whole = model.minimise(damping, slope, &within, &mut self.best)?;
-        model.write_resting(resting);
-        for (resting, pinned) in resting.iter_mut().zip(pinned) {
-            *resting |= *pinned && !*weighs_bounds;
-        }
-        *has_stepped = true;
-        self.direction.copy_from_slice(&self.best);
-        let share = self.longest_share(asked.question).min(1.0);
-        for entry in &mut self.best {
-            *entry *= share;
-        }
-        let linear = -dot(&self.newton.slope, &self.direction);
-        let bent = linear - whole;
-        let promise = Promise {
-            linear,
-            bent,
-            share,
-        };
-        (promise.of(1.0) > 0.0).then_some(promise)
-    }
-
-    /// The level's cost a step further, where what is held is what it was: elsewhere infinite. A step that leads
-    /// out of a room ends at its edge, after a share of it.
-    fn try_step(&mut self, asked: &mut Asked<'_, '_>) -> (f64, f64) {
-        let space = asked.question.space();
-        space.integrate(&self.x, &self.best, &mut self.trial);
-        space.project(&mut self.trial);
-        let Self {
-            held,
-            x,
-            best,
-            trial,
-            ..
-        } = self;
-        let share = held.share_to_an_edge(asked, x, best, trial);
-        if share < 1.0 {
-            for entry in best {
-                *entry *= share;
-            }
-        }
-        let Self {
-            held,
-            trial,
-            step,
-            fixed,
-            best,
-            newton,
-            ..
-        } = self;
-        // What came to a bound stays there, if that can be.
-        for (j, stopped) in newton.stopped.iter_mut().enumerate() {
-            *stopped = fixed[j] || !space.is_between_bounds(trial, j);
-        }
-        let mut back = held.bring_back(asked, trial, step, &newton.stopped);
-        if !back && newton.stopped != *fixed {
-            space.integrate(&self.x, best, trial);
-            space.project(trial);
-            back = held.bring_back(asked, trial, step, fixed);
-        }
-        let now = match back {
-            true => {
-                asked.counts.residuals += 1;
-                let through = self.held.let_through(&self.newton.weights);
-                let now = self.cost_at_trial(asked) + through;
-                if now.is_finite() { now } else { f64::INFINITY }
-            }
-            false => f64::INFINITY,
-        };
-        (now, share)
-    }
-}
-
-/// What a step promises that takes a share of the way to the model's minimum.
-#[derive(Clone, Copy, Debug)]
-struct Promise {
-    linear: f64,
-    bent: f64,
-    share: f64,
-}
-
-impl Promise {
-    /// What so much of the step promises.
-    fn of(self, part: f64) -> f64 {
-        let share = self.share * part;
-        share * (self.linear - share * self.bent)
     }
 }

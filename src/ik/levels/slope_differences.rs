@@ -14,6 +14,8 @@ pub(super) struct Weighted<'a> {
     pub(super) share: Share,
     /// By row of the share.
     pub(super) multipliers: &'a [f64],
+    /// By edge of the rooms of the share's goals; empty where none has a say.
+    pub(super) edges: &'a [f64],
     /// The rows that stand for themselves.
     pub(super) own: Range<usize>,
 }
@@ -57,7 +59,10 @@ impl SlopeDifferences {
                 *weight = *multiplier;
             }
         }
-        rows.gradient(x, &self.weights, &mut self.there, &mut self.jacobian);
+        match of.edges.iter().all(|multiplier| *multiplier == 0.0) {
+            true => rows.gradient(x, &self.weights, &mut self.there, &mut self.jacobian),
+            false => rows.slope_of_all(x, &self.weights, of.edges, &mut self.there),
+        }
         release(&mut self.there, fixed);
         &mut self.there
     }

@@ -4,7 +4,7 @@ use super::sole::Sole;
 use crate::model::FrameId;
 use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
-use crate::task::{LocalJacobian, Quantity, Residual, Rows};
+use crate::task::{LocalJacobian, Quantity, Residual, Room, Rows};
 
 /// What a radian costs that a foot is tilted off level, in metres off a place.
 const TILTED: f64 = 0.15;
@@ -102,6 +102,20 @@ impl Residual for OverGround {
             let (tilt, weight) = self.tilt(k);
             let way = frames[0].rotation * Vector3::constant(*way);
             *row = (way.z - S::constant(tilt)) * S::constant(weight);
+        }
+    }
+
+    fn rooms(&self) -> Vec<Room> {
+        let balls = 0..self.sole.balls.len();
+        balls.map(|ball| Room::new(ball..ball + 1, 1)).collect()
+    }
+
+    fn depths<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], depths: &mut [S]) {
+        let balls = self.sole.balls.iter().zip(self.heights());
+        for (depth, ((ball, _), height)) in depths.iter_mut().zip(balls) {
+            let at = frames[0].apply(Vector3::constant(ball.at));
+            let over = at.z - S::constant(ball.radius + height);
+            *depth = over * S::constant(self.weights[0]);
         }
     }
 

@@ -23,12 +23,19 @@ impl<R> Sometimes<R> {
 }
 
 impl<R: Residual> Residual for Sometimes<R> {
-    as_inner!(of: kind, is_of_body, frames, joints, joint_values, rows, validate);
+    as_inner!(of: kind, is_of_body, frames, joints, joint_values, rows, rooms, validate);
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         match self.counts {
             true => self.of.evaluate(frames, joints, residual),
             false => residual.fill(S::constant(0.0)),
+        }
+    }
+
+    fn depths<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], depths: &mut [S]) {
+        match self.counts {
+            true => self.of.depths(frames, joints, depths),
+            false => depths.fill(S::constant(f64::INFINITY)),
         }
     }
 

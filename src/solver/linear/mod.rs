@@ -26,4 +26,4 @@ pub(crate) use held_step::{HeldStep, StepBounds};
 pub(crate) use inner_products::InnerProducts;
 pub(crate) use row_space::RowSpace;
 pub(crate) use row_span::RowSpan;
-pub(crate) use tangent_newton::TangentNewton;
+pub(crate) use tangent_newton::{Inequalities, TangentNewton};

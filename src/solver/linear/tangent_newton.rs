@@ -1,9 +1,18 @@
-//! The best step by Newton's model along what some rows leave free, within bounds.
+//! The best step by Newton's model along what some rows leave free, within bounds and linear inequalities.
+
+use nalgebra::DMatrix;
 
 use super::bounded_projection::BoundedProjection;
 use super::cholesky;
 use super::dense::dot;
 use super::held_step::StepBounds;
+
+/// rows Δ ≥ −down for a step Δ, row by row; those that may go endlessly far down are none.
+#[derive(Clone, Copy)]
+pub(crate) struct Inequalities<'a> {
+    pub(crate) rows: &'a DMatrix<f64>,
+    pub(crate) down: &'a [f64],
+}
 
 /// ½ wᵀ(ZᵀHZ + μ I)w + gᵀZ w for orthonormal directions Z that rows leave free. With ZᵀHZ + μ I = L Lᵀ, u = Lᵀw and
 /// e = L⁻¹Zᵀg it is ½‖u + e‖² less a constant, and the step Z w has the components L⁻¹zⱼ · u.
@@ -19,8 +28,11 @@ pub(crate) struct TangentNewton {
     stiffest: f64,
     image: Vec<f64>,
     e: Vec<f64>,
-    /// L⁻¹zⱼ, variable by variable.
+    /// L⁻¹zⱼ, variable by variable; then L⁻¹Zᵀa for the rows a of inequalities.
     rows: Vec<f64>,
+    /// Which those are.
+    inequalities: Vec<usize>,
+    variables: usize,
     projection: BoundedProjection,
 }
 
@@ -80,6 +92,7 @@ impl TangentNewton {
         damping: f64,
         slope: &[f64],
         within: &StepBounds<'_>,
+        inequalities: Inequalities<'_>,
         step: &mut [f64],
     ) -> Option<f64> {
         let n = slope.len();
@@ -103,8 +116,27 @@ impl TangentNewton {
             self.rows.extend(directions().map(|direction| direction[j]));
             solve_lower(&self.factor, &mut self.rows[first..]);
         }
-        let room = |j: usize| within.space.room(within.x, j);
-        let fallen = self.projection.project(&self.e, &self.rows, n, room);
+        let Inequalities { rows, down } = inequalities;
+        self.variables = n;
+        self.inequalities.clear();
+        let near = (0..down.len()).filter(|&row| down[row] < f64::INFINITY);
+        self.inequalities.extend(near);
+        for &row in &self.inequalities {
+            let first = self.rows.len();
+            let along = |direction: &[f64]| {
+                let entries = rows.row(row);
+                let products = entries.iter().zip(direction).map(|(a, z)| a * z);
+                products.sum::<f64>()
+            };
+            self.rows.extend(directions().map(along));
+            solve_lower(&self.factor, &mut self.rows[first..]);
+        }
+        let room = |j: usize| match j.checked_sub(n) {
+            None => within.space.room(within.x, j),
+            Some(own) => (down[self.inequalities[own]], f64::INFINITY),
+        };
+        let count = n + self.inequalities.len();
+        let fallen = self.projection.project(&self.e, &self.rows, count, room);
         let components = step.iter_mut().zip(&self.projection.products);
         for ((step, product), fixed) in components.zip(within.fixed) {
             *step = if *fixed { 0.0 } else { *product };
@@ -116,8 +148,19 @@ impl TangentNewton {
     pub(crate) fn write_resting(&self, resting: &mut [bool]) {
         resting.fill(false);
         for &(j, _) in self.projection.standing() {
-            resting[j] = true;
+            if let Some(resting) = resting.get_mut(j) {
+                *resting = true;
+            }
         }
+    }
+
+    /// The inequalities that hold it.
+    pub(crate) fn resting_on(&self) -> impl Iterator<Item = usize> {
+        let standing = self.projection.standing().iter();
+        standing.filter_map(|&(row, _)| {
+            let own = row.checked_sub(self.variables)?;
+            self.inequalities.get(own).copied()
+        })
     }
 }
 

@@ -1,0 +1,112 @@
+//! One step of Newton's method on a rank: its model, the best step for that, and what comes of it.
+
+use super::asked::Asked;
+use super::descent::Descent;
+use super::newton::NewtonMemory;
+use super::slope_differences::Weighted;
+use crate::problem::Share;
+use crate::solver::{StepBounds, dot};
+
+impl Descent {
+    /// ∇²L along what is free at x.
+    pub(super) fn take_hessian(&mut self, asked: &mut Asked<'_, '_>) {
+        let NewtonMemory {
+            weights,
+            edges,
+            differences,
+            above,
+            model,
+            pinned,
+            weighs_bounds,
+            ..
+        } = &mut self.newton;
+        let of = Weighted {
+            share: Share::above(self.rank + 1),
+            multipliers: weights,
+            edges,
+            own: weights.len() - self.pulls.len()..weights.len(),
+        };
+        let kept = if *weighs_bounds {
+            &self.fixed
+        } else {
+            &*pinned
+        };
+        above.complement(kept, &mut model.directions);
+        differences.stand(asked, &of, &self.x);
+        model.take(self.x.len(), |direction, image| {
+            differences.along(asked, &of, (&self.x, direction), image);
+        });
+    }
+
+    /// Puts the damped step into `best`, no longer than a joint may move; what it promises, if the model has a
+    /// minimum.
+    pub(super) fn aim_newton(&mut self, asked: &Asked<'_, '_>, damping: f64) -> Option<f64> {
+        let NewtonMemory {
+            model,
+            slope,
+            resting,
+            has_stepped,
+            pinned,
+            weighs_bounds,
+            ..
+        } = &mut self.newton;
+        let within = StepBounds {
+            x: &self.x,
+            space: asked.question.space(),
+            fixed: if *weighs_bounds { &self.fixed } else { pinned },
+        };
+        let (rooms, keeps) = (&mut self.held.rooms, !*weighs_bounds);
+        let inequalities = rooms.inequalities(keeps);
+        let whole = model.minimise(damping, slope, &within, inequalities, &mut self.best)?;
+        model.write_resting(resting);
+        for (resting, pinned) in resting.iter_mut().zip(pinned) {
+            *resting |= *pinned && keeps;
+        }
+        *has_stepped = true;
+        self.direction.copy_from_slice(&self.best);
+        let share = self.longest_share(asked.question).min(1.0);
+        for entry in &mut self.best {
+            *entry *= share;
+        }
+        let NewtonMemory { model, slope, .. } = &self.newton;
+        self.held
+            .rooms
+            .rest(model.resting_on(), keeps, share == 1.0);
+        let linear = -dot(slope, &self.direction);
+        let promise = share * (linear - share * (linear - whole));
+        (promise > 0.0).then_some(promise)
+    }
+
+    /// The level's cost a step further, where what is held is what it was: elsewhere infinite.
+    pub(super) fn try_step(&mut self, asked: &mut Asked<'_, '_>) -> f64 {
+        let space = asked.question.space();
+        space.integrate(&self.x, &self.best, &mut self.trial);
+        space.project(&mut self.trial);
+        let Self {
+            held,
+            trial,
+            step,
+            fixed,
+            best,
+            newton,
+            ..
+        } = self;
+        // What came to a bound stays there, if that can be.
+        for (j, stopped) in newton.stopped.iter_mut().enumerate() {
+            *stopped = fixed[j] || !space.is_between_bounds(trial, j);
+        }
+        let mut back = held.bring_back(asked, trial, step, &newton.stopped);
+        if !back && newton.stopped != *fixed {
+            space.integrate(&self.x, best, trial);
+            space.project(trial);
+            back = held.bring_back(asked, trial, step, fixed);
+        }
+        if !back {
+            return f64::INFINITY;
+        }
+        asked.counts.residuals += 1;
+        let through = self.held.rooms.let_through(&self.newton.edges);
+        let now = self.cost_at_trial(asked) + through;
+        if now.is_finite() { now } else { f64::INFINITY }
+    }
+}

@@ -1,0 +1,104 @@
+//! The edges of [rooms](super::rooms) at a trial: which of them it is brought back onto.
+
+use nalgebra::DMatrix;
+
+use super::asked::Asked;
+use super::rooms::{Edge, Rooms};
+use crate::problem::Share;
+
+impl Edge {
+    /// Whether a trial is brought back onto it.
+    fn brings_back(&self) -> bool {
+        self.counts && (self.locked || self.stands || self.joins)
+    }
+}
+
+impl Rooms {
+    /// Notes on which edges a step's model came to rest, beside those that it kept to; a whole step ends on them.
+    pub(super) fn rest(
+        &mut self,
+        on: impl Iterator<Item = usize>,
+        keeps_working: bool,
+        whole: bool,
+    ) {
+        for edge in &mut self.edges {
+            edge.rests = keeps_working && edge.works;
+        }
+        for edge in on {
+            self.edges[edge].rests = true;
+        }
+        for edge in 0..self.edges.len() {
+            let ends = self.edges[edge].rests && (whole || self.may_work(edge));
+            self.edges[edge].stands = ends;
+        }
+    }
+
+    /// A trial is brought back onto the edges that work.
+    pub(super) fn stand_where_they_work(&mut self) {
+        for edge in &mut self.edges {
+            edge.stands = edge.works;
+        }
+    }
+
+    /// Takes the depths at a trial: by how much edges miss what they should be. Edges that turn out to be crossed are
+    /// stood on from then on; none is yet in the first round.
+    pub(super) fn change(
+        &mut self,
+        asked: &mut Asked<'_, '_>,
+        (rank, trial): (usize, &[f64]),
+        is_first: bool,
+        (residual, change): (&mut [f64], &mut [f64]),
+    ) {
+        asked.depths(Share::above(rank), trial, &mut self.depths_there);
+        for (residual, replaced) in residual.iter_mut().zip(&self.replaced) {
+            if *replaced {
+                *residual = 0.0;
+            }
+        }
+        let edges = self.edges.iter_mut().zip(&self.depths_there);
+        for (change, (edge, depth)) in change.iter_mut().zip(edges) {
+            let gap = depth - edge.least;
+            if is_first {
+                edge.joins = false;
+            }
+            edge.joins |= edge.counts && gap < 0.0;
+            let brings = edge.brings_back() && gap < f64::INFINITY;
+            *change = if brings { gap } else { 0.0 };
+        }
+    }
+
+    /// Completes the rows that bring a trial back.
+    pub(super) fn complete_there(
+        &mut self,
+        asked: &mut Asked<'_, '_>,
+        (rank, trial): (usize, &[f64]),
+        residual: &DMatrix<f64>,
+        whole: &mut DMatrix<f64>,
+    ) {
+        let mut there = std::mem::take(&mut self.jacobian_there);
+        asked.depth_jacobian(Share::above(rank), trial, &mut there);
+        self.write(residual, &there, Edge::brings_back, whole);
+        self.jacobian_there = there;
+    }
+
+    /// Whether edges are within what a goal may change, by what [`change`](Self::change) wrote.
+    pub(super) fn are_kept(&self, change: &[f64]) -> bool {
+        let edges = self.edges.iter().zip(change);
+        edges
+            .into_iter()
+            .all(|(edge, change)| change.abs() <= edge.slack)
+    }
+
+    /// What of a rank's gain at a trial is not its own, but let through by the edges that it stands on: by their
+    /// multipliers.
+    pub(super) fn let_through(&self, multipliers: &[f64]) -> f64 {
+        let standing = (0..self.edges.len()).filter(|&edge| {
+            let own = self.edges[edge];
+            own.locked || (own.works && own.stands)
+        });
+        let through = standing
+            .map(|edge| multipliers[edge] * (self.depths_there[edge] - self.depths[edge]))
+            .filter(|through| through.is_finite());
+        through.sum()
+    }
+}

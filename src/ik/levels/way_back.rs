@@ -1,0 +1,129 @@
+//! The way back after a step, to where what is held is what it was.
+
+use super::asked::Asked;
+use super::held::{Above, Held, SAME_MISS};
+use crate::problem::{Evaluation, Problem, Share};
+use crate::solver::{AnyMethod, HeldStep, LevenbergMarquardt, Silent, StepBounds, half_squared};
+
+/// Corrections back after a step.
+const CORRECTIONS: usize = 6;
+/// Steps of a missed first rank's own search after one.
+const SETTLING: usize = 20;
+
+impl Held {
+    /// Moves a trial to where the held ranks are what they were; whether it came there.
+    pub(super) fn bring_back(
+        &mut self,
+        asked: &mut Asked<'_, '_>,
+        trial: &mut [f64],
+        step: &mut HeldStep,
+        fixed: &[bool],
+    ) -> bool {
+        match self.above {
+            Above::Reached | Above::Mixed => self.correct(asked, trial, step, fixed),
+            Above::FirstMissed => self.settle(asked, trial),
+        }
+    }
+
+    /// Newton's method on what has changed: the residuals of reached ranks, and the slopes of missed ones.
+    fn correct(
+        &mut self,
+        asked: &mut Asked<'_, '_>,
+        trial: &mut [f64],
+        step: &mut HeldStep,
+        fixed: &[bool],
+    ) -> bool {
+        let question = asked.question;
+        let (share, rows, rank) = (self.share(), self.kept.len(), self.ranks.len());
+        for round in 0..=CORRECTIONS {
+            asked.residual(share, trial, &mut self.now[..rows]);
+            let stands = self.stand(question.problem);
+            if self.above == Above::Mixed && round < CORRECTIONS {
+                self.curvature.slopes(asked, &self.ranks, trial, fixed);
+            }
+            for (now, kept) in self.now.iter_mut().zip(&self.kept) {
+                *now -= kept;
+            }
+            let change = self.now.split_at_mut(rows);
+            self.rooms.change(asked, (rank, trial), round == 0, change);
+            // One correction at least: what is left of a step's square would drown what it gains.
+            if round > 0 && stands && self.is_kept(question.problem) {
+                return true;
+            }
+            if round == CORRECTIONS || !self.now.iter().all(|v| v.is_finite()) {
+                break;
+            }
+            self.take_jacobian_there(asked, trial);
+            let (held, miss) = match self.above {
+                Above::Mixed => {
+                    self.curvature
+                        .system(asked, &self.ranks, &self.jacobian, &self.now)
+                }
+                _ => (&self.jacobian, &self.now[..]),
+            };
+            let within = StepBounds {
+                x: trial,
+                space: question.space(),
+                fixed,
+            };
+            step.restore(held, miss, &within, &mut self.back);
+            self.uncorrected.copy_from_slice(trial);
+            let space = question.space();
+            space.integrate(&self.uncorrected, &self.back, trial);
+            space.project(trial);
+        }
+        false
+    }
+
+    /// Takes the rows of reached ranks at a trial, and the edges that bring it back.
+    fn take_jacobian_there(&mut self, asked: &mut Asked<'_, '_>, trial: &[f64]) {
+        let share = self.share();
+        if self.rooms.len() == 0 {
+            return asked.held_jacobian(share, trial, &mut self.jacobian);
+        }
+        asked.held_jacobian(share, trial, &mut self.of_residual);
+        let at = (self.ranks.len(), trial);
+        self.rooms
+            .complete_there(asked, at, &self.of_residual, &mut self.jacobian);
+    }
+
+    /// Whether, by the residual now, every rank is as good as it was: reached, or missed by no more.
+    fn stand(&self, problem: &Problem) -> bool {
+        self.ranks.iter().all(|held| {
+            let own = &self.now[problem.ranks().rows_of(held.rank)];
+            match held.reached {
+                true => problem.is_reached_by(Share::rank(held.rank), own),
+                false => half_squared(own) <= held.cost * (1.0 + SAME_MISS),
+            }
+        })
+    }
+
+    /// Whether, by the change of the residual, reached ranks are where they were.
+    fn is_kept(&self, problem: &Problem) -> bool {
+        let mut reached = self.ranks.iter().filter(|held| held.reached);
+        let edges = &self.now[self.kept.len()..];
+        self.rooms.are_kept(edges)
+            && reached.all(|held| {
+                let own = &self.now[problem.ranks().rows_of(held.rank)];
+                problem.is_kept(Share::rank(held.rank), own)
+            })
+    }
+
+    /// A missed first rank's own search from the trial; whether its cost is as low as it was.
+    fn settle(&mut self, asked: &mut Asked<'_, '_>, trial: &mut [f64]) -> bool {
+        let stopping = asked.stopping.with_max_iterations(SETTLING);
+        let share = self.share();
+        let memory = &mut *asked.memory;
+        LevenbergMarquardt::default().minimise(
+            &mut Evaluation::of(share, asked.question, asked.scratch),
+            trial,
+            &stopping,
+            asked.deadline,
+            &mut Silent,
+            memory,
+        );
+        asked.counts += memory.counts();
+        trial.copy_from_slice(memory.x());
+        memory.cost() <= half_squared(&self.kept) * (1.0 + SAME_MISS)
+    }
+}

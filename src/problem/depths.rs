@@ -1,0 +1,119 @@
+//! How deep goals are within the edges of their rooms, weighted as the rows that vanish there: rows beside those of the
+//! residual, rank by rank, for what ranks below.
+
+use std::ops::Range;
+
+use nalgebra::DMatrix;
+
+use super::{CompiledTask, Evaluation, Problem, Share};
+
+/// A room of a goal above some rank.
+#[derive(Clone, Debug)]
+pub(crate) struct RoomAbove {
+    pub(crate) rank: usize,
+    /// Its rows and edges, among those of all ranks above.
+    pub(crate) rows: Range<usize>,
+    pub(crate) edges: Range<usize>,
+    /// How far from where it was it may be left for the sake of ranks below.
+    pub(crate) kept_within: f64,
+    /// How far beyond an edge it is as good as within.
+    pub(crate) tolerance: f64,
+}
+
+impl Problem {
+    /// How many edges the rooms of goals above a rank have.
+    pub(crate) fn edges_above(&self, rank: usize) -> usize {
+        let above = self.tasks.iter().filter(|task| task.rank < rank);
+        above.map(|task| task.edge_weights.len()).sum()
+    }
+
+    /// The rooms of goals above a rank whose errors must be kept.
+    pub(crate) fn rooms_above(&self, rank: usize) -> impl Iterator<Item = RoomAbove> {
+        let above = self.tasks_of(Share::above(rank));
+        above.flat_map(|(_, task, rows)| {
+            let mut end = task.edges_by_rank.start;
+            task.rooms.iter().filter_map(move |room| {
+                let edges = end..end + room.edges();
+                end = edges.end;
+                let own = room.rows();
+                let first = task.rows.start + own.start;
+                let block = task.blocks().find(|block| block.rows.contains(&first))?;
+                task.keeps(block).then(|| RoomAbove {
+                    rank: task.rank,
+                    rows: rows.start + own.start..rows.start + own.end,
+                    edges,
+                    kept_within: block.kept_within(),
+                    tolerance: block.tolerance * block.weight,
+                })
+            })
+        })
+    }
+}
+
+impl Evaluation<'_> {
+    /// Writes the depths at x of a share of the first ranks.
+    pub(crate) fn depths(&mut self, x: &[f64], depths: &mut [f64]) {
+        self.forward(x);
+        let problem = self.question.problem;
+        for (index, task, _) in problem.tasks_of(self.share) {
+            if task.edge_weights.is_empty() {
+                continue;
+            }
+            Self::gather(self.scratch, task);
+            let own = &mut depths[task.edges_by_rank.clone()];
+            let (frames, joints) = self.scratch.placed();
+            self.question.residual(index).depths(frames, joints, own);
+            for (depth, weight) in own.iter_mut().zip(&task.edge_weights) {
+                *depth *= weight;
+            }
+        }
+    }
+
+    /// Writes their derivatives by the components of a step.
+    pub(crate) fn depth_jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
+        self.forward(x);
+        jacobian.as_mut_slice().fill(0.0);
+        let problem = self.question.problem;
+        for (index, task, _) in problem.tasks_of(self.share) {
+            if !task.edge_weights.is_empty() {
+                self.differentiate_depths(index, task);
+                self.add_local(x, task, task.edges_by_rank.start, jacobian);
+            }
+        }
+        let rows = jacobian.nrows();
+        let space = self.question.space();
+        space.by_steps(x, rows, jacobian.as_mut_slice());
+    }
+
+    /// Writes Jᵀr and adds what multipliers make of the depths' gradients.
+    pub(crate) fn slope_of_all(
+        &mut self,
+        x: &[f64],
+        r: &[f64],
+        multipliers: &[f64],
+        slope: &mut [f64],
+    ) {
+        self.start_sweep(x, slope);
+        self.push_residual(x, r, slope);
+        let problem = self.question.problem;
+        for (index, task, _) in problem.tasks_of(self.share) {
+            let own = &multipliers[task.edges_by_rank.clone()];
+            if own.iter().any(|multiplier| *multiplier != 0.0) {
+                self.differentiate_depths(index, task);
+                self.push_local(x, task, own, slope);
+            }
+        }
+        self.end_sweep(slope);
+        self.question.space().by_steps(x, 1, slope);
+    }
+
+    /// The weighted local derivatives of one task's depths at the last forward pass.
+    fn differentiate_depths(&mut self, index: usize, task: &CompiledTask) {
+        let residual = self.question.residual(index);
+        Self::gather(self.scratch, task);
+        let (frames, joints, local, dual) = self.scratch.reading();
+        local.reset(task.edge_weights.len(), frames.len(), joints.len());
+        residual.differentiate_depths(frames, joints, local, dual);
+        local.scale_rows(&task.edge_weights);
+    }
+}
