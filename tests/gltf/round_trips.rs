@@ -429,3 +429,38 @@ fn at_rate(keys_per_second: f32) -> WriteOptions {
     options.keys_per_second = keys_per_second;
     options
 }
+
+/// A glTF animation begins at 0 and ends with its last key: keys before a clip's start move all times, and where every bone
+/// turns one of them keeps its place to the clip's end.
+#[test]
+fn a_clip_lasts_as_long_as_it_did_wherever_its_keys_are() {
+    let mut scene = scene();
+    let turning = |times: [f32; 2], span: [f32; 2]| {
+        let mut builder = Clip::builder("turning", &scene.armature);
+        for bone in 0..BONES {
+            let ends = vec![Quat::IDENTITY, Quat::from_rotation_x(0.5)];
+            let curve = RotationCurve::slerp(times.to_vec(), ends).unwrap();
+            let bone = scene.armature.bone_at(bone).unwrap();
+            builder.channel(bone, Channel::Rotation(curve)).unwrap();
+        }
+        builder.span(span[0], span[1]).unwrap();
+        builder.build()
+    };
+    let (early, short) = (
+        turning([-1.0, 1.5], [0.0, 1.0]),
+        turning([0.0, 1.0], [0.0, 4.0]),
+    );
+    scene.clips = vec![early, short];
+    let read = again(&scene, &WriteOptions::default());
+    let spans: Vec<_> = read.clips.iter().map(Clip::span).collect();
+    assert_eq!(spans, [[0.0, 2.5], [0.0, 4.0]]);
+    for (clip, last) in read.clips.iter().zip([2.5, 1.0]) {
+        let channels = clip.channels(&read.armature).unwrap();
+        let turns = channels.iter().filter_map(|(_, channel)| match channel {
+            Channel::Rotation(curve) => Some(curve.times()),
+            _ => None,
+        });
+        let turns: Vec<_> = turns.collect();
+        assert_eq!(turns, [&[0.0, last][..]; BONES]);
+    }
+}
