@@ -35,14 +35,18 @@ MARGIN = 0.0
 class Asked:
     """A path: placements of the tip in the base, times if there are any, boxes in the way."""
 
-    def __init__(self, file: Path) -> None:
+    def __init__(self, file: Path, judge: Judge) -> None:
         self.name, self.boxes = file.stem, []
-        offset, turn = np.zeros(3), np.eye(3)
+        base_from_path, turn = pinocchio.SE3.Identity(), np.eye(3)
         table = file
         if file.suffix == ".yaml":
             told = yaml.safe_load(file.read_text())
             table = file.with_name(told["path_name"] + ".csv")
-            offset, turn = np.array(told["path_xyz_offset"]), np.array(told["path_R_offset"])
+            # From a frame's place at rest; each orientation is turned by itself.
+            world_from_path = judge.at_rest(told["path_offset_frame"])
+            world_from_path.translation += np.array(told["path_xyz_offset"])
+            base_from_path = judge.at_rest(judge.base).actInv(world_from_path)
+            turn = np.array(told["path_R_offset"])
             for box in told.get("obstacles") or []:
                 value = {key: number for part in box for key, number in part.items()}
                 at = pinocchio.SE3(pinocchio.rpy.rpyToMatrix(value["roll"], value["pitch"], value["yaw"]),
@@ -58,8 +62,8 @@ class Asked:
         self.times = numbers[:, 0] if "time" in header[0] else None
         self.points = np.zeros((len(at), 4, 4))
         for point, p, (x, y, z, w) in zip(self.points, at, quaternion):
-            point[:] = pinocchio.SE3(turn @ pinocchio.Quaternion(w, x, y, z).normalized().matrix(),
-                                     turn @ p + offset).homogeneous
+            placed = pinocchio.SE3(pinocchio.Quaternion(w, x, y, z).normalized().matrix() @ turn, p)
+            point[:] = (base_from_path * placed).homogeneous
 
 
 class Judge:
@@ -68,16 +72,25 @@ class Judge:
     def __init__(self, urdf: str, base: str, tip: str, names: list[str], jump: float) -> None:
         self.model = pinocchio.buildModelFromUrdf(urdf)
         self.data = self.model.createData()
-        self.base, self.tip = (self.model.getFrameId(frame) for frame in (base, tip))
+        self.base, self.tip = base, tip
+        self.base_id, self.tip_id = (self.model.getFrameId(frame) for frame in (base, tip))
         self.columns = [self.model.joints[self.model.getJointId(name)].idx_q for name in names]
         self.speeds = self.model.velocityLimit[[self.model.joints[self.model.getJointId(name)].idx_v for name in names]]
+        self.slides = any("JointModelP" in self.model.joints[self.model.getJointId(name)].shortname() for name in names)
         self.jump = jump
+
+    def at_rest(self, frame: str) -> pinocchio.SE3:
+        """Where a frame is in the world with every joint at zero."""
+        if frame == "world":
+            return pinocchio.SE3.Identity()
+        pinocchio.framesForwardKinematics(self.model, self.data, pinocchio.neutral(self.model))
+        return self.data.oMf[self.model.getFrameId(frame)].copy()
 
     def tool(self, q: np.ndarray) -> np.ndarray:
         whole = pinocchio.neutral(self.model)
         whole[self.columns] = q
         pinocchio.framesForwardKinematics(self.model, self.data, whole)
-        return self.data.oMf[self.base].actInv(self.data.oMf[self.tip]).homogeneous
+        return self.data.oMf[self.base_id].actInv(self.data.oMf[self.tip_id]).homogeneous
 
     def line(self, name: str, asked: Asked, q: np.ndarray, seconds: float) -> str:
         missed, worst = 0, 0.0
@@ -157,9 +170,9 @@ def by_pink(judge: Judge, asked: Asked, start: np.ndarray) -> tuple[np.ndarray, 
     whole = pinocchio.neutral(judge.model)
     whole[judge.columns] = start
     configuration = pink.Configuration(judge.model, judge.data, whole)
-    task = FrameTask(judge.model.frames[judge.tip].name, position_cost=1.0, orientation_cost=1.0)
+    task = FrameTask(judge.tip, position_cost=1.0, orientation_cost=1.0)
     pinocchio.framesForwardKinematics(judge.model, judge.data, pinocchio.neutral(judge.model))
-    world_from_base = judge.data.oMf[judge.base].copy()
+    world_from_base = judge.data.oMf[judge.base_id].copy()
     rows = []
     begun = time.process_time()
     for point in asked.points:
@@ -212,14 +225,14 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=5)
     wanted = parser.parse_args()
     robot = kinopt.Robot.from_urdf(wanted.urdf)
+    arm = kinopt.Arm(robot, wanted.base, wanted.tip)
+    judge = Judge(wanted.urdf, wanted.base, wanted.tip, arm.joint_names, wanted.jump)
     print("| path | solver | points | missed | worst error | jumps | too fast | joint length | ms |\n"
           "|---|---|---:|---:|---:|---:|---:|---:|---:|")
-    for asked in map(Asked, wanted.paths):
+    for asked in (Asked(path, judge) for path in wanted.paths):
         world = kinopt.World()
         for index, (size, pose) in enumerate(asked.boxes):
             world.add_box(f"box {index}", size, pose)
-        arm = kinopt.Arm(robot, wanted.base, wanted.tip)
-        judge = Judge(wanted.urdf, wanted.base, wanted.tip, arm.joint_names, wanted.jump)
         q, seconds = by_kinopt(arm, asked, wanted.rounds)
         print(judge.line("kinopt", asked, q, seconds), flush=True)
         if asked.times is not None and np.isfinite(arm.velocity_limits).all():
@@ -232,9 +245,12 @@ def main() -> None:
         start = q[0]
         contenders = [
             ("dense graph", lambda: by_dense_graph(arm, asked, wanted.samples, wanted.jump)),
-            ("OptIK, from where it stood", lambda: by_optik(wanted.urdf, wanted.base, wanted.tip, asked, start)),
             ("pink, from where it stood", lambda: by_pink(judge, asked, start)),
         ]
+        # OptIK knows no slides: it aborts the process.
+        if not judge.slides:
+            contenders.append(
+                ("OptIK, from where it stood", lambda: by_optik(wanted.urdf, wanted.base, wanted.tip, asked, start)))
         if wanted.iklink and asked.times is not None:
             contenders.append(
                 ("IKLink", lambda: by_iklink(wanted.iklink, wanted.iklink_robot, asked, arm.joint_names)))
