@@ -129,6 +129,8 @@ impl Arm {
         pub(crate) fn scales(&self) -> &[f64] = &self.scale;
         /// Whether a target leaves freedom.
         pub(crate) fn is_redundant(&self) -> bool = self.has_freedom();
+        /// How many joints there are beyond what a target takes.
+        pub(crate) fn spare_joints(&self) -> usize = self.joint_count().saturating_sub(self.options.goal.rows());
         /// What of a pose counts.
         pub(crate) fn goal(&self) -> crate::task::Goal = self.options.goal;
     }

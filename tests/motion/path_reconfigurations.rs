@@ -3,7 +3,10 @@
 use std::f64::consts::TAU;
 
 use kinopt::Arm;
+use kinopt::arm::Base;
+use kinopt::model::Limits;
 use kinopt::motion::path::{CartesianPath, PathSolver};
+use kinopt::robot::BaseJoint;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::{distance, robot};
 
@@ -109,6 +112,39 @@ fn it_is_shorter_than_following() {
         from_there.length
     );
     assert!(from_anywhere.length <= from_there.length * (1.0 + 1e-6));
+}
+
+/// A rail of five centimetres under an arm is soon at its end: what else is free still shortens the way, which is at most as long as
+/// where the rail stands still.
+#[test]
+fn a_joint_at_its_limit_leaves_the_others_their_freedom() {
+    let on_rail = |lower: f64, upper: f64| {
+        let base = BaseJoint::Sliding {
+            axis: Vector3::UNITS[2],
+            limits: Limits::new(lower, upper),
+        };
+        let robot = robot("franka_panda").with_base_joint(base).unwrap();
+        Arm::builder(&robot, Base::World, "flange").build().unwrap()
+    };
+    let arm = on_rail(0.0, 0.05);
+    let q = [0.02, 0.3, -0.4, 0.5, -2.0, 0.2, 1.6, 0.8];
+    let begin = arm.base_from_tool(&q).unwrap();
+    let points = (0..100).map(|k| {
+        let (sin, cos) = (0.0628 * f64::from(k)).sin_cos();
+        let away = Vector3::new(-0.05 * sin, 0.05 - 0.05 * cos, 0.12 * sin);
+        Placement::new(begin.rotation, begin.translation + away)
+    });
+    let path = CartesianPath::new(points.collect::<Vec<_>>()).unwrap();
+    let length = |arm: &Arm| {
+        let solution = PathSolver::new(arm).solve(&path).unwrap();
+        assert!(solution.is_whole());
+        solution.length
+    };
+    let shortest = length(&arm);
+    for stand in [0.0, 0.025, 0.05] {
+        let still = length(&on_rail(stand - 1e-9, stand + 1e-9));
+        assert!(shortest < still, "{shortest} {still}");
+    }
 }
 
 /// Points that are far apart are looked at in parts: the arm does not change its branch between them.

@@ -71,7 +71,7 @@ pub(super) fn largest(
             if bounds[place][which] <= most {
                 break;
             }
-            let bound = curve(&steps[place])?.close_bound(which)?;
+            let bound = curve(&steps[place])?.close_bound(which, most)?;
             if bound > most {
                 (most, at) = (bound, steps[place].row);
             }
@@ -150,15 +150,15 @@ impl<'a> Curve<'a> {
         })
     }
 
-    /// A bound that is close to what is measured.
-    fn close_bound(&self, which: usize) -> Result<f64, PathError> {
+    /// A bound that is close to what is measured, or as low as asked.
+    fn close_bound(&self, which: usize, enough: f64) -> Result<f64, PathError> {
         let mut parts = 2;
         let mut best = f64::INFINITY;
         loop {
             let (measured, bound) = self.measure(parts)?;
             best = best.min(bound[which]);
             let close = bound[which] <= measured[which] * (1.0 + SLACK) + 1e-9;
-            if close || parts >= MOST_PLACES {
+            if close || best <= enough || parts >= MOST_PLACES {
                 return Ok(best);
             }
             parts *= 2;

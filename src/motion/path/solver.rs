@@ -2,20 +2,19 @@
 
 use super::bridge::bridge;
 use super::cartesian_path::{CartesianPath, Course};
-use super::deviation::{self, LedStep};
 use super::error::PathError;
 use super::fill::{self, Way, fill};
 use super::graph::{Between, Chosen, fewest_reconfigurations};
 use super::knots::Knots;
 use super::layers::{Growth, Layer};
-use super::shorten::{Shortening, step_length};
-use super::solution::{MissReason, Missed, PathSolution, Reconfiguration};
+use super::shorten::Shortening;
+use super::solution::PathSolution;
 use super::step_bounds::StepBounds;
 use super::tools::Tools;
 use crate::arm::Arm;
-use crate::bad_option::{AT_LEAST_ONE, BadOption, POSITIVE};
 
-/// Configurations that are known of a station at most, and bytes of all.
+/// Configurations that are known of a station at most, at first and at last, and bytes of all.
+const FEW_SAMPLES: usize = 64;
 const SAMPLES: usize = 256;
 const MEMORY: usize = 200_000_000;
 /// Rounds of shortening.
@@ -30,13 +29,13 @@ const ENTRIES: usize = 8;
 /// Solves whole paths of an arm. Options are checked when it [solves](Self::solve).
 #[derive(Clone, Debug)]
 pub struct PathSolver<'a> {
-    tools: Tools<'a>,
-    weights: Option<Vec<f64>>,
-    max_step: f64,
-    times_count: bool,
-    samples: usize,
-    start: Option<Vec<f64>>,
-    end: Option<Vec<f64>>,
+    pub(super) tools: Tools<'a>,
+    pub(super) weights: Option<Vec<f64>>,
+    pub(super) max_step: f64,
+    pub(super) times_count: bool,
+    pub(super) samples: usize,
+    pub(super) start: Option<Vec<f64>>,
+    pub(super) end: Option<Vec<f64>>,
 }
 
 impl<'a> PathSolver<'a> {
@@ -95,14 +94,34 @@ impl<'a> PathSolver<'a> {
     fn solve_open(&self, path: &CartesianPath) -> Result<PathSolution, PathError> {
         let knots = Knots::of(path, &self.tools);
         let bounds = self.bounds();
-        let mut growth = Growth::new(&self.tools, &knots, &bounds, self.most(&knots));
-        growth.start = self.start.as_deref();
-        growth.end = self.end.as_deref();
-        let layers = growth.layers()?;
         let weights = self.weights();
-        let between = Between::default();
-        let chosen = fewest_reconfigurations(&growth, &layers, &weights, between, &[]);
-        let way = self.along(&growth, &layers, (chosen, between))?;
+        let all = self.most(&knots);
+        // Of a self-motion of two dimensions and more there are always as many as asked: few are enough for most paths, and all
+        // are looked at where a way through few leaves a branch.
+        let few = match self.tools.own().spare_joints() {
+            0 | 1 => all,
+            _ => FEW_SAMPLES.min(all),
+        };
+        let mut best: Option<Way> = None;
+        for most in [few, all] {
+            let mut growth = Growth::new(&self.tools, &knots, &bounds, most);
+            growth.start = self.start.as_deref();
+            growth.end = self.end.as_deref();
+            let layers = growth.layers()?;
+            let between = Between::default();
+            let chosen = fewest_reconfigurations(&growth, &layers, &weights, between, &[]);
+            if chosen.cost.0 > 0 && most < all {
+                continue;
+            }
+            let way = self.along(&growth, &layers, (chosen, between))?;
+            if best.as_ref().is_none_or(|best| way.rank() < best.rank()) {
+                best = Some(way);
+            }
+            if most == all || best.as_ref().is_some_and(|best| best.rank() == (0, 0)) {
+                break;
+            }
+        }
+        let way = best.ok_or(PathError::Empty)?;
         self.tell(path, &knots, &way)
     }
 
@@ -199,127 +218,7 @@ impl<'a> PathSolver<'a> {
         Ok(way)
     }
 
-    /// What is true of a way.
-    fn tell(
-        &self,
-        path: &CartesianPath,
-        knots: &Knots,
-        way: &Way,
-    ) -> Result<PathSolution, PathError> {
-        let n = self.tools.own().joint_count();
-        let weights = self.weights();
-        let count = path.points.len();
-        let mut solution = PathSolution {
-            joint_count: n,
-            ..PathSolution::default()
-        };
-        let mut steps = Vec::new();
-        for knot in 0..knots.len() {
-            let q = way.row(knot, n);
-            // The first comes again at a cyclic path's end.
-            if knot < count {
-                solution.q.extend_from_slice(q);
-                if let Some(missed) = self.missed(knots, knot, way, knot)? {
-                    solution.missed.push(missed);
-                }
-            }
-            if let Some(from) = knot.checked_sub(1) {
-                let row = knot % count;
-                let before = way.row(from, n);
-                let length = step_length(before, q, &weights);
-                solution.length += length;
-                if !way.joined[knot] {
-                    let (joint, distance) = self.longest_move(before, q);
-                    solution.reconfigurations.push(Reconfiguration {
-                        index: row,
-                        joint,
-                        distance,
-                        length,
-                    });
-                } else {
-                    self.look_between(&mut solution, row, before, q)?;
-                    if way.reached[from] && way.reached[knot] && knots.is_led_to(knot) {
-                        steps.push(LedStep {
-                            row,
-                            points: [from, row],
-                            q: [before, q],
-                        });
-                    }
-                }
-            }
-        }
-        solution.largest_deviation = deviation::largest(&self.tools, path, &steps)?;
-        Ok(solution)
-    }
-
-    #[cfg(feature = "collision")]
-    fn look_between(
-        &self,
-        solution: &mut PathSolution,
-        index: usize,
-        from: &[f64],
-        to: &[f64],
-    ) -> Result<(), PathError> {
-        if let Some(by) = self.tools.own().in_the_way(from, to)? {
-            let blocked = super::solution::Blocked { index, by };
-            solution.blocked.push(blocked);
-        }
-        Ok(())
-    }
-
-    #[cfg(not(feature = "collision"))]
-    #[expect(clippy::unused_self, reason = "nothing is in the way")]
-    fn look_between(
-        &self,
-        _solution: &mut PathSolution,
-        _index: usize,
-        _from: &[f64],
-        _to: &[f64],
-    ) -> Result<(), PathError> {
-        Ok(())
-    }
-
-    /// Why a point is missed, if it is.
-    fn missed(
-        &self,
-        knots: &Knots,
-        knot: usize,
-        way: &Way,
-        index: usize,
-    ) -> Result<Option<Missed>, PathError> {
-        let arm = self.tools.of(knots.tool(knot));
-        let q = way.row(knot, arm.joint_count());
-        #[cfg(feature = "collision")]
-        let touching = arm.collisions(q)?.into_iter().next();
-        #[cfg(not(feature = "collision"))]
-        let touching = None;
-        if way.reached[knot] && touching.is_none() {
-            return Ok(None);
-        }
-        let target = &knots.targets[knot];
-        let (position_error, orientation_error, reached) = arm.errors_at(target, q)?;
-        let reason = match (arm.falls_short(target), touching) {
-            (Some((distance, reach)), _) => MissReason::BeyondReach { distance, reach },
-            (None, Some(by)) if reached => MissReason::Touches(by),
-            _ => MissReason::NotFound,
-        };
-        Ok(Some(Missed {
-            index,
-            position_error,
-            orientation_error,
-            reason,
-        }))
-    }
-
-    fn longest_move(&self, from: &[f64], to: &[f64]) -> (usize, f64) {
-        let scales = self.tools.own().scales();
-        let moves = from.iter().zip(to).zip(scales);
-        let moves = moves.map(|((a, b), scale)| (a - b).abs() * scale);
-        let longest = moves.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
-        longest.unwrap_or((0, 0.0))
-    }
-
-    fn weights(&self) -> Vec<f64> {
+    pub(super) fn weights(&self) -> Vec<f64> {
         let ones = || vec![1.0; self.tools.own().joint_count()];
         self.weights.clone().unwrap_or_else(ones)
     }
@@ -338,79 +237,5 @@ impl<'a> PathSolver<'a> {
         let each = 4 * self.tools.own().joint_count() + 2;
         let room = MEMORY / (each * knots.stations.len().max(1));
         self.samples.min(room.max(8))
-    }
-
-    fn check(&self, path: &CartesianPath) -> Result<(), PathError> {
-        self.tools.check(&path.tools)?;
-        BadOption::check("max_step", self.max_step, POSITIVE)?;
-        BadOption::check("samples", self.samples as f64, AT_LEAST_ONE)?;
-        let in_range = (4..=4096).contains(&self.samples);
-        if !in_range {
-            let allowed = "from 4 to 4096";
-            let value = self.samples as f64;
-            BadOption::check("samples", value, (|_| false, allowed))?;
-        }
-        let arm = self.tools.own();
-        for (option, values) in [
-            ("joint_weights", &self.weights),
-            ("start", &self.start),
-            ("end", &self.end),
-        ] {
-            let Some(values) = values else { continue };
-            if values.len() != arm.joint_count() {
-                return Err(PathError::JointCount {
-                    option,
-                    given: values.len(),
-                    joints: arm.joints().map(str::to_owned).collect(),
-                });
-            }
-        }
-        for &weight in self.weights.iter().flatten() {
-            BadOption::check("joint_weights", weight, POSITIVE)?;
-        }
-        if path.course != Course::Open && (self.end.is_some() || self.times_count) {
-            return Err(PathError::Conflict(
-                "a path that is gone round ends where it begins, and has no times to keep: neither an end nor kept times go with it",
-            ));
-        }
-        if path.course == Course::AnyStart && self.start.is_some() {
-            return Err(PathError::Conflict(
-                "a path that may be entered anywhere has no start of its own",
-            ));
-        }
-        if self.times_count && path.times.is_empty() {
-            return Err(PathError::Conflict(
-                "times are to be kept, but the path has none",
-            ));
-        }
-        self.check_end("start", self.start.as_deref(), path, 0)?;
-        self.check_end("end", self.end.as_deref(), path, path.points.len() - 1)
-    }
-
-    fn check_end(
-        &self,
-        which: &'static str,
-        q: Option<&[f64]>,
-        path: &CartesianPath,
-        point: usize,
-    ) -> Result<(), PathError> {
-        let Some(q) = q else { return Ok(()) };
-        let tool = path.tools.get(point).copied().unwrap_or(0);
-        let arm = self.tools.of(tool);
-        // Checks that it is finite.
-        arm.base_from_tool(q)?;
-        let (metres, radians, reached) = arm.errors_at(&path.points[point], q)?;
-        let mut within = q.iter().zip(arm.limits());
-        let within = within.all(|(q, limits)| limits.lower <= *q && *q <= limits.upper);
-        #[cfg(feature = "collision")]
-        let within = within && arm.collisions(q)?.is_empty();
-        match reached && within {
-            true => Ok(()),
-            false => Err(PathError::End {
-                which,
-                metres,
-                radians,
-            }),
-        }
     }
 }

@@ -1,24 +1,28 @@
 //! A chain of configurations, each free along some directions, drawn together by weighted steps: the block-tridiagonal least
 //! squares, solved by elimination from end to end (Golub & Van Loan 2013, ch. 4.5), within the joints' limits.
 
-/// How often knots that would leave their limits are held where they come to them, and the rest is solved anew.
-const HOLDINGS: usize = 3;
+/// How often joints that would leave their limits are held at them, and the rest is solved anew.
+const HOLDINGS: usize = 8;
 /// Added to the diagonal, as a share of it.
 const DAMPING: f64 = 1e-6;
+/// What a joint may be beyond its limit, and what of a direction does not move a joint, radians or metres.
+const NEGLIGIBLE: f64 = 1e-9;
+const NO_MOVE: f64 = 1e-6;
 
 /// The system and its solution, whose room is used again.
 #[derive(Debug, Default)]
 pub(super) struct Tridiagonal {
     n: usize,
     squares: Vec<f64>,
-    /// All directions, one after another; where those of each knot begin, and where the last ones end.
+    /// All directions, one after another; where those of each knot begin, and in how many it is still free.
     directions: Vec<f64>,
     firsts: Vec<usize>,
+    free: Vec<usize>,
     /// Of the step to each knot.
     weights: Vec<f64>,
-    /// What each joint moves by.
+    /// What each joint moves by, and what of that is certain: it leads to the limits at which joints are held.
     moves: Vec<f64>,
-    held: Vec<bool>,
+    offsets: Vec<f64>,
     diagonal: Vec<f64>,
     /// Of a knot's block above the diagonal, solved by its own.
     above: Vec<f64>,
@@ -33,15 +37,16 @@ impl Tridiagonal {
             .extend(weights.iter().map(|weight| weight * weight));
         self.directions.clear();
         self.firsts.clear();
-        self.firsts.push(0);
+        self.free.clear();
         self.weights.clear();
     }
 
     /// Adds a knot: the directions in which it is free, and what the step to it weighs.
     pub(super) fn push(&mut self, q: &[f64], directions: &[f64], weight: f64) {
         debug_assert_eq!(q.len(), self.n);
-        self.directions.extend_from_slice(directions);
         self.firsts.push(self.directions.len() / self.n);
+        self.free.push(directions.len() / self.n);
+        self.directions.extend_from_slice(directions);
         self.weights.push(weight);
     }
 
@@ -52,10 +57,10 @@ impl Tridiagonal {
 
     /// Solves for the moves from q.
     pub(super) fn solve(&mut self, q: &[f64], limits: &[(f64, f64)]) {
-        self.moves.clear();
-        self.moves.resize(q.len(), 0.0);
-        self.held.clear();
-        self.held.resize(self.weights.len(), false);
+        for numbers in [&mut self.moves, &mut self.offsets] {
+            numbers.clear();
+            numbers.resize(q.len(), 0.0);
+        }
         for _ in 0..HOLDINGS {
             self.sweep(q);
             if self.stay_within(q, limits) {
@@ -64,42 +69,65 @@ impl Tridiagonal {
         }
     }
 
-    /// Shortens moves that leave the limits, and holds those knots; whether there is none.
+    /// Holds in each knot the joint that would leave its limits furthest at the limit, if the knot is free to; whether there is none.
     fn stay_within(&mut self, q: &[f64], limits: &[(f64, f64)]) -> bool {
+        let n = self.n;
         let mut all = true;
-        let rows = q
-            .chunks_exact(self.n)
-            .zip(self.moves.chunks_exact_mut(self.n));
-        for ((q, moves), held) in rows.zip(&mut self.held) {
-            let mut share: f64 = 1.0;
-            for ((q, by), (lower, upper)) in q.iter().zip(&*moves).zip(limits) {
-                if q + by > *upper {
-                    share = share.min((upper - q) / by);
-                } else if q + by < *lower {
-                    share = share.min((lower - q) / by);
+        for knot in 0..self.free.len() {
+            let own = knot * n..(knot + 1) * n;
+            let mut furthest = (NEGLIGIBLE, 0, 0.0);
+            let joints = q[own.clone()].iter().zip(&self.moves[own]).zip(limits);
+            for (joint, ((q, by), (lower, upper))) in joints.enumerate() {
+                for (excess, limit) in [(q + by - upper, upper), (lower - q - by, lower)] {
+                    if excess > furthest.0 {
+                        furthest = (excess, joint, limit - q);
+                    }
                 }
             }
-            if share < 1.0 && !*held {
-                moves.iter_mut().for_each(|by| *by *= share.max(0.0));
-                *held = true;
-                all = false;
+            let (excess, joint, to_limit) = furthest;
+            if excess > NEGLIGIBLE {
+                all &= !self.hold(knot, joint, to_limit);
             }
         }
         all
     }
 
-    /// One elimination; the knots that are held keep the moves that they have.
+    /// Moves a joint of a knot by so much, and takes from the knot's directions what would move it: each by a multiple of the one that moves it
+    /// most. Whether there is one.
+    fn hold(&mut self, knot: usize, joint: usize, by: f64) -> bool {
+        let n = self.n;
+        let first = self.firsts[knot];
+        let rows = first..first + self.free[knot];
+        let own = &mut self.directions[rows.start * n..rows.end * n];
+        let moves = |k: &usize| own[k * n + joint].abs();
+        let most = (0..rows.len()).max_by(|a, b| moves(a).total_cmp(&moves(b)));
+        let Some(most) = most.filter(|most| moves(most) > NO_MOVE) else {
+            return false;
+        };
+        let last = rows.len() - 1;
+        for entry in 0..n {
+            own.swap(most * n + entry, last * n + entry);
+        }
+        let (kept, taken) = own.split_at_mut(last * n);
+        let offsets = &mut self.offsets[knot * n..(knot + 1) * n];
+        let share = (by - offsets[joint]) / taken[joint];
+        for (offset, taken) in offsets.iter_mut().zip(&*taken) {
+            *offset += share * taken;
+        }
+        for direction in kept.chunks_exact_mut(n) {
+            let share = direction[joint] / taken[joint];
+            for (entry, taken) in direction.iter_mut().zip(&*taken) {
+                *entry -= share * taken;
+            }
+        }
+        self.free[knot] = last;
+        true
+    }
+
+    /// One elimination over the directions that are left.
     fn sweep(&mut self, q: &[f64]) {
         let (n, count) = (self.n, self.weights.len());
-        let free = |held: &[bool], firsts: &[usize], knot: usize| match held[knot] {
-            true => 0,
-            false => firsts[knot + 1] - firsts[knot],
-        };
-        let most = (0..count).map(|knot| self.firsts[knot + 1] - self.firsts[knot]);
-        let most = most.max().unwrap_or(0);
-        if most == 0 {
-            return;
-        }
+        let most = self.free.iter().copied().max().unwrap_or(0);
         // Each knot has room for as many as the freest.
         self.diagonal.resize(most * most, 0.0);
         self.above.clear();
@@ -116,23 +144,19 @@ impl Tridiagonal {
         };
         let mut pull = vec![0.0; n];
         for knot in 0..count {
-            let own = free(&self.held, &self.firsts, knot);
+            let own = self.free[knot];
             if own == 0 {
                 continue;
             }
             let before = if knot > 0 { self.weights[knot] } else { 0.0 };
             let after = self.weights.get(knot + 1).copied().unwrap_or(0.0);
-            // The way that its neighbours draw it; of a neighbour that is held with its move.
+            // The way that its neighbours draw it.
             pull.fill(0.0);
             for (weight, other) in [(before, knot.wrapping_sub(1)), (after, knot + 1)] {
                 if weight > 0.0 && other < count {
-                    let keeps = free(&self.held, &self.firsts, other) == 0;
                     for (joint, pull) in pull.iter_mut().enumerate() {
-                        let moved = match keeps {
-                            true => self.moves[other * n + joint],
-                            false => 0.0,
-                        };
-                        *pull += weight * (q[other * n + joint] + moved - q[knot * n + joint]);
+                        let at = |knot: usize| q[knot * n + joint] + self.offsets[knot * n + joint];
+                        *pull += weight * (at(other) - at(knot));
                     }
                 }
             }
@@ -150,7 +174,7 @@ impl Tridiagonal {
             // What the knot before was eliminated by.
             let last = match knot {
                 0 => 0,
-                _ => free(&self.held, &self.firsts, knot - 1),
+                _ => self.free[knot - 1],
             };
             for k in 0..if last > 0 { own } else { 0 } {
                 let a = direction(&self.firsts, knot, k);
@@ -171,7 +195,7 @@ impl Tridiagonal {
             }
             // The block to the right, and the side, by the diagonal's inverse.
             let next = match knot + 1 < count {
-                true => free(&self.held, &self.firsts, knot + 1),
+                true => self.free[knot + 1],
                 false => 0,
             };
             for k in 0..own {
@@ -191,16 +215,13 @@ impl Tridiagonal {
             divide(&mut self.diagonal, most, own, right, next, side);
         }
         for knot in (0..count).rev() {
-            let own = free(&self.held, &self.firsts, knot);
-            if self.held[knot] {
-                continue;
-            }
+            let own = self.free[knot];
             let next = match knot + 1 < count {
-                true => free(&self.held, &self.firsts, knot + 1),
+                true => self.free[knot + 1],
                 false => 0,
             };
             let moves = knot * n..(knot + 1) * n;
-            self.moves[moves.clone()].fill(0.0);
+            self.moves[moves.clone()].copy_from_slice(&self.offsets[moves.clone()]);
             for k in 0..own {
                 let mut z = self.side[knot * most + k];
                 for l in 0..next {
@@ -252,6 +273,41 @@ fn divide(
         side[k] *= inverse;
         for l in k..own {
             matrix[k * stride + l] *= inverse;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Tridiagonal;
+
+    /// A chain in the plane between two fixed ends, whose inner knots must stay above a line: they come to lie on it, evenly.
+    #[test]
+    fn a_joint_at_its_limit_is_held_alone() {
+        let count = 8;
+        let last = f64::from(count - 1);
+        let mut q = Vec::new();
+        let mut system = Tridiagonal::default();
+        system.begin(2, &[1.0, 1.0]);
+        for knot in 0..count {
+            let fixed = knot == 0 || knot == count - 1;
+            let even = f64::from(knot) / last;
+            let own = match fixed {
+                true => [even, 0.1],
+                false => [even * even, 0.3 + 0.1 * f64::from(knot % 2)],
+            };
+            // Two directions that are neither joint's own.
+            let free: &[f64] = if fixed { &[] } else { &[0.8, 0.6, 0.1, 0.9] };
+            system.push(&own, free, if knot == 0 { 0.0 } else { 1.0 });
+            q.extend(own);
+        }
+        system.solve(&q, &[(-1.0, 2.0), (0.2, 1.0)]);
+        let came = q.iter().zip(system.moves()).map(|(q, by)| q + by);
+        let came: Vec<f64> = came.collect();
+        for (knot, place) in came.chunks_exact(2).enumerate().skip(1).take(6) {
+            let even = knot as f64 / last;
+            assert!((place[0] - even).abs() < 1e-4, "{knot}: {place:?}");
+            assert!((place[1] - 0.2).abs() < 1e-6, "{knot}: {place:?}");
         }
     }
 }

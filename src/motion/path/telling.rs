@@ -1,0 +1,132 @@
+//! What is true of a way: lengths, reconfigurations, missed points with their reasons, what blocks, and how far the tool is off between.
+
+use super::cartesian_path::CartesianPath;
+use super::deviation::{self, LedStep};
+use super::error::PathError;
+use super::fill::Way;
+use super::knots::Knots;
+use super::shorten::step_length;
+use super::solution::{MissReason, Missed, PathSolution, Reconfiguration};
+use super::solver::PathSolver;
+
+impl PathSolver<'_> {
+    /// What is true of a way.
+    pub(super) fn tell(
+        &self,
+        path: &CartesianPath,
+        knots: &Knots,
+        way: &Way,
+    ) -> Result<PathSolution, PathError> {
+        let n = self.tools.own().joint_count();
+        let weights = self.weights();
+        let count = path.points.len();
+        let mut solution = PathSolution {
+            joint_count: n,
+            ..PathSolution::default()
+        };
+        let mut steps = Vec::new();
+        for knot in 0..knots.len() {
+            let q = way.row(knot, n);
+            // The first comes again at a cyclic path's end.
+            if knot < count {
+                solution.q.extend_from_slice(q);
+                if let Some(missed) = self.missed(knots, knot, way, knot)? {
+                    solution.missed.push(missed);
+                }
+            }
+            if let Some(from) = knot.checked_sub(1) {
+                let row = knot % count;
+                let before = way.row(from, n);
+                let length = step_length(before, q, &weights);
+                solution.length += length;
+                if !way.joined[knot] {
+                    let (joint, distance) = self.longest_move(before, q);
+                    solution.reconfigurations.push(Reconfiguration {
+                        index: row,
+                        joint,
+                        distance,
+                        length,
+                    });
+                } else {
+                    self.look_between(&mut solution, row, before, q)?;
+                    if way.reached[from] && way.reached[knot] && knots.is_led_to(knot) {
+                        steps.push(LedStep {
+                            row,
+                            points: [from, row],
+                            q: [before, q],
+                        });
+                    }
+                }
+            }
+        }
+        solution.largest_deviation = deviation::largest(&self.tools, path, &steps)?;
+        Ok(solution)
+    }
+
+    #[cfg(feature = "collision")]
+    fn look_between(
+        &self,
+        solution: &mut PathSolution,
+        index: usize,
+        from: &[f64],
+        to: &[f64],
+    ) -> Result<(), PathError> {
+        if let Some(by) = self.tools.own().in_the_way(from, to)? {
+            let blocked = super::solution::Blocked { index, by };
+            solution.blocked.push(blocked);
+        }
+        Ok(())
+    }
+
+    #[cfg(not(feature = "collision"))]
+    #[expect(clippy::unused_self, reason = "nothing is in the way")]
+    fn look_between(
+        &self,
+        _solution: &mut PathSolution,
+        _index: usize,
+        _from: &[f64],
+        _to: &[f64],
+    ) -> Result<(), PathError> {
+        Ok(())
+    }
+
+    /// Why a point is missed, if it is.
+    fn missed(
+        &self,
+        knots: &Knots,
+        knot: usize,
+        way: &Way,
+        index: usize,
+    ) -> Result<Option<Missed>, PathError> {
+        let arm = self.tools.of(knots.tool(knot));
+        let q = way.row(knot, arm.joint_count());
+        #[cfg(feature = "collision")]
+        let touching = arm.collisions(q)?.into_iter().next();
+        #[cfg(not(feature = "collision"))]
+        let touching = None;
+        if way.reached[knot] && touching.is_none() {
+            return Ok(None);
+        }
+        let target = &knots.targets[knot];
+        let (position_error, orientation_error, reached) = arm.errors_at(target, q)?;
+        let reason = match (arm.falls_short(target), touching) {
+            (Some((distance, reach)), _) => MissReason::BeyondReach { distance, reach },
+            (None, Some(by)) if reached => MissReason::Touches(by),
+            _ => MissReason::NotFound,
+        };
+        Ok(Some(Missed {
+            index,
+            position_error,
+            orientation_error,
+            reason,
+        }))
+    }
+
+    fn longest_move(&self, from: &[f64], to: &[f64]) -> (usize, f64) {
+        let scales = self.tools.own().scales();
+        let moves = from.iter().zip(to).zip(scales);
+        let moves = moves.map(|((a, b), scale)| (a - b).abs() * scale);
+        let longest = moves.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+        longest.unwrap_or((0, 0.0))
+    }
+}
