@@ -129,6 +129,17 @@ fn what_is_wrong_in_json_is_named_with_its_place() {
     };
     for (text, place, what) in [
         (r#"{"boxs": []}"#, "boxs", "unknown field"),
+        ("[]", "line 1", "expected an object"),
+        (
+            r#"{"boxes": [["a", [1, 1, 1]]]}"#,
+            "boxes[0]",
+            "expected an object",
+        ),
+        (
+            r#"{"boxes": [{"name": " ", "size": [1, 1, 1]}]}"#,
+            "boxes[0]",
+            "needs a name",
+        ),
         (
             r#"{"boxes": [{"name": "a", "size": [1, 2]}]}"#,
             "boxes[0].size",

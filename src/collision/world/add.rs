@@ -10,13 +10,16 @@ impl World {
     /// Adds an obstacle.
     ///
     /// # Errors
-    /// The name is taken, or the placement is not rigid.
+    /// The name is taken or none, or the placement is not rigid.
     pub fn add(
         &mut self,
         name: &str,
         shape: Shape,
         placement: impl Into<Placement<f64>>,
     ) -> Result<(), WorldError> {
+        if name.trim().is_empty() {
+            return Err(WorldError::Unnamed(name.to_owned()));
+        }
         if self.obstacles.iter().any(|o| o.name == name) {
             return Err(WorldError::Taken(name.to_owned()));
         }

@@ -11,6 +11,9 @@ pub enum WorldError {
     /// An obstacle of the name is there already.
     #[error("there is an obstacle {0:?} already")]
     Taken(String),
+    /// A name without a letter.
+    #[error("an obstacle needs a name, not {0:?}")]
+    Unnamed(String),
     /// There is no obstacle of the name.
     #[error("there is no obstacle {name:?}, but {}", listed(.valid))]
     Unknown {

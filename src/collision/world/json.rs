@@ -1,9 +1,12 @@
 //! Our JSON of worlds.
 
 use std::collections::HashMap;
+use std::marker::PhantomData;
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::pose::Pose;
 use super::{Obstacle, World, WorldError};
@@ -35,7 +38,7 @@ macro_rules! kinds {
         #[derive(Default, Serialize, Deserialize)]
         #[serde(default, deny_unknown_fields)]
         struct Contents {
-            $(#[serde(skip_serializing_if = "Vec::is_empty")] $list: Vec<$kind>,)*
+            $(#[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "objects")] $list: Vec<$kind>,)*
             #[serde(skip_serializing_if = "Vec::is_empty")]
             order: Vec<String>,
         }
@@ -93,6 +96,38 @@ kinds! {
     }
     height_fields: HeightField { heights: Vec<f64>, columns: usize, spacing: [f64; 2] }
     points: Points { positions: Vec<[f64; 3]>, radius: f64 }
+}
+
+/// What must be written with its keys: serde would take a list for any of these, an empty one for a world without obstacles.
+struct Object<T>(T);
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Object<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(ObjectVisitor(PhantomData))
+    }
+}
+
+struct ObjectVisitor<T>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for ObjectVisitor<T> {
+    type Value = Object<T>;
+
+    fn expecting(&self, text: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        text.write_str("an object")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+        T::deserialize(MapAccessDeserializer::new(map)).map(Object)
+    }
+}
+
+fn objects<'de, T, D>(deserializer: D) -> Result<Vec<T>, D::Error>
+where
+    T: Deserialize<'de>,
+    D: Deserializer<'de>,
+{
+    let all = Vec::<Object<T>>::deserialize(deserializer)?;
+    Ok(all.into_iter().map(|Object(one)| one).collect())
 }
 
 /// What is known while a file is read.
@@ -174,7 +209,7 @@ impl Mesh {
 
 /// A world of JSON's bytes.
 pub(super) fn parse(bytes: &[u8], file: &str, folder: Option<&Path>) -> Result<World, ReadError> {
-    let mut contents: Contents = crate::io::json::parse(bytes, file)?;
+    let Object(mut contents): Object<Contents> = crate::io::json::parse(bytes, file)?;
     let order = std::mem::take(&mut contents.order);
     let reader = Reader { file, folder };
     let mut world = read_all(contents, &reader)?;
