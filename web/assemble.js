@@ -18,8 +18,32 @@ const own = ['export { placement } from "./placement.js";', 'export * as tasks f
 write("all.js", [`export { ${classes} } from "./kinopt.js";`, ...own]);
 write("index.d.ts", [`export { ${classes} } from "./kinopt.js";`, `export type { ${types} } from "./kinopt.js";`, ...own]);
 write("bare.d.ts", ['export { default as init, initSync } from "./kinopt.js";', 'export * from "./index.js";']);
-// `using` is newer than the settings of most projects.
-write("kinopt.d.ts", ['/// <reference lib="esnext.disposable" />', text("dist/kinopt.d.ts")]);
+// `using` is newer than the settings of most projects. What only browsers and Node have is nothing where a project's settings have not.
+const known = (path) => path.split(".").reduceRight((inner, name) => `{ ${name}: ${inner} }`, "{ prototype: infer Type }");
+const global = (path) => `(typeof globalThis extends ${known(path)} ? Type : never)`;
+const everywhere = text("dist/kinopt.d.ts")
+    .replace("RequestInfo |", `string | ${global("Request")} |`)
+    .replace("URL | Response |", `${global("URL")} | ${global("Response")} |`)
+    .replaceAll("BufferSource", "ArrayBufferView | ArrayBuffer")
+    .replace(/(?<=[|:<] ?)WebAssembly\.(?:Module|Memory|Table)/g, global);
+write("kinopt.d.ts", ['/// <reference lib="esnext.disposable" />', everywhere]);
+
+// What callers give is looked at by the types that their documentation says.
+const CHECKS = { Numbers: "numbers", Placement: "numbers", string: "string", "string[]": "strings", number: "number", "Uint8Array | number[]": "bytes", "readonly Task[]": "array" };
+function checks(comment, body) {
+    return [...comment.matchAll(/@param \{(.*)\} (\[?)(\w+)/g)].map(([, type, optional, name]) => {
+        const own = type.replace(/ \| (null|undefined)/g, "");
+        const check = body.includes(`(${name}) >>> 0`) ? "whole" : (CHECKS[own] ?? (classes.split(", ").includes(own) ? "instance" : undefined));
+        if (!check) return "";
+        const call = `given.${check}(${name}, "${name}"${check === "instance" ? `, ${own}` : ""});\n`;
+        return optional || own !== type ? `if (!isLikeNone(${name})) ${call}` : call;
+    }).join("");
+}
+const checked = text("dist/kinopt.js").replace(
+    /(^( *)\/\*\*\n(?: +\*.*\n)+?)(\2(?:static |export function )?\w+\(.*\) \{\n)([^]*?^\2\}$)/gm,
+    (_, comment, indent, head, body) => comment + head + checks(comment, body) + body,
+);
+write("kinopt.js", ['import * as given from "./given.js";', checked]);
 
 mkdirSync(here("dist/models"));
 write("models/franka_panda.js", [`export default ${JSON.stringify(text("../models/franka_panda.urdf"))};`]);

@@ -25,11 +25,21 @@ pub(crate) fn parsed<T>(
     let open = open.and_then(|open| JsValue::from(open).dyn_into::<Function>().ok());
     let mut raised = None;
     let parsed = parse(&mut |file| {
-        let missing = || fail(file, std::io::ErrorKind::NotFound, "not given");
+        let missing = || {
+            let text = "not given beside the file that names it";
+            fail(file, std::io::ErrorKind::NotFound, text)
+        };
         let open = open.as_ref().ok_or_else(missing)?;
         match open.call1(&JsValue::UNDEFINED, &file.into()) {
             Ok(bytes) if bytes.is_undefined() || bytes.is_null() => Err(missing()),
-            Ok(bytes) => Ok(Uint8Array::new(&bytes).to_vec()),
+            Ok(bytes) => match bytes.dyn_into::<Uint8Array>() {
+                Ok(bytes) => Ok(bytes.to_vec()),
+                Err(_) => Err(fail(
+                    file,
+                    std::io::ErrorKind::InvalidInput,
+                    "`open` gave something other than a Uint8Array",
+                )),
+            },
             Err(error) => {
                 raised = Some(error);
                 Err(fail(file, std::io::ErrorKind::Other, "not opened"))

@@ -1,6 +1,6 @@
 //! What a caller gives as a plain object: options, and tasks.
 
-use js_sys::{Array, Float64Array, Object, Reflect};
+use js_sys::{Array, ArrayBuffer, Float64Array, Object, Reflect};
 use kinopt::model::UnknownName;
 use kinopt::spatial::Placement;
 use wasm_bindgen::prelude::*;
@@ -27,7 +27,9 @@ impl Given {
             });
         }
         let Some(given) = object.dyn_ref::<Object>() else {
-            return Err(JsError::new(&format!("{what}s are given as an object")));
+            let (part, whole) = what.split_once(' ').unwrap_or((what, ""));
+            let message = format!("{part}s {whole} are given as an object");
+            return Err(JsError::new(&message));
         };
         for name in Object::keys(given) {
             let name = name.as_string().unwrap_or_default();
@@ -93,7 +95,7 @@ impl Given {
         let Some(value) = self.get(name) else {
             return Ok(None);
         };
-        let list = Array::from(&value);
+        let list = list(&value).ok_or_else(|| JsError::new(&format!("{name} must be a list")))?;
         let texts = list.iter().map(|one| text(&one, name));
         texts.collect::<Result<_, _>>().map(Some)
     }
@@ -187,15 +189,19 @@ fn text(value: &JsValue, what: &str) -> Result<String, JsError> {
     value.as_string().ok_or_else(no)
 }
 
-/// Numbers in a typed array or any list.
+/// What a list or a typed array holds. Whatever else has a length may claim any.
+pub(crate) fn list(value: &JsValue) -> Option<Array> {
+    let is_list = Array::is_array(value) || ArrayBuffer::is_view(value);
+    is_list.then(|| Array::from(value))
+}
+
+/// Numbers in a typed array or a list.
 pub(crate) fn numbers(value: &JsValue, what: &str) -> Result<Vec<f64>, JsError> {
     if let Some(array) = value.dyn_ref::<Float64Array>() {
         return Ok(array.to_vec());
     }
-    if !value.is_object() {
-        return Err(JsError::new(&format!("{what} must be a list of numbers")));
-    }
-    let list = Array::from(value);
+    let no = || JsError::new(&format!("{what} must be a list of numbers"));
+    let list = list(value).ok_or_else(no)?;
     list.iter().map(|one| number(&one, what)).collect()
 }
 

@@ -49,7 +49,7 @@ mod view;
 #[cfg(feature = "collision")]
 mod world;
 
-/// An exception with an error's own message.
+/// An exception with an error's own message, in which options have their names of JavaScript.
 fn raise(error: impl std::fmt::Display) -> wasm_bindgen::JsError {
-    wasm_bindgen::JsError::new(&error.to_string())
+    wasm_bindgen::JsError::new(&names::of_javascript(&error.to_string()))
 }

@@ -1,12 +1,43 @@
-//! Types that only TypeScript sees.
+//! Names as JavaScript has them, and types that only TypeScript sees.
 
 use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen(typescript_custom_section)]
 const NUMBERS: &str = r#"
-/** Numbers in, in a typed array (copied as one block) or any list. */
+/** Numbers in, in a typed array (copied as one block) or an array. */
 export type Numbers = ArrayLike<number>;
 
 /** A placement: a 4 x 4 matrix by columns, as three.js's `Matrix4.elements`; metres (a rig's own unit for rigs). */
 export type Placement = ArrayLike<number>;
 "#;
+
+/// What the library says, with options in camel case: `option position_tolerance is -1` as `option positionTolerance is -1`.
+pub(crate) fn of_javascript(said: &str) -> String {
+    let mut before = "";
+    let word = |word| {
+        let is_option = std::mem::replace(&mut before, word) == "option" || OPTIONS.contains(&word);
+        if is_option {
+            camel(word)
+        } else {
+            word.to_owned()
+        }
+    };
+    said.split(' ').map(word).collect::<Vec<_>>().join(" ")
+}
+
+/// Options that messages also begin with, as in `joint_weights has 2 numbers`.
+const OPTIONS: [&str; 2] = ["joint_weights", "max_move"];
+
+fn camel(snake: &str) -> String {
+    let mut upper = false;
+    let letter = |letter: char| {
+        let is_gap = letter == '_';
+        let capital = std::mem::replace(&mut upper, is_gap);
+        match (is_gap, capital) {
+            (true, _) => None,
+            (false, true) => Some(letter.to_ascii_uppercase()),
+            (false, false) => Some(letter),
+        }
+    };
+    snake.chars().filter_map(letter).collect()
+}

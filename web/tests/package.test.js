@@ -117,6 +117,11 @@ test("the types of its README check, and wrong ones do not", () => {
     const options = ["--noEmit", "--strict", "--target", "es2022", "--module", "nodenext", "--lib", "es2022,dom"];
     try {
         run(tsc, ...options, "ten.ts", "drag.ts", "follow.ts", "wrong.ts");
+        // Neither a browser's names are needed nor Node's.
+        writeFileSync(join(project, "bare.ts"), `import { init, type Robot } from "kinopt/bare";
+            export const begun = (module: ArrayBuffer) => init({ module_or_path: module });
+            export const nameOf = (robot: Robot) => robot.name;`);
+        run(tsc, ...options.slice(0, -1), "es2022", "--types", "", "--skipLibCheck", "false", "bare.ts");
     } catch ({ stdout }) {
         assert.fail(stdout);
     }

@@ -74,3 +74,9 @@ test("a follower has the movement frame by frame, feet that stand stay, and a wh
     assert.throws(() => follower.step([0, 1, 2]), /places has 3 numbers/);
     assert.throws(() => new RetargetFollower(robot, clip, undefined, { whole: true }), /whole.*fps/s);
 });
+
+test("a map that is none is called the map", () => {
+    const capture = MotionCapture.fromBytes(new TextEncoder().encode(person()), "sway.bvh");
+    const robot = Robot.fromUrdf(text("aldebaran_nao.urdf"), "nao.urdf", { baseJoint: "free" });
+    assert.throws(() => retarget(robot, capture.clip, "{"), /the map: EOF/);
+});

@@ -16,6 +16,7 @@ const [JOINT, END] = [0.009, 0.018];
 const FREE = 0x46525c;
 const PINNED = 0x1f6fb2;
 const GRABBED = 0xe08a1e;
+const UNDER_HAND = 0x8fa3b3;
 const LIMITED = 0xc8442f;
 
 const solid = (color, more) => new THREE.MeshStandardMaterial({ color, roughness: 0.75, metalness: 0.05, ...more });
@@ -155,11 +156,11 @@ export class BodyView {
     }
 
     /** Colours the handles. */
-    mark({ pins, grabbed, limits = [] }) {
+    mark({ pins, grabbed, hovered, limits = [] }) {
         const color = new THREE.Color();
         this.opened.handles.forEach((name, k) => {
             const limited = limits.some((joint) => joint === name || joint.startsWith(`${name}/`));
-            color.set(name === grabbed ? GRABBED : limited ? LIMITED : pins.has(name) ? PINNED : FREE);
+            color.set(name === grabbed ? GRABBED : limited ? LIMITED : pins.has(name) ? PINNED : name === hovered ? UNDER_HAND : FREE);
             this.balls.setColorAt(k, color);
         });
         if (this.count > 0) this.balls.instanceColor.needsUpdate = true;

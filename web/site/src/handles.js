@@ -28,7 +28,9 @@ export class Handles {
 function shortly(solution) {
     const [, ...all] = solution.explain().split("\n").map((line) => line.trim());
     // Other starts are nothing that a hand has.
-    const lines = all.filter((line) => !/attempt|More time/.test(line));
+    const heard = all.filter((line) => !/attempt|More time/.test(line));
+    // Of strict levels a hand knows what is pinned, and nothing of their numbers.
+    const lines = heard.map((line) => (/^Level \d/.test(line) ? "What is pinned, and the balance, leave it no more." : line));
     const far = solution.isOutOfReach ? lines.filter((line) => line.startsWith("Out of reach")) : [];
     return [...far, ...lines].slice(0, far.length || 3).join(" ");
 }

@@ -1,6 +1,9 @@
 // The pointer and the keys: what they grab, and where that should go.
 
 const NUDGES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+/** Radians that an arrow turns the view, and how much nearer a key comes. */
+const [TURN, NEARER] = [0.1, 1.1];
+const ZOOMS = { "+": NEARER, "=": NEARER, "-": 1 / NEARER };
 const BUTTONS = { p: "pin", s: "skin", " ": "play", r: "rest", w: "whole" };
 
 /** Listens on the page's canvas. */
@@ -15,47 +18,73 @@ export function hands({ page, grab, release, mark, tools, say, press }) {
         if (page.kept.has(page.grabbed)) page.kept.set(page.grabbed, target);
     }
 
+    const near = ({ clientX, clientY }) => (page.opening ? undefined : page.view?.nearest(clientX, clientY));
+
+    /** Shows what would be grabbed here, or is. */
+    function point(name) {
+        canvas.style.cursor = page.held ? "grabbing" : name ? "grab" : "move";
+        if (name === page.hovered) return;
+        page.hovered = name;
+        if (page.view) mark();
+    }
+
+    /** The pointer that holds. */
+    let pointer;
+
     // What is near enough is grabbed, all else turns the view.
     canvas.addEventListener("pointerdown", (event) => {
-        const name = event.isPrimary && event.button === 0 ? page.view?.nearest(event.clientX, event.clientY) : undefined;
+        // A second finger does nothing to what the first one holds.
+        if (page.held) return event.stopImmediatePropagation();
+        const name = event.isPrimary && event.button === 0 ? near(event) : undefined;
         stage.orbit.enabled = !name;
-        if (!name) return;
+        if (!name) return undefined;
         canvas.setPointerCapture(event.pointerId);
         page.held = true;
-        grab(name);
+        pointer = event.pointerId;
+        point(name);
+        return grab(name);
     }, { capture: true });
     canvas.addEventListener("pointermove", (event) => {
-        if (!page.held || !event.isPrimary) return;
+        if (!page.held && event.buttons === 0) point(near(event));
+        if (!page.held || event.pointerId !== pointer) return;
         aim(stage.under(event.clientX, event.clientY, page.view.place(page.grabbed)) ?? page.target);
     });
     for (const end of ["pointerup", "pointercancel"]) {
-        canvas.addEventListener(end, () => {
+        canvas.addEventListener(end, (event) => {
+            if (event.pointerId !== pointer) return;
+            pointer = undefined;
             page.held = false;
+            point(page.hovered);
             stage.orbit.enabled = true;
         });
     }
 
-    // Tab goes to a joint, arrows move it.
+    // J goes to a joint, arrows move it; without one they turn the view.
     canvas.addEventListener("keydown", (event) => {
-        if (!page.view) return;
+        if (!page.view || page.opening || event.ctrlKey || event.metaKey || event.altKey) return;
         const { handles } = page.opened;
-        if (event.key === "Tab") {
+        const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+        if (key === "j" && handles.length > 0) {
             const at = handles.indexOf(page.grabbed) + (event.shiftKey ? -1 : 1);
-            if (!(at in handles)) return;
-            grab(handles[at]).then(() => say(handles[at]));
-        } else if (event.key in NUDGES && page.grabbed) {
-            const [right, up] = NUDGES[event.key];
+            const name = handles.at(at % handles.length);
+            grab(name).then(() => say(name));
+        } else if (key in ZOOMS) {
+            stage.nearer(ZOOMS[key]);
+        } else if (key in NUDGES && !page.grabbed) {
+            stage.turn(...NUDGES[key].map((way) => TURN * way));
+        } else if (key in NUDGES) {
+            const [right, up] = NUDGES[key];
             const { elements } = stage.camera.matrixWorld;
             const step = 0.01 * stage.size;
             const along = (k) => step * (right * elements[k] + up * elements[4 + k]);
             page.nudged = true;
             aim(page.target.clone().add({ x: along(0), y: along(1), z: along(2) }));
-        } else if (event.key === "Escape") {
+        } else if (key === "Escape") {
             release();
             mark();
             tools();
-        } else if (event.key in BUTTONS) {
-            press(BUTTONS[event.key]);
+        } else if (key in BUTTONS) {
+            press(BUTTONS[key]);
         } else {
             return;
         }

@@ -1,5 +1,8 @@
 // The worker, asked one thing at a time. Stopping it ends whatever it is at.
 
+/** What is said of what was stopped. */
+export const STOPPED = "Stopped.";
+
 export class Library {
     #worker;
     #waiting = new Map();
@@ -21,7 +24,10 @@ export class Library {
             this.#waiting.delete(id);
             return error === undefined ? resolve(told) : reject(new Error(error));
         };
-        this.#worker.onerror = ({ message }) => this.#fail(new Error(message || "the worker does not start"));
+        this.#worker.onerror = ({ message }) => {
+            const unfetched = !message || /fetch/i.test(message);
+            this.#fail(new Error(unfetched ? "The library cannot be fetched: is the server still there? Then load the page again." : message));
+        };
     }
 
     /** What the worker answers; `hear` is told how far it is, by what takes long. */
@@ -42,7 +48,7 @@ export class Library {
     /** Ends for good. */
     end() {
         this.#worker.terminate();
-        this.#fail(new Error("Stopped."));
+        this.#fail(new Error(STOPPED));
     }
 
     #fail(error) {

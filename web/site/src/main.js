@@ -2,7 +2,8 @@
 import { BodyView } from "./body_view.js";
 import { besideNew, bytesOf, dropped } from "./files.js";
 import { hands } from "./hands.js";
-import { Library } from "./library.js";
+import { hints } from "./hints.js";
+import { Library, STOPPED } from "./library.js";
 import { MODELS } from "./models.js";
 import { Playback } from "./playback.js";
 import { Stage } from "./stage.js";
@@ -47,64 +48,72 @@ const page = {
 globalThis.kinoptPage = page;
 const { playback } = page;
 
-/** What can be done, and what can be dropped. */
-const DROP = "Drop your own robot (.urdf, .xml, meshes), character (.glb, .gltf, .bvh) or rig here.";
-const HINTS = {
-    character: ["Grab any joint and pull, while its clip plays too. Blue is pinned, red is at a limit.", DROP],
-    robot: ["Grab its tool or any joint and pull; a pinned tool stays. Red is at a limit.", DROP],
-    body: ["Grab any joint and pull. Blue is pinned, red is at a limit.", DROP],
-    movement: ["A robot follows a captured person, live.", "Drop a .bvh for it to follow, or another robot's .urdf."],
-};
+/** Between notes. */
+const BETWEEN = " · ";
 
 function say(words, bad = false) {
     element("status").textContent = words;
     element("status").classList.toggle("bad", bad);
 }
 
-/** What is open, if all goes well; the library's message if not. */
+/** Whether the page moves by itself: not where the visitor's system says that nothing should. */
+const begins = ({ kind }) => kind === "movement" && !matchMedia("(prefers-reduced-motion: reduce)").matches;
+
+/** What is open, if all goes well; the library's message if not, and the page as it was. */
 async function open(wanted, name) {
-    release();
-    page.kept.clear();
-    playback.running = false;
-    whole.stop();
+    page.opening = true;
     say(`Opening ${name}…`);
     const patience = setTimeout(() => (element("stop").hidden = false), 300);
     try {
         const asked = { ...(await wanted), skinning: page.method };
         const opened = await library.ask("open", asked);
+        release();
+        page.kept.clear();
+        whole.stop();
         page.asked = asked;
-        page.whole = undefined;
+        page.whole = page.hovered = undefined;
         page.view?.remove();
         page.opened = opened;
         page.pins = new Set(opened.pins);
         page.limits = [];
         page.view = new BodyView(stage, opened, asked.files);
         page.frames.length = 0;
-        playback.begin(opened.kind === "movement");
+        playback.begin(begins(opened));
+        element("choose").setAttribute("aria-pressed", String(!(name in MODELS)));
+        element("choose").textContent = name in MODELS ? "Your file" : `Your file: ${name}`;
         for (const button of document.querySelectorAll("[data-open]")) {
             button.setAttribute("aria-pressed", String(button.dataset.open === name));
         }
         // What the page brings itself is as it should be.
-        say(name in MODELS ? "" : opened.notes.join(" "));
+        say(name in MODELS ? "" : opened.notes.join(BETWEEN));
         const { view } = page;
-        view.dressed.then((notes) => view === page.view && notes.length > 0 && say([...opened.notes, ...notes].join(" ")));
+        view.dressed.then((notes) => view === page.view && notes.length > 0 && say([...opened.notes, ...notes].join(BETWEEN)));
     } catch (error) {
-        say(error.message, true);
-        // A library that was stopped has forgotten what it had before.
-        if (page.asked) page.view.show(await library.ask("open", { ...page.asked, skinning: page.method }));
-        playback.begin(page.opened?.kind === "movement");
-        page.whole = undefined;
+        say(/not given/.test(error.message) ? `${error.message}. Drop it too.` : error.message, true);
+        if (page.asked && error.message === STOPPED) await anew();
     } finally {
+        page.opening = false;
         clearTimeout(patience);
         element("stop").hidden = true;
         tools();
     }
 }
 
+/** A library that was stopped has forgotten what it had: it is opened again, at rest. */
+async function anew() {
+    release();
+    page.kept.clear();
+    page.limits = [];
+    page.whole = undefined;
+    page.view.show(await library.ask("open", { ...page.asked, skinning: page.method }));
+    playback.begin(begins(page.opened));
+    mark();
+}
+
 /** What the tools say and do of what is open. */
 function tools() {
-    const { kind, triangles, seconds, pins = [] } = page.opened ?? {};
-    const [toDo = "", toDrop = ""] = HINTS[kind === "robot" && pins.length > 0 ? "body" : kind] ?? [];
+    const { kind, triangles, seconds } = page.opened ?? {};
+    const [toDo, toDrop] = hints(page.opened, playback.running);
     element("to-do").textContent = toDo && `${toDo} Beside it the view turns.`;
     element("to-drop").textContent = toDrop;
     element("pin").hidden = kind === "movement";
@@ -166,7 +175,7 @@ function heldOverClip() {
 }
 
 async function step() {
-    if (page.busy || !page.view) return;
+    if (page.busy || page.opening || !page.view) return;
     if (playback.running) follow(await shown("play", { ...playback.advance(page.opened.seconds), held: heldOverClip() }));
     else if (page.target && page.moved) {
         const told = await shown("drag", { target: page.target.toArray() });
@@ -247,7 +256,7 @@ element("whole").onclick = async () => {
         say(`The whole movement: ${(1000 * meanError).toFixed(0)} mm off in the mean, what stands slips by ${(1000 * slip).toFixed(1)} mm at most.`);
         return await shown("follow", { movement });
     } catch (error) {
-        if (view === page.view) say(error.message, error.message !== "Stopped.");
+        if (view === page.view) say(error.message, error.message !== STOPPED);
         return undefined;
     } finally {
         element("stop").hidden = true;
@@ -269,6 +278,7 @@ async function openFiles(list) {
     }));
     await open(wanted, files[0].name);
 }
+element("choose").onclick = () => element("file").click();
 element("file").onchange = ({ target }) => {
     openFiles([...target.files]);
     // The same file, mended, may be chosen again.

@@ -22,7 +22,9 @@ export function shapesOf(robot, names) {
     });
     const some = [...missing].slice(0, 3).join(", ");
     const note = `${missing.size} meshes were not dropped with it, or are none that can be drawn: ${some}${missing.size > 3 ? ", …" : ""}.`;
-    return missing.size > 0 ? { shapes, notes: [note], sticks: parents(robot) } : { shapes, notes: [] };
+    if (missing.size > 0) return { shapes, notes: [note], sticks: parents(robot) };
+    const empty = shapes.every((own) => own.length === 0);
+    return empty ? { shapes, notes: ["It has no shapes, so sticks stand for its links."], sticks: parents(robot) } : { shapes, notes: [] };
 }
 
 /** The number of the frame that each one hangs on, -1 where none does: that to which one joint less leads. */

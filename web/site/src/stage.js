@@ -84,6 +84,26 @@ export class Stage {
         this.orbit.update();
     }
 
+    /** Turns the view about what it looks at, radians: to the right and upward, not over the top. */
+    turn(right, up) {
+        const back = this.camera.position.clone().sub(this.orbit.target).applyAxisAngle(this.camera.up, right);
+        const aside = new THREE.Vector3().crossVectors(this.camera.up, back).normalize();
+        const from = back.angleTo(this.camera.up);
+        back.applyAxisAngle(aside, THREE.MathUtils.clamp(from - up, 0.05, Math.PI - 0.05) - from);
+        this.#stand(back);
+    }
+
+    /** Comes so many times as near. */
+    nearer(times) {
+        this.#stand(this.camera.position.clone().sub(this.orbit.target).divideScalar(times));
+    }
+
+    #stand(back) {
+        this.camera.position.copy(this.orbit.target).add(back);
+        this.orbit.update();
+        this.touch();
+    }
+
     /** Where a place is on the page, in pixels. */
     toScreen(place) {
         const { left, top, width, height } = this.canvas.getBoundingClientRect();

@@ -13,7 +13,7 @@ test("any joint, pins, keys, both skins, its clip", { skip }, async () => {
     const at = (name) => page.evaluate((name) => kinoptPage.view.place(name).toArray(), name);
     const canvas = page.locator("#stage");
     await canvas.focus();
-    await page.keyboard.press("Tab");
+    await page.keyboard.press("j");
     const name = await page.evaluate(() => kinoptPage.grabbed);
     assert.ok(name);
     const grabbed = await seen(page, "right_hand");

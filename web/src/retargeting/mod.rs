@@ -75,7 +75,8 @@ impl Mapped {
         let (map, guessed, notes) = match map {
             Some(map) => {
                 let map = BodyMap::from_json(&map, robot.inner.name());
-                (map.map_err(raise)?, None, Vec::new())
+                let wrong = |error| raise(format_args!("the map: {error}"));
+                (map.map_err(wrong)?, None, Vec::new())
             }
             None => {
                 let guess = BodyMap::guess(&capture, robot.inner.model()).map_err(raise)?;

@@ -1,6 +1,5 @@
 //! Tasks of whole bodies: balance, velocities, relations of joints.
 
-use js_sys::Array;
 use kinopt::model::{Masses, PointMass, UnknownName};
 use kinopt::spatial::Vector3;
 use kinopt::task::{
@@ -130,7 +129,8 @@ fn points(value: Option<&JsValue>, what: &str) -> Result<Vec<Vector3<f64>>, JsEr
     let Some(value) = value else {
         return Ok(Vec::new());
     };
-    let places = Array::from(value);
+    let no = || JsError::new(&format!("{what} must be a list of places"));
+    let places = given::list(value).ok_or_else(no)?;
     let places = places.iter().map(|place| given::vector::<3>(&place, what));
     let places = places.map(|place| place.map(Vector3::from));
     places.collect()

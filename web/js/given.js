@@ -1,0 +1,61 @@
+// What callers give, looked at before the module reads it: the module trusts lengths and types, and a wrong one would trap in it.
+// Each function returns what it was given, or throws a TypeError that says what is wanted.
+
+const kind = (value) => {
+    if (value === undefined) return "is missing";
+    if (value === null || Number.isNaN(value)) return `is ${value}`;
+    if (typeof value !== "object") return `is a ${typeof value}`;
+    return `is of ${value.constructor?.name ?? "no class"}`;
+};
+const wanted = (what, value, name) => new TypeError(`${name} ${kind(value)}: ${what} is wanted`);
+const isNumber = (value) => typeof value === "number";
+/** What has its length from the engine, and not from whoever made it. */
+const isList = (value) => Array.isArray(value) || (ArrayBuffer.isView(value) && !(value instanceof DataView));
+
+/** A list without what is none of its kind; typed arrays of numbers are taken as they are. */
+function list(value, name, what, isOne, one) {
+    if (!isList(value) || value instanceof BigInt64Array || value instanceof BigUint64Array) throw wanted(what, value, name);
+    if (!Array.isArray(value)) return value;
+    // By its length, as what is missing in between is skipped otherwise.
+    for (let k = 0; k < value.length; k += 1) if (!isOne(value[k])) throw wanted(one, value[k], `${name}[${k}]`);
+    return value;
+}
+
+export const numbers = (value, name) => list(value, name, "a list of numbers", isNumber, "a number");
+
+export function number(value, name) {
+    if (!isNumber(value) || Number.isNaN(value)) throw wanted("a number", value, name);
+    return value;
+}
+
+export function whole(value, name) {
+    if (!Number.isInteger(value) || value < 0 || value > 0xffffffff) throw new TypeError(`${name} is ${value}: a whole number of at least 0 is wanted`);
+    return value;
+}
+
+export function string(value, name) {
+    if (typeof value !== "string") throw wanted("a string", value, name);
+    return value;
+}
+
+export function strings(value, name) {
+    if (!Array.isArray(value)) throw wanted("a list of strings", value, name);
+    return list(value, name, "a list of strings", (one) => typeof one === "string", "a string");
+}
+
+export function array(value, name) {
+    if (!Array.isArray(value)) throw wanted("an array", value, name);
+    return value;
+}
+
+export function bytes(value, name) {
+    if (Array.isArray(value)) return numbers(value, name);
+    // Also where it is another page's.
+    if (value?.[Symbol.toStringTag] !== "Uint8Array" || !isList(value)) throw wanted("a Uint8Array", value, name);
+    return value;
+}
+
+export function instance(value, name, type) {
+    if (!(value instanceof type)) throw wanted(`a ${type.name}`, value, name);
+    return value;
+}

@@ -1,0 +1,125 @@
+// What was pulled stays as it is when a file is bad; fingers that hold nothing end no drag; the page is used without a mouse.
+import assert from "node:assert/strict";
+import test, { after, before } from "node:test";
+import { skip } from "./browser.js";
+import { file, seen, settled, status, visiting } from "./visit.js";
+
+const { opened, begin, end } = visiting();
+before(begin);
+after(end);
+
+const at = (page, name) => page.evaluate((name) => kinoptPage.view.place(name).toArray(), name);
+const bad = file("odd.urdf", "<robot");
+
+test("a bad file leaves the pose, what is grabbed, and what plays", { skip }, async () => {
+    const { page, said } = await opened();
+    const hand = await seen(page, "left_hand");
+    const rest = await at(page, "left_hand");
+    await page.mouse.move(hand.x, hand.y);
+    await page.mouse.down();
+    await page.mouse.move(hand.x - 30, hand.y + 60, { steps: 20 });
+    await page.mouse.up();
+    await settled(page);
+    const pulled = await at(page, "left_hand");
+    assert.ok(Math.hypot(...pulled.map((value, k) => value - rest[k])) > 0.05);
+    await page.locator("#file").setInputFiles([bad]);
+    await page.waitForFunction(() => document.querySelector("#status.bad"));
+    assert.deepEqual(await at(page, "left_hand"), pulled);
+    assert.equal(await page.evaluate(() => kinoptPage.grabbed), "left_hand");
+    await page.mouse.move(10, 300);
+    await page.locator("#play").click();
+    await page.locator("#file").setInputFiles([bad]);
+    await page.waitForFunction(() => !kinoptPage.opening);
+    assert.ok(await page.evaluate(() => kinoptPage.playback.running));
+    await page.locator("#file").setInputFiles([file("rig.json", "{}")]);
+    await page.waitForFunction(() => /rig\.json/.test(document.querySelector("#status").textContent));
+    assert.deepEqual(said, []);
+    await page.close();
+});
+
+test("a rig without the files that it names is told to bring them", { skip }, async () => {
+    const { page } = await opened();
+    const humanoid = await page.evaluate(async () => (await fetch("models/humanoid.json")).text());
+    await page.locator("#file").setInputFiles([file("humanoid.json", humanoid)]);
+    await page.waitForFunction(() => document.querySelector("#status.bad"));
+    assert.match(await status(page), /humanoid\.ply.*Drop it too/);
+    await page.close();
+});
+
+test("a robot without shapes has sticks", { skip }, async () => {
+    const { page } = await opened();
+    const joint = (parent, child) => `<joint name="${child}_joint" type="revolute"><parent link="${parent}"/><child link="${child}"/><origin xyz="0.5 0 0"/>
+        <axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="1" velocity="1"/></joint>`;
+    await page.locator("#file").setInputFiles([file("bare.urdf", `<robot name="bare"><link name="a"/><link name="b"/><link name="c"/>${joint("a", "b")}${joint("b", "c")}</robot>`)]);
+    await page.waitForFunction(() => kinoptPage.opened.kind === "robot");
+    assert.equal(await page.evaluate(() => kinoptPage.view.limbs.pairs.length), 2);
+    assert.match(await status(page), /no shapes/);
+    assert.equal(await page.locator("#choose").textContent(), "Your file: bare.urdf");
+    assert.equal(await page.locator('[data-open][aria-pressed="true"]').count(), 0);
+    await page.close();
+});
+
+test("keys choose a file, joints and the view; the joints are one stop", { skip }, async () => {
+    const { page, said } = await opened();
+    for (const key of ["Enter", " "]) {
+        await page.locator("#choose").focus();
+        const [chooser] = await Promise.all([page.waitForEvent("filechooser"), page.keyboard.press(key)]);
+        assert.ok(chooser.isMultiple());
+    }
+    await page.locator("#stage").focus();
+    const camera = () => page.evaluate(() => kinoptPage.stage.camera.position.toArray());
+    const from = await camera();
+    await page.keyboard.press("ArrowRight");
+    const turned = await camera();
+    assert.ok(Math.hypot(...turned.map((value, k) => value - from[k])) > 0.05, "an arrow turns the view");
+    await page.keyboard.press("+");
+    const away = (place) => page.evaluate((place) => kinoptPage.stage.orbit.target.distanceTo({ x: place[0], y: place[1], z: place[2] }), place);
+    assert.ok((await away(await camera())) < 0.95 * (await away(turned)), "plus comes nearer");
+    await page.keyboard.press("j");
+    const first = await page.evaluate(() => kinoptPage.grabbed);
+    await page.keyboard.press("j");
+    assert.notEqual(await page.evaluate(() => kinoptPage.grabbed), first);
+    await page.keyboard.press("Shift+J");
+    assert.equal(await page.evaluate(() => kinoptPage.grabbed), first);
+    await page.keyboard.press("Shift+S");
+    assert.equal(await page.evaluate(() => kinoptPage.method), "dqs");
+    await page.keyboard.press("Tab");
+    assert.equal(await page.evaluate(() => document.activeElement.id), "pin");
+    assert.deepEqual(said, []);
+    await page.close();
+});
+
+test("a joint is seen to be grabbed before it is, and only its own pointer lets it go", { skip }, async () => {
+    const { page } = await opened();
+    const cursor = () => page.evaluate(() => getComputedStyle(kinoptPage.stage.canvas).cursor);
+    const hand = await seen(page, "left_hand");
+    await page.mouse.move(hand.x, hand.y);
+    assert.equal(await cursor(), "grab");
+    await page.mouse.down();
+    assert.equal(await cursor(), "grabbing");
+    const other = (type) => page.evaluate((type) => kinoptPage.stage.canvas.dispatchEvent(new PointerEvent(type, { pointerId: 77, pointerType: "touch", clientX: 5, clientY: 300, bubbles: true })), type);
+    await other("pointerdown");
+    assert.equal(await page.evaluate(() => kinoptPage.stage.orbit.enabled), false, "a second finger does not turn the view");
+    await other("pointerup");
+    assert.ok(await page.evaluate(() => kinoptPage.held));
+    await page.mouse.up();
+    assert.ok(await page.evaluate(() => !kinoptPage.held));
+    await page.close();
+});
+
+test("nothing moves by itself where the visitor wants it still", { skip }, async () => {
+    const { page } = await opened({ reducedMotion: "reduce" });
+    await page.locator('[data-open="capture"]').click();
+    await page.waitForFunction(() => kinoptPage.opened.kind === "movement", undefined, { timeout: 60_000 });
+    assert.equal(await page.evaluate(() => kinoptPage.playback.running), false);
+    await page.close();
+});
+
+test("what cannot be fetched is told", { skip }, async () => {
+    const { page } = await opened();
+    await page.route("**/franka_panda.urdf", (route) => route.abort());
+    await page.locator('[data-open="panda"]').click();
+    await page.waitForFunction(() => document.querySelector("#status.bad"));
+    assert.match(await status(page), /franka_panda\.urdf cannot be fetched/);
+    await page.close();
+});
