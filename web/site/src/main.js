@@ -178,9 +178,11 @@ async function step() {
     if (page.busy || page.opening || !page.view) return;
     if (playback.running) follow(await shown("play", { ...playback.advance(page.opened.seconds), held: heldOverClip() }));
     else if (page.target && page.moved) {
+        // What is aimed at meanwhile counts in the next frame.
+        page.moved = false;
         const told = await shown("drag", { target: page.target.toArray() });
         if (!told) return;
-        page.moved = page.held || !told.rests;
+        page.moved ||= page.held || !told.rests;
         follow(told);
     }
 }
