@@ -89,7 +89,17 @@ test("the project's README serves the site", async () => {
     // Any free port.
     const server = spawn(command, ["-u", ...words, "0"], { cwd: root });
     try {
-        const port = await new Promise((told) => server.stdout.on("data", (text) => told(/port (\d+)/.exec(text)[1])));
+        // It comes in pieces of any size.
+        let printed = "";
+        const port = await new Promise((told) =>
+            server.stdout.on("data", (text) => {
+                printed += text;
+                const said = /port (\d+)\b./.exec(printed);
+                if (said) {
+                    told(said[1]);
+                }
+            }),
+        );
         const page = await fetch(`http://127.0.0.1:${port}/`);
         assert.match(await page.text(), /<title>.*kinopt/i);
     } finally {
