@@ -1,6 +1,7 @@
 //! One search by cyclic coordinate descent: what each joint does in a sweep.
 
 use super::goal::Goal;
+use super::grouped::Grouped;
 use super::sweeps::Sweep;
 use super::turn::{Slide, Turn, move_joint, turned};
 use crate::kinematics::{JointAxis, TreeState};
@@ -16,25 +17,26 @@ pub(super) struct Descent<'a> {
     /// Where each goal's frame stands now.
     placed: Vec<Placement<f64>>,
     /// By joint: the goals that it moves.
-    moves: Vec<Vec<usize>>,
-    /// By variable: the joints that it moves.
-    drives: Vec<Vec<usize>>,
+    moves: Grouped,
+    /// By variable: the joints that it moves, where these move a goal.
+    drives: Grouped,
 }
 
 impl<'a> Descent<'a> {
     pub(super) fn new(question: Question<'a>, goals: Vec<Goal>) -> Self {
         let tree = question.tree();
-        let mut moves = vec![Vec::new(); tree.joints()];
+        let mut moved = Vec::with_capacity(tree.joints());
         for (index, goal) in goals.iter().enumerate() {
             let first = tree.joint_carrying(goal.frame);
-            for joint in std::iter::successors(first, |&joint| tree.joint_above(joint)) {
-                moves[joint].push(index);
-            }
+            let carrying = std::iter::successors(first, |&joint| tree.joint_above(joint));
+            moved.extend(carrying.map(|joint| (joint, index)));
         }
-        let mut drives = vec![Vec::new(); question.problem.variables()];
-        for joint in (0..tree.joints()).filter(|&joint| !moves[joint].is_empty()) {
-            drives[tree.variable_of(joint).0].push(joint);
-        }
+        let moves = Grouped::new(tree.joints(), &moved);
+        let moving = (0..tree.joints()).filter(|&joint| !moves.of(joint).is_empty());
+        let driven: Vec<_> = moving
+            .map(|joint| (tree.variable_of(joint).0, joint))
+            .collect();
+        let drives = Grouped::new(question.problem.variables(), &driven);
         Self {
             question,
             state: TreeState::new(tree),
@@ -56,7 +58,7 @@ impl<'a> Descent<'a> {
     /// What the goals want of a turning joint.
     fn turn(&self, joint: usize, axis: &JointAxis) -> Turn {
         let mut turn = Turn::default();
-        for &index in &self.moves[joint] {
+        for &index in self.moves.of(joint) {
             let (goal, frame) = (&self.goals[index], &self.placed[index]);
             if let Some(place) = goal.place {
                 let (at, to) = (frame.apply(goal.offset), place.target);
@@ -76,7 +78,7 @@ impl<'a> Descent<'a> {
     /// What the goals want of a sliding joint.
     fn slide(&self, joint: usize, axis: &JointAxis) -> Slide {
         let mut slide = Slide::default();
-        for &index in &self.moves[joint] {
+        for &index in self.moves.of(joint) {
             let (goal, frame) = (&self.goals[index], &self.placed[index]);
             if let Some(place) = goal.place {
                 slide.pull(axis, place.target - frame.apply(goal.offset), place.weight);
@@ -100,7 +102,7 @@ impl<'a> Descent<'a> {
             }
             false => Placement::translation(axis.direction * by),
         };
-        for &index in &self.moves[joint] {
+        for &index in self.moves.of(joint) {
             self.placed[index] = carried * self.placed[index];
         }
     }
@@ -131,8 +133,8 @@ impl<'a> Descent<'a> {
             let frame = &self.placed[index];
             let at = frame.apply(goal.offset);
             let (mut velocity, mut spin) = (Vector3::zero(), Vector3::zero());
-            let moving = self.drives[variable].iter();
-            for &joint in moving.filter(|&&joint| self.moves[joint].contains(&index)) {
+            let moving = self.drives.of(variable).iter();
+            for &joint in moving.filter(|&&joint| self.moves.of(joint).contains(&index)) {
                 let axis = tree.axis(&self.state, joint);
                 let share = axis.direction * tree.variable_of(joint).1;
                 if axis.turns {
@@ -189,16 +191,16 @@ impl<'a> Descent<'a> {
 
 impl Sweep for Descent<'_> {
     fn sweep(&mut self, x: &mut [f64]) {
-        for variable in 0..self.drives.len() {
-            if self.drives[variable].len() > 1 {
+        for variable in 0..self.drives.groups() {
+            if self.drives.of(variable).len() > 1 {
                 self.move_shared(variable, x);
             }
         }
         self.forward(x);
         // Joints are numbered parents first, so this is from the tips to the root.
-        for joint in (0..self.moves.len()).rev() {
+        for joint in (0..self.moves.groups()).rev() {
             let (variable, _) = self.question.tree().variable_of(joint);
-            if !self.moves[joint].is_empty() && self.drives[variable].len() == 1 {
+            if !self.moves.of(joint).is_empty() && self.drives.of(variable).len() == 1 {
                 self.move_joint(joint, x);
             }
         }

@@ -45,6 +45,7 @@ mod descent;
 mod error;
 mod fabrik;
 mod goal;
+mod grouped;
 mod joint_groups;
 mod joint_points;
 mod joints_to_points;

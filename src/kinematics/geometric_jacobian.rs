@@ -36,7 +36,52 @@ impl Tree {
     ) {
         let rows = jacobian.nrows();
         let entries = jacobian.as_mut_slice();
-        let Some((last, at)) = self.hung(state, partials.frame) else {
+        let own = |variable: usize| {
+            let start = variable * rows + partials.first_row;
+            start..start + partials.linear.len()
+        };
+        // The shapes apart, as a frame has many ancestors.
+        match (partials.linear, partials.angular) {
+            // The most common, without a loop.
+            (&[by_x, by_y, by_z], []) => {
+                self.each_twist(state, partials.frame, |variable, linear, _| {
+                    if let [x, y, z] = &mut entries[own(variable)] {
+                        *x += by_x.dot(linear);
+                        *y += by_y.dot(linear);
+                        *z += by_z.dot(linear);
+                    }
+                });
+            }
+            (by_linear, []) => {
+                self.each_twist(state, partials.frame, |variable, linear, _| {
+                    for (entry, by_linear) in entries[own(variable)].iter_mut().zip(by_linear) {
+                        *entry += by_linear.dot(linear);
+                    }
+                });
+            }
+            (by_linear, by_angular) => {
+                self.each_twist(state, partials.frame, |variable, linear, angular| {
+                    let pairs = by_linear.iter().zip(by_angular);
+                    for (entry, (by_linear, by_angular)) in
+                        entries[own(variable)].iter_mut().zip(pairs)
+                    {
+                        *entry += by_linear.dot(linear) + by_angular.dot(angular);
+                    }
+                });
+            }
+        }
+    }
+
+    /// Tells of each joint that carries a frame its variable and the frame's velocity and angular velocity for one
+    /// unit of it.
+    #[inline(always)]
+    fn each_twist(
+        &self,
+        state: &TreeState<f64>,
+        frame: FrameSlot,
+        mut tell: impl FnMut(usize, Vector3<f64>, Vector3<f64>),
+    ) {
+        let Some((last, at)) = self.hung(state, frame) else {
             return;
         };
         let mut next = Some(last);
@@ -44,31 +89,12 @@ impl Tree {
             let node = &self.nodes[index];
             let origin_from_node = &state.origin_from_node[index];
             let axis = node.motion.world_axis(origin_from_node, &state.ball_axes) * node.ratio;
-            let (linear, angular) = if node.motion.turns() {
-                (axis.cross(at - origin_from_node.translation), axis)
-            } else {
-                (axis, Vector3::zero())
-            };
-            let start = node.variable * rows + partials.first_row;
-            let column = &mut entries[start..start + partials.linear.len()];
-            match (partials.linear, partials.angular, column) {
-                // The most common shape, without a loop.
-                ([by_x, by_y, by_z], [], [x, y, z]) => {
-                    *x += by_x.dot(linear);
-                    *y += by_y.dot(linear);
-                    *z += by_z.dot(linear);
+            match node.motion.turns() {
+                true => {
+                    let lever = at - origin_from_node.translation;
+                    tell(node.variable, axis.cross(lever), axis);
                 }
-                (by_linear, [], column) => {
-                    for (entry, by_linear) in column.iter_mut().zip(by_linear) {
-                        *entry += by_linear.dot(linear);
-                    }
-                }
-                (by_linear, by_angular, column) => {
-                    let pairs = by_linear.iter().zip(by_angular);
-                    for (entry, (by_linear, by_angular)) in column.iter_mut().zip(pairs) {
-                        *entry += by_linear.dot(linear) + by_angular.dot(angular);
-                    }
-                }
+                false => tell(node.variable, axis, Vector3::zero()),
             }
             next = node.parent;
         }
