@@ -74,6 +74,7 @@ mod bad_option;
 mod buffer;
 #[cfg(feature = "collision")]
 pub mod collision;
+mod counted;
 mod file;
 pub mod geometric;
 pub mod ik;

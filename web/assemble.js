@@ -43,7 +43,10 @@ const checked = text("dist/kinopt.js").replace(
     /(^( *)\/\*\*\n(?: +\*.*\n)+?)(\2(?:static |export function )?\w+\(.*\) \{\n)([^]*?^\2\}$)/gm,
     (_, comment, indent, head, body) => comment + head + checks(comment, body) + body,
 );
-write("kinopt.js", ['import * as given from "./given.js";', checked]);
+// Where the module has no room for what is given, that is an error and no trap.
+const room = (name, sizeAt) => `const ${name} = given.allocating((...sizes) => wasm.__wbindgen_${name}(...sizes), ${sizeAt});`;
+const roomy = checked.replace(/, wasm\.__wbindgen_(malloc|realloc)\b/g, ", $1");
+write("kinopt.js", ['import * as given from "./given.js";', room("malloc", 0), room("realloc", 2), roomy]);
 
 mkdirSync(here("dist/models"));
 write("models/franka_panda.js", [`export default ${JSON.stringify(text("../models/franka_panda.urdf"))};`]);

@@ -6,17 +6,19 @@ use clap::Args;
 use kinopt::collision::{Checker, Collision, World};
 use serde::Serialize;
 
+use crate::collision_document::CollisionDocument;
 use crate::collision_options::CollisionOptions;
 use crate::failure::{Failure, Outcome};
 use crate::loaded_model::LoadedModel;
 use crate::model_options::ModelOptions;
 use crate::number_list::{self, Numbers};
 use crate::output;
+use crate::outside_limits::OutsideLimits;
 use crate::table::Table;
 
 const EXAMPLES: &str = "\
 Examples:
-  kinopt check robot.urdf --q 0,-0.8,0,-2.4,0,1.6,0.8 --world kitchen.json
+  kinopt check franka_panda.urdf --q 0,-0.8,0,-2.4,0,1.6,0.8,0.04,0.04 --world kitchen.json
                                                   what touches the table, and how deep
   kinopt check robot.urdf --q-file solved.json --world scene.yaml --margin 0.02 --json
                                                   what is nearer than 2 cm, in a scene of MoveIt's
@@ -27,7 +29,7 @@ Examples:
 /// By the exact distances of its collision shapes. Told are all pairs that are nearer to each other than --margin,
 /// the deepest first; and where there are none, the nearest. Which links are kept apart: all but those joined to each
 /// other, those that --srdf disables, and those that never or nearly always touch in random configurations. Ends with
-/// code 1 where something is too near.
+/// code 1 where something is too near. Joints that are beyond their limits are told too.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
@@ -70,16 +72,11 @@ struct Document<'a> {
     q: &'a [f64],
     free: bool,
     margin: f64,
-    collisions: Vec<Pair<'a>>,
+    collisions: Vec<CollisionDocument<'a>>,
     /// Of all pairs; none where nothing is checked.
-    nearest: Option<Pair<'a>>,
-}
-
-#[derive(Serialize)]
-struct Pair<'a> {
-    first: &'a str,
-    second: &'a str,
-    distance: f64,
+    nearest: Option<CollisionDocument<'a>>,
+    /// Joints beyond their limits.
+    outside_limits: &'a [OutsideLimits],
 }
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
@@ -113,14 +110,20 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         Some(deepest) => Some(deepest.clone()),
         None => checker.nearest(&mut checker.workspace(), &q, f64::INFINITY)?,
     };
+    let outside = loaded.outside_limits(&q)?;
     let document = || Document {
         q: &q,
         free: collisions.is_empty(),
         margin: arguments.margin,
-        collisions: collisions.iter().map(Pair::of).collect(),
-        nearest: nearest.as_ref().map(Pair::of),
+        collisions: collisions.iter().map(CollisionDocument::of).collect(),
+        nearest: nearest.as_ref().map(CollisionDocument::of),
+        outside_limits: &outside,
     };
-    output::result(json, document, || text(&collisions, nearest.as_ref()))?;
+    let text = || {
+        let outside = outside.iter().map(|joint| format!("{joint}\n"));
+        text(&collisions, nearest.as_ref()) + &outside.collect::<String>()
+    };
+    output::result(json, document, text)?;
     match collisions.len() {
         0 => Ok(()),
         count => Err(Failure::Touching(format!(
@@ -131,24 +134,12 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     }
 }
 
-impl<'a> Pair<'a> {
-    fn of(collision: &'a Collision) -> Self {
-        Self {
-            first: &collision.first,
-            second: &collision.second,
-            distance: collision.distance,
-        }
-    }
-}
-
 fn text(collisions: &[Collision], nearest: Option<&Collision>) -> String {
     let millimetres = |metres: f64| format!("{:.3} mm", 1e3 * metres);
     match (collisions, nearest) {
         ([], None) => "free: there is nothing to touch\n".to_owned(),
         ([], Some(nearest)) => format!(
-            "free: {} and {} are nearest, {} apart\n",
-            nearest.first,
-            nearest.second,
+            "free: {nearest} are nearest, {} apart\n",
             millimetres(nearest.distance)
         ),
         _ => {
@@ -162,7 +153,9 @@ fn text(collisions: &[Collision], nearest: Option<&Collision>) -> String {
                     true => millimetres(pair.distance),
                     false => String::new(),
                 };
-                table.row([pair.first.clone(), pair.second.clone(), depth, apart]);
+                let first = format!("{} {}", pair.first_kind, pair.first);
+                let second = format!("{} {}", pair.second_kind, pair.second);
+                table.row([first, second, depth, apart]);
             }
             table.text()
         }

@@ -16,6 +16,7 @@ mod bench;
 mod bench_left_out;
 mod check;
 mod closed_by_fk;
+mod collision_document;
 mod collision_options;
 mod configuration;
 mod fk;
@@ -35,6 +36,7 @@ mod number_format;
 mod number_list;
 mod numpy_file;
 mod output;
+mod outside_limits;
 mod path;
 mod placed_frames;
 mod progress;
@@ -51,7 +53,8 @@ mod weights_choice;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::error::Error;
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 #[cfg(not(feature = "bench"))]
 use bench_left_out as bench;
@@ -119,8 +122,21 @@ enum Subcommands {
     Bench(bench::Arguments),
 }
 
+/// The command as it was typed. A negative number is one wherever an option takes a value, so that it is refused for what it is and not
+/// as an option that is unknown.
+fn parsed() -> Result<Command, Error> {
+    let mut command = Command::command().mut_subcommands(|subcommand| {
+        subcommand.mut_args(|option| {
+            let takes_value = option.get_action().takes_values();
+            option.allow_negative_numbers(takes_value)
+        })
+    });
+    let typed = command.try_get_matches_from_mut(std::env::args_os())?;
+    Command::from_arg_matches(&typed).map_err(|error| error.format(&mut command))
+}
+
 fn main() -> ExitCode {
-    let command = match Command::try_parse() {
+    let command = match parsed() {
         Ok(command) => command,
         Err(error) => {
             // Help, version or wrong usage; clap knows which stream and code. A closed stream

@@ -59,12 +59,15 @@ class ArmQuestion:
 
 @dataclass(frozen=True)
 class ProblemQuestion:
-    """A problem, asked with targets for some of its tasks."""
+    """A problem, asked with targets for some of its tasks; behind them, as if they were targets too, come weights and
+    joints' origins."""
 
     problem: Problem
     solver: Solver
     names: tuple[str | int, ...]
     missing: Missing
+    is_weighed: bool = False
+    joints: tuple[str, ...] = ()
 
     @property
     def length(self) -> int:
@@ -82,33 +85,74 @@ class ProblemQuestion:
 
     def target_axes(self, index: int) -> int:
         """How many axes one target has."""
+        if index >= len(self.names):
+            return 1
         task = self.problem.tasks[self.task(self.names[index])]
         kind = getattr(task, "task", task)._kind
         if kind in _NOT_BY:
             raise InvalidValueError(f"a solution is not differentiated by the target of a {kind} task")
         return _AXES.get(kind, 1)
 
+    def restated(self, others: Sequence[Floats]) -> Problem:
+        """The problem with one set of weights and origins."""
+        problem = self.problem
+        if self.is_weighed:
+            problem = problem.with_weights(others[0])
+        if self.joints:
+            places = others[len(others) - len(self.joints) :]
+            problem = problem.with_joint_origins(dict(zip(self.joints, places, strict=True)))
+        return problem
+
+    def problems(self, targets: Sequence[Floats], rows: int) -> list[tuple[Problem, list[int]]]:
+        """The problems of N questions, each with the questions that it is asked."""
+        others = targets[len(self.names) :]
+        same: dict[bytes, list[int]] = {}
+        for row in range(rows):
+            same.setdefault(b"".join(other[row].tobytes() for other in others), []).append(row)
+        return [(self.restated([other[own[0]] for other in others]), own) for own in same.values()]
+
     def solve(self, targets: Sequence[Floats], starts: Floats) -> Floats:
         """N configurations for N targets."""
-        by_name = dict(zip(self.names, targets, strict=True))
-        return self.solver.solve_batch(self.problem, starts, by_name).q
+        q = np.empty((len(starts), self.length))
+        for problem, own in self.problems(targets, len(starts)):
+            by_name = {name: target[own] for name, target in zip(self.names, targets, strict=False)}
+            q[own] = self.solver.solve_batch(problem, starts[own], by_name).q
+        return q
 
     def pull(self, targets: Sequence[Floats], q: Floats, by_q: Floats) -> list[Floats]:
         """Slopes by N targets from those by their configurations."""
         slopes = [np.zeros_like(target) for target in targets]
-        for index in range(len(q)):
-            own = dict(zip(self.names, (target[index] for target in targets), strict=True))
-            derivative = self.problem.derivative(q[index], own)
-            gradient = derivative.gradient(by_q=by_q[index])["targets"]
-            for slope, name in zip(slopes, self.names, strict=True):
-                told = gradient.get(name, gradient.get(self.problem.task_names[self.task(name)]))
-                if told is None:
-                    raise InvalidValueError(f"a solution has no derivative by the target of {name}")
-                kept = _kept(told, derivative.existence, index, self.missing)
-                if own[name].ndim == 1 and kept.shape != own[name].shape:
-                    slope[index] = _on_posture(self.problem.model, own[name], kept)
-                else:
-                    slope[index] = _on_target(own[name], kept)
+        for problem, own in self.problems(targets, len(q)):
+            for index in own:
+                for slope, pulled in zip(slopes, self._pull(problem, index, targets, q, by_q), strict=True):
+                    slope[index] = pulled
+        return slopes
+
+    def _pull(
+        self, problem: Problem, index: int, targets: Sequence[Floats], q: Floats, by_q: Floats
+    ) -> list[Floats]:
+        """The slopes of one question."""
+        own = dict(zip(self.names, (target[index] for target in targets), strict=False))
+        derivative = problem.derivative(q[index], own)
+        gradient = derivative.gradient(by_q=by_q[index])
+
+        def kept(slope: Floats) -> Floats:
+            return _kept(slope, derivative.existence, index, self.missing)
+
+        slopes = []
+        for name in self.names:
+            by_task = gradient["targets"]
+            told = by_task.get(name, by_task.get(problem.task_names[self.task(name)]))
+            if told is None:
+                raise InvalidValueError(f"a solution has no derivative by the target of {name}")
+            slope = kept(told)
+            if own[name].ndim == 1 and slope.shape != own[name].shape:
+                slopes.append(_on_posture(problem.model, own[name], slope))
+            else:
+                slopes.append(_on_target(own[name], slope))
+        if self.is_weighed:
+            slopes.append(kept(gradient["weights"]))
+        slopes.extend(kept(gradient["joint_origins"][joint]) for joint in self.joints)
         return slopes
 
 
@@ -116,19 +160,30 @@ Question: TypeAlias = ArmQuestion | ProblemQuestion
 
 
 def question(
-    asked: Arm | Problem, targets: Any, solver: Solver | None, missing: Missing
+    asked: Arm | Problem,
+    targets: Any,
+    solver: Solver | None,
+    missing: Missing,
+    weights: Any = None,
+    joint_origins: Mapping[str, Any] | None = None,
 ) -> tuple[Question, list[Any]]:
-    """What is asked, and its targets in a list."""
+    """What is asked, and what it is differentiated by in a list."""
     if missing not in ("nan", "zero", "raise"):
         raise InvalidValueError(f'missing is {missing!r}: "nan", "zero" or "raise"')
     if isinstance(asked, Arm):
         if solver is not None:
             raise InvalidValueError("an arm is asked without a solver")
+        if weights is not None or joint_origins is not None:
+            raise InvalidValueError("an arm takes no weights and no joints' origins: ask a Problem with a Pose")
         return ArmQuestion(asked, missing), [targets]
     if not isinstance(targets, Mapping):
         raise InvalidValueError("the targets of a problem are a dict by task")
-    own = ProblemQuestion(asked, solver or Solver(), tuple(targets), missing)
-    return own, list(targets.values())
+    if not isinstance(joint_origins or {}, Mapping):
+        raise InvalidValueError("joint_origins is a dict by joint")
+    origins = dict(joint_origins or {})
+    is_weighed = weights is not None
+    own = ProblemQuestion(asked, solver or Solver(), tuple(targets), missing, is_weighed, tuple(origins))
+    return own, [*targets.values(), *([weights] if is_weighed else []), *origins.values()]
 
 
 def batched(

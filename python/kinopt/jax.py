@@ -32,6 +32,8 @@ def solve(
     targets: Any,
     start: Any,
     *,
+    weights: Any = None,
+    joint_origins: Mapping[str, Any] | None = None,
     solver: Solver | None = None,
     missing: Missing = "nan",
 ) -> Any:
@@ -42,15 +44,16 @@ def solve(
     posture. ``start`` has shape (nq,) or (..., nq). Leading axes are the batch and broadcast. The gradient by a pose is
     that by its motions, so that it may be made in any way that keeps it one.
 
+    A problem is differentiable by what else it is made of too: ``weights``, an array of shape (..., rows of
+    ``Solution.rows``), in the place of ``problem.weights``, and ``joint_origins``, a dict by joint of arrays of shape
+    (..., 3), metres in the parent's axes: the lengths of links.
+
     Where a solution has no derivative, its gradient is NaN, zero, or an error, as ``missing`` says; where there are
     many solutions, it is that of the shortest change.
 
     Raises ``InvalidValueError`` for other shapes.
     """
-    if isinstance(targets, Mapping):
-        # The dict itself is what is differentiated by; its keys are known.
-        targets = dict(targets)
-    own, arrays = _solving.question(asked, targets, solver, missing)
+    own, arrays = _solving.question(asked, targets, solver, missing, weights, joint_origins)
     return _solve(own, tuple(jnp.asarray(array, float) for array in arrays), jnp.asarray(start, float))
 
 

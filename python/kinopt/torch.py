@@ -6,6 +6,7 @@ solution: no step of the solver is recorded.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from importlib.util import find_spec
 from typing import Any
 
@@ -29,6 +30,8 @@ def solve(
     targets: Any,
     start: Any,
     *,
+    weights: Any = None,
+    joint_origins: Mapping[str, Any] | None = None,
     solver: Solver | None = None,
     missing: Missing = "nan",
 ) -> Any:
@@ -39,13 +42,17 @@ def solve(
     (..., n) for a posture. ``start`` has shape (nq,) or (..., nq). Leading axes are the batch and broadcast. The gradient
     by a pose is that by its motions, so that it may be made in any way that keeps it one.
 
+    A problem is differentiable by what else it is made of too: ``weights``, a tensor of shape (..., rows of
+    ``Solution.rows``), in the place of ``problem.weights``, and ``joint_origins``, a dict by joint of tensors of shape
+    (..., 3), metres in the parent's axes: the lengths of links.
+
     Where a solution has no derivative, its gradient is NaN, zero, or an error, as ``missing`` says; where there are
     many solutions, it is that of the shortest change. ``solver`` is that of a problem; one with tight tolerances and
     no time limit is best.
 
     Raises ``InvalidValueError`` for other shapes, and ``NoDerivativeError`` where ``missing`` is "raise".
     """
-    own, tensors = _solving.question(asked, targets, solver, missing)
+    own, tensors = _solving.question(asked, targets, solver, missing, weights, joint_origins)
     some = next((own for own in [*tensors, start] if isinstance(own, torch.Tensor)), None)
     kind = {"dtype": torch.float64} if some is None else {"dtype": some.dtype, "device": some.device}
     tensors = [torch.as_tensor(tensor, **kind) for tensor in tensors]

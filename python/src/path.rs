@@ -16,6 +16,7 @@ use crate::arrays::{self, shape_text};
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
 use crate::placement::placements;
+use crate::solution::Collision;
 
 /// A step in which an arm leaves its branch.
 #[pyclass(frozen, get_all, module = "kinopt")]
@@ -102,7 +103,7 @@ impl MissedPoint {
 type Lists<'py> = (
     Vec<Bound<'py, Reconfiguration>>,
     Vec<Bound<'py, MissedPoint>>,
-    Vec<(usize, String, String, f64)>,
+    Vec<(usize, Bound<'py, Collision>)>,
 );
 
 /// Joints for a whole path.
@@ -136,9 +137,9 @@ pub(crate) struct PathSolution {
     /// The points that are not reached, in order.
     #[pyo3(get)]
     missed: Vec<MissedPoint>,
-    /// The steps that are not surely free, of an arm with a world: (row that it leads to, first, second, distance).
+    /// The steps that are not surely free, of an arm with a world: (row that it leads to, `Collision`).
     #[pyo3(get)]
-    blocked: Vec<(usize, String, String, f64)>,
+    blocked: Vec<(usize, Collision)>,
     /// How a file was read; None of an array.
     #[pyo3(get)]
     read_as: Option<String>,
@@ -258,7 +259,10 @@ impl PathSolution {
             largest_turn,
             largest_turn_at,
             missed: missed.iter().map(|m| m.get().clone()).collect(),
-            blocked,
+            blocked: blocked
+                .iter()
+                .map(|(row, by)| (*row, by.get().clone()))
+                .collect(),
             read_as,
             rates,
         }
@@ -368,19 +372,12 @@ fn tell(
             MissReason::BeyondReach { distance, reach } => {
                 format!("beyond reach: {distance:.4} m away, and the chain is {reach:.4} m long")
             }
-            MissReason::Touches(pair) => format!("{} and {} touch there", pair.first, pair.second),
+            MissReason::Touches(pair) => format!("{pair} touch there"),
             _ => "no configuration within the limits was found".to_owned(),
         },
     });
-    let blocked = solution.blocked.iter().map(|blocked| {
-        let by = &blocked.by;
-        (
-            blocked.index,
-            by.first.clone(),
-            by.second.clone(),
-            by.distance,
-        )
-    });
+    let blocked = solution.blocked.iter();
+    let blocked = blocked.map(|blocked| (blocked.index, Collision::from(blocked.by.clone())));
     let deviation = solution.largest_deviation;
     PathSolution {
         reconfigured_at: steps.collect(),

@@ -56,6 +56,9 @@ def test_what_is_touched_is_named(arm: kinopt.Arm) -> None:
     assert not solution.reached and solution.goals_reached
     worst = solution.collisions[0]
     assert isinstance(worst, kinopt.Collision)
+    assert worst.first_kind == "link" and not worst.on_the_way
+    assert str(worst) == f"link `{worst.first}` and {worst.second_kind} `{worst.second}`"
+    assert pickle.loads(pickle.dumps(worst)) == worst
     assert any(pair.second == "table" for pair in solution.collisions)
     assert worst.distance < 0 and worst.depth == -worst.distance
     assert "`table`" in solution.explain()

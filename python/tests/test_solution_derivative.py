@@ -198,6 +198,43 @@ def pose(module, base, twist):
     return base @ exponential(stacked)
 
 
+def weighed(robot, target):
+    """A pose that a posture is traded against, so that the answer depends on weights and lengths."""
+    asked = [tasks.Pose("flange", target, name="hand"), tasks.Posture(START, name="rest", weight=0.3)]
+    solver = kinopt.Solver(gradient_tolerance=1e-13, attempts=1, max_iterations=500)
+    return kinopt.Problem(robot, asked, preferences="traded"), solver
+
+
+def test_weights_and_origins_take_the_place_of_those_that_were(robot, targets):
+    problem, solver = weighed(robot, targets[0])
+    weights = problem.weights
+    assert weights.shape == (len(problem.derivative(START).gradient(np.ones(6))["weights"]),) == (3,)
+    heavier = problem.with_weights([2.0, 0.5, 0.1])
+    stated = [
+        tasks.Pose("flange", targets[0], name="hand", weight={"metres": 2.0, "radians": 0.5}),
+        tasks.Posture(START, name="rest", weight=0.1),
+    ]
+    own = kinopt.Problem(robot, stated, preferences="traded")
+    np.testing.assert_array_equal(solver.solve(heavier, START).q, solver.solve(own, START).q)
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(heavier)).weights, [2.0, 0.5, 0.1])
+    longer = problem.with_joint_origins({"joint2": (0.0, 0.0, 0.5)})
+    longer = longer.with_joint_origins({"joint3": (0.1, 0.0, 0.4)})
+    again = kinopt.Problem(
+        robot,
+        problem.tasks,
+        preferences="traded",
+        joint_origins={"joint2": (0.0, 0.0, 0.5), "joint3": (0.1, 0.0, 0.4)},
+    )
+    np.testing.assert_array_equal(longer.residual(START), again.residual(START))
+    assert abs(longer.residual(START) - problem.residual(START)).max() > 0.01
+    with pytest.raises(kinopt.InvalidValueError, match="2 weights are given, the problem has 3"):
+        problem.with_weights([1.0, 1.0])
+    with pytest.raises(kinopt.UnknownNameError, match="joint7"):
+        problem.with_joint_origins({"joint7": (0.0, 0.0, 0.0)})
+    with pytest.raises(kinopt.InvalidValueError, match="not finite|rigid"):
+        problem.with_joint_origins({"joint2": (0.0, np.nan, 0.0)})
+
+
 class TestTorch:
     torch = staticmethod(
         lambda: pytest.importorskip(
@@ -237,6 +274,23 @@ class TestTorch:
         twist = torch.zeros(6, dtype=torch.float64, requires_grad=True)
         rest = torch.tensor(START, dtype=torch.float64, requires_grad=True)
         assert torch.autograd.gradcheck(q, (twist, rest), eps=1e-4, atol=1e-5)
+
+    def test_gradients_by_weights_and_lengths_are_differences(self, robot, targets):
+        torch = self.torch()
+        import kinopt.torch
+
+        problem, solver = weighed(robot, targets[0])
+
+        def q(weights, elbow):
+            origins = {"joint3": elbow}
+            return kinopt.torch.solve(
+                problem, {}, START, weights=weights, joint_origins=origins, solver=solver
+            )
+
+        weights = torch.tensor([[1.0, 0.3, 0.4], [0.8, 0.5, 0.2]], dtype=torch.float64, requires_grad=True)
+        elbow = torch.tensor([0.02, 0.01, 0.45], dtype=torch.float64, requires_grad=True)
+        assert q(weights, elbow).shape == (2, 6)
+        assert torch.autograd.gradcheck(q, (weights, elbow), eps=1e-4, atol=1e-5)
 
     def test_batches_broadcast_and_keep_their_type(self, arm, targets):
         torch = self.torch()
@@ -325,3 +379,29 @@ class TestJax:
         derivative = problem.derivative(q)
         np.testing.assert_allclose(told["hand"], np.ones(6) @ derivative.by_target("hand"), atol=1e-7)
         assert told["posture"].shape == (6,)
+
+    def test_gradients_by_weights_and_lengths_are_differences(self, digits, robot, arm, targets):
+        jax, jnp = digits, digits.numpy
+        import kinopt.jax
+
+        problem, solver = weighed(robot, targets[0])
+
+        def cost(numbers):
+            weights, origins = numbers[:3], {"joint3": numbers[3:]}
+            q = kinopt.jax.solve(
+                problem, {}, START, weights=weights, joint_origins=origins, solver=solver
+            )
+            return (q * jnp.arange(1.0, 7.0)).sum()
+
+        at = jnp.array([[1.0, 0.3, 0.4, 0.02, 0.01, 0.45], [0.8, 0.5, 0.2, 0.0, 0.0, 0.4]])
+        told = jax.vmap(jax.grad(cost))(at)
+        step = 1e-4
+        for numbers, slopes in zip(at, told, strict=True):
+            shown = [
+                (cost(numbers + step * unit) - cost(numbers - step * unit)) / (2 * step)
+                for unit in jnp.eye(6)
+            ]
+            np.testing.assert_allclose(slopes, shown, atol=2e-5)
+            assert abs(slopes).min() > 1e-6
+        with pytest.raises(kinopt.InvalidValueError, match="an arm takes no weights"):
+            kinopt.jax.solve(arm, targets[0], START, weights=at[0, :3])

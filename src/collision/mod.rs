@@ -30,7 +30,7 @@ mod shape;
 mod sphere_model;
 mod world;
 
-pub use crate::problem::Collision;
+pub use crate::problem::{BodyKind, Collision};
 pub use checker::{Checker, CheckerError, CheckerWorkspace, Clearance, Way, WayChecker};
 pub use distance::{Separation, separation, separation_within};
 pub use mesh_file::MeshFile;

@@ -18,8 +18,8 @@ mod way_guard;
 mod workspace;
 
 pub use crate::search::{
-    ActiveLimit, BoundKind, Collision, MoveLimits, OpenLoop, Restarts, RowsReport, Side, Solution,
-    SolveError, TaskReport,
+    ActiveLimit, BodyKind, BoundKind, Collision, MoveLimits, OpenLoop, Restarts, RowsReport, Side,
+    Solution, SolveError, TaskReport,
 };
 pub use drag::{Drag, Leap};
 pub use loop_closure::LoopClosure;

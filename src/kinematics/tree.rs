@@ -262,6 +262,11 @@ impl Tree {
         self.variables
     }
 
+    /// Which of the model's frames it has, by slot.
+    pub(crate) fn frames(&self) -> impl Iterator<Item = FrameId> + '_ {
+        self.frames.iter().copied()
+    }
+
     /// Which of the model's frames a slot is.
     pub(crate) fn frame(&self, slot: FrameSlot) -> FrameId {
         self.frames[slot]

@@ -395,7 +395,7 @@ fn check_joint(index: usize, joint: &mut Joint) -> Result<(), ModelError> {
 }
 
 /// Checks that a placement is a finite rigid motion, and makes it one to the last digits.
-fn check_placement(
+pub(super) fn check_placement(
     kind: &'static str,
     name: &str,
     placement: &mut Placement<f64>,

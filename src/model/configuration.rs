@@ -7,7 +7,7 @@
 use super::parameter_map::{check_configuration, check_length, check_numbers};
 use super::rotation_chart::any_rotation;
 use super::segment::{Segment, SegmentKind, quaternion_at, write_quaternion};
-use super::{JointKind, Limits, Model, ModelError, RotationChart};
+use super::{JointId, JointKind, Model, ModelError, RotationChart};
 use crate::random::RandomStream;
 use crate::spatial::{Matrix3, Quaternion, Vector3, rotation_exp_jacobian, rotation_log_jacobian};
 
@@ -125,18 +125,38 @@ impl Model {
     /// rounding. False for a configuration of another length.
     #[must_use]
     pub fn is_within_limits(&self, q: &[f64]) -> bool {
+        q.len() == self.configuration_len() && self.outside_limits(q).next().is_none()
+    }
+
+    /// The joints that are beyond their limits, in the configuration's order: none where it
+    /// [is within them](Self::is_within_limits).
+    ///
+    /// # Errors
+    /// As [`integrate`](Self::integrate).
+    pub fn joints_outside_limits(&self, q: &[f64]) -> Result<Vec<JointId>, ModelError> {
+        self.check_configuration(q)?;
+        let mut joints: Vec<_> = self.outside_limits(q).collect();
+        joints.sort_unstable_by_key(|(coordinate, _)| *coordinate);
+        let mut joints: Vec<_> = joints.into_iter().map(|(_, joint)| joint).collect();
+        // A ball has four numbers, and limits of its own.
+        joints.dedup();
+        Ok(joints)
+    }
+
+    /// What is beyond its limits, by coordinate and joint.
+    fn outside_limits(&self, q: &[f64]) -> impl Iterator<Item = (usize, JointId)> {
         const ROUNDING: f64 = 1e-12;
-        let within = |(value, limits): (&f64, Limits)| limits.contains(*value);
-        let ball = |(segment, at): (&Segment, usize)| {
+        let numbers = q.iter().zip(self.limits()).zip(&self.moving).enumerate();
+        let numbers = numbers.filter(|(_, ((value, limits), _))| !limits.contains(**value));
+        let balls = self.balls().filter(|(segment, at)| {
             let Some(limits) = self.joints[segment.ball().index()].ball else {
-                return true;
+                return false;
             };
-            quaternion_at(&q[at..])
+            !quaternion_at(&q[*at..])
                 .is_some_and(|rotation| self.chart(segment).is_within(rotation, &limits, ROUNDING))
-        };
-        q.len() == self.configuration_len()
-            && q.iter().zip(self.limits()).all(within)
-            && self.balls().all(ball)
+        });
+        let numbers = numbers.map(|(coordinate, (_, joint))| (coordinate, *joint));
+        numbers.chain(balls.map(|(segment, at)| (at, segment.ball())))
     }
 
     /// A configuration drawn uniformly within the limits, always the same one for the same seed.

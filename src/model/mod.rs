@@ -170,6 +170,28 @@ impl Model {
         &self.joints[self.moving[coordinate].index()]
     }
 
+    /// The same model with the origins of some joints elsewhere on their parents (in the parent's axes, metres): links of
+    /// other lengths.
+    ///
+    /// # Errors
+    /// A joint beyond this model's, and a place that is not finite.
+    pub fn with_joint_origins(
+        mut self,
+        origins: impl IntoIterator<Item = (JointId, [f64; 3])>,
+    ) -> Result<Self, ModelError> {
+        for (id, origin) in origins {
+            let Some(joint) = self.joints.get_mut(id.index()) else {
+                return Err(ModelError::ForeignId {
+                    kind: "joint number",
+                    name: id.index().to_string(),
+                });
+            };
+            joint.parent_from_joint.translation = origin.into();
+            builder::check_placement("joint", &joint.name, &mut joint.parent_from_joint)?;
+        }
+        Ok(self)
+    }
+
     /// Puts a joint elsewhere on its parent, turned as it was; for layers that own the model.
     pub(crate) fn move_joint(&mut self, joint: JointId, translation: Vector3<f64>) {
         if let Some(own) = self.joints.get_mut(joint.index()) {

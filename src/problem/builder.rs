@@ -12,7 +12,7 @@ use super::{
 use crate::kinematics::{FrameSlot, Tree};
 use crate::model::{FrameId, JointId, JointKind, Limits, Model, ParameterMap};
 use crate::solver::{RotationSets, Swing, TurnLimit};
-use crate::task::{ErasedResidual, Quantity, Residual, Role, Rows, Task};
+use crate::task::{ErasedResidual, Quantity, Residual, Role, Room, Rows, Task};
 
 /// Default tolerance of lengths in metres and angles in radians.
 const DEFAULT_TOLERANCE: f64 = 1e-6;
@@ -373,7 +373,6 @@ fn compile_task(
 
     check_numbers(&name, &pending.rows, &pending.weights, &pending.tolerances)?;
     let mut blocks = Vec::with_capacity(pending.rows.len());
-    let mut weights = Vec::new();
     let mut next_row = first_row;
     for rows in &pending.rows {
         let own = |list: &[(Quantity, f64)]| {
@@ -381,19 +380,7 @@ fn compile_task(
             last.map(|&(_, value)| value)
         };
         let weight = own(&pending.weights).unwrap_or_else(|| default_weight(rows.quantity, model));
-        let weight = weight * pending.factor;
-        if !(weight >= 0.0 && weight.is_finite()) {
-            return Err(ProblemError::BadWeight {
-                task: name,
-                quantity: rows.quantity,
-                weight,
-            });
-        }
-        // In the cost a weight whose square is nothing is none.
-        let weight = match weight * weight < f64::MIN_POSITIVE {
-            true => 0.0,
-            false => weight,
-        };
+        let weight = Block::weight_of(&name, rows.quantity, weight * pending.factor)?;
         let tolerance = own(&pending.tolerances)
             .or_else(|| own(tolerances))
             .unwrap_or_else(|| default_tolerance(rows.quantity));
@@ -410,26 +397,22 @@ fn compile_task(
             weight,
             tolerance,
         });
-        weights.resize(weights.len() + rows.count, weight);
         next_row += rows.count;
     }
-    let rooms = pending.residual.rooms();
-    let mut edge_weights = Vec::new();
-    for room in &rooms {
-        let Some(&weight) = weights.get(room.rows()).and_then(<[f64]>::first) else {
-            let (rows, count) = (room.rows(), weights.len());
-            return Err(ProblemError::BadTask {
-                task: name,
-                problem: format!("it has a room of its rows {rows:?}, but {count} rows"),
-            });
-        };
-        edge_weights.resize(edge_weights.len() + room.edges(), weight);
+    let (rooms, count) = (pending.residual.rooms(), next_row - first_row);
+    let beyond = |room: &&Room| room.rows().is_empty() || room.rows().end > count;
+    if let Some(room) = rooms.iter().find(beyond) {
+        let rows = room.rows();
+        return Err(ProblemError::BadTask {
+            task: name,
+            problem: format!("it has a room of its rows {rows:?}, but {count} rows"),
+        });
     }
-    Ok(CompiledTask {
+    let mut task = CompiledTask {
         name,
         is_loop: pending.is_loop,
         role: pending.role,
-        binds: pending.role == Role::Goal && blocks.iter().any(Block::can_miss),
+        binds: false,
         blocks,
         rows: first_row..next_row,
         level: pending.level,
@@ -438,12 +421,14 @@ fn compile_task(
         rows_by_rank: 0..0,
         edges_by_rank: 0..0,
         swept: false,
-        edge_weights,
+        edge_weights: Vec::new(),
         rooms,
-        weights,
+        weights: Vec::new(),
         frames: slots,
         coordinates,
-    })
+    };
+    task.weigh();
+    Ok(task)
 }
 
 /// A task's own weights and tolerances must be usable and speak of rows that it has.

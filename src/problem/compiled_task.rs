@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
+use super::ProblemError;
 use crate::kinematics::FrameSlot;
-use crate::task::{Role, Room, Rows};
+use crate::task::{Quantity, Role, Room, Rows};
 
 /// How far from where it was a goal may end for the sake of ranks below, as a share of its tolerance.
 const KEPT: f64 = 1e-3;
@@ -20,6 +21,29 @@ pub(crate) struct Block {
 }
 
 impl Block {
+    /// What multiplies its rows, from a weight that is given.
+    ///
+    /// # Errors
+    /// One that is negative or not finite.
+    pub(super) fn weight_of(
+        task: &str,
+        quantity: Quantity,
+        weight: f64,
+    ) -> Result<f64, ProblemError> {
+        if !(weight >= 0.0 && weight.is_finite()) {
+            return Err(ProblemError::BadWeight {
+                task: task.to_owned(),
+                quantity,
+                weight,
+            });
+        }
+        // In the cost a weight whose square is nothing is none.
+        Ok(match weight * weight < f64::MIN_POSITIVE {
+            true => 0.0,
+            false => weight,
+        })
+    }
+
     /// Its rows, where those of its task begin at `to` instead of `from`.
     pub(crate) fn rows_after(&self, from: usize, to: usize) -> Range<usize> {
         self.rows.start - from + to..self.rows.end - from + to
@@ -78,6 +102,22 @@ impl CompiledTask {
 
     pub(crate) fn blocks(&self) -> impl Iterator<Item = &Block> {
         self.blocks.iter()
+    }
+
+    /// What follows from the weights of its blocks.
+    pub(super) fn weigh(&mut self) {
+        let blocks = self.blocks.iter();
+        self.weights.clear();
+        self.weights.extend(
+            blocks.flat_map(|block| std::iter::repeat_n(block.weight, block.measure.count)),
+        );
+        self.edge_weights.clear();
+        for room in &self.rooms {
+            let weight = self.weights.get(room.rows().start).copied();
+            let edges = std::iter::repeat_n(weight.unwrap_or_default(), room.edges());
+            self.edge_weights.extend(edges);
+        }
+        self.binds = self.role == Role::Goal && self.blocks.iter().any(Block::can_miss);
     }
 
     /// Whether what ranks below must leave a block's error where the search of its own rank left it.

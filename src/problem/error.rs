@@ -48,6 +48,30 @@ pub enum ProblemError {
         /// The weight.
         weight: f64,
     },
+    /// Weights of a problem that has fewer or more rows in its reports.
+    #[error(
+        "{given} weights are given, the problem has {expected}: one for each of a solution's rows"
+    )]
+    WeightCount {
+        /// How many were given.
+        given: usize,
+        /// How many there are.
+        expected: usize,
+    },
+    /// A model of another shape than the problem's.
+    #[error("model `{given}` is not the problem's `{expected}` with its joints elsewhere")]
+    ForeignModel {
+        /// The model that was given.
+        given: String,
+        /// The problem's.
+        expected: String,
+    },
+    /// Other numbers for a problem that keeps clear of something, which depends on them.
+    #[error("a problem that keeps clear of something does not take other {what}: build it anew")]
+    KeepsClear {
+        /// "weights" or "joint origins".
+        what: &'static str,
+    },
     /// A tolerance that is negative or NaN.
     #[error("task {task}: tolerance {tolerance} in {quantity} is not a number of at least 0")]
     BadTolerance {

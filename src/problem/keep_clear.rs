@@ -3,43 +3,12 @@
 use std::fmt::Debug;
 
 use super::builder::PendingTask;
-use super::{Problem, ProblemBuilder, ProblemError};
+use super::{Collision, Problem, ProblemBuilder, ProblemError};
 use crate::task::{Residual, Task};
 
 /// How much more a clearance counts that holds than one that leads. A goal that pulls into something by e metres comes e/w² into
 /// what the clearance adds to the margin, which at a millimetre so holds a pull of ten metres.
 const HOLDING: f64 = 100.0;
-
-/// Two things that are nearer to each other than they should be.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub struct Collision {
-    /// A link of the robot, or an obstacle attached to one.
-    pub first: String,
-    /// An obstacle, or another link.
-    pub second: String,
-    /// How far they are apart, metres; negative where one is in the other: by how much the shortest way frees them.
-    pub distance: f64,
-}
-
-impl Collision {
-    /// Two things by name, and how far they are apart, metres.
-    #[must_use]
-    pub fn new(first: &str, second: &str, distance: f64) -> Self {
-        Self {
-            first: first.to_owned(),
-            second: second.to_owned(),
-            distance,
-        }
-    }
-
-    /// How deep one is in the other, metres; 0 where they are apart.
-    #[must_use]
-    pub fn depth(&self) -> f64 {
-        (-self.distance).max(0.0)
-    }
-}
 
 /// What tells whether a body touches something.
 ///
@@ -71,8 +40,8 @@ pub trait ClearanceCheck: Clone + Debug + Send + Sync {
         self.collisions(q).is_empty()
     }
 
-    /// What ends the way from one configuration to another, on which all joints move evenly; `None` where all of it is surely
-    /// free.
+    /// What ends the way from one configuration to another, on which all joints move evenly, [on the way](Collision::on_the_way);
+    /// `None` where all of it is surely free.
     fn blocked(&mut self, from: &[f64], to: &[f64]) -> Option<Collision>;
 
     /// The share of such a way after which there is still some room to move: 1 where all of it is so.

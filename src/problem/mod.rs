@@ -3,6 +3,7 @@
 mod anchor;
 mod builder;
 mod by_parameters;
+mod collision;
 mod compiled_task;
 mod depths;
 mod derivatives;
@@ -18,6 +19,7 @@ mod parameter_vector;
 mod preferences;
 mod question;
 mod ranks;
+mod restated;
 mod tangent;
 mod targets;
 
@@ -26,11 +28,12 @@ use std::ops::Range;
 
 pub use builder::ProblemBuilder;
 pub(crate) use by_parameters::ParameterScratch;
+pub use collision::{BodyKind, Collision};
 pub use derivatives::Derivatives;
 pub use error::ProblemError;
 pub use evaluation::{Evaluation, Scratch};
 pub(crate) use keep_clear::{AnyClearanceCheck, Fence};
-pub use keep_clear::{ClearanceCheck, Collision, KeepClear};
+pub use keep_clear::{ClearanceCheck, KeepClear};
 pub(crate) use names::ReportNames;
 pub(crate) use normal_equations::NormalEquations;
 pub use parameter_vector::ParameterVector;

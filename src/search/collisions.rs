@@ -4,8 +4,9 @@ use super::Solution;
 use crate::problem::{Collision, Question};
 
 impl Solution {
-    /// The pairs that are nearer to each other at `q` than the margin asked for, the deepest first. A solution that is
-    /// [reached](Self::reached) has none; none are known where no world was given.
+    /// What is in the way: the pairs that are nearer to each other at `q` than the margin asked for, the deepest first; or where there are
+    /// none and the step to a better place is not surely free, the pair that it would come to ([`Collision::on_the_way`]). A solution
+    /// that is [reached](Self::reached) has none; none are known where no world was given.
     #[must_use]
     pub fn collisions(&self) -> &[Collision] {
         &self.collisions
@@ -30,7 +31,7 @@ impl Solution {
         }
     }
 
-    /// Takes what is touched; a solution that touches something is not reached.
+    /// Takes what is in the way; a solution that has something in its way is not reached.
     pub(crate) fn set_collisions(&mut self, collisions: Vec<Collision>) {
         self.reached &= collisions.is_empty();
         self.collisions = collisions;

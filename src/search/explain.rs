@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use super::{ActiveLimit, BoundKind, Collision, Side, Solution};
+use crate::counted::counted;
 use crate::model::LengthUnit;
 use crate::scalar::elementary;
 use crate::solver::Termination;
@@ -76,15 +77,19 @@ impl Solution {
     fn write_pairs(&self, text: &mut String) -> std::fmt::Result {
         let unit = self.length_unit().symbol();
         for pair in &self.collisions {
-            let (size, how) = match pair.distance < 0.0 {
-                true => (-pair.distance, "is in"),
-                false => (pair.distance, "is too near to"),
-            };
+            let size = Significant(pair.distance.abs());
+            let touches = pair.distance < 0.0;
+            if pair.on_the_way {
+                let how = if touches { "deep" } else { "apart" };
+                writeln!(text, "  {pair} end the way, {size} {unit} {how}.")?;
+                continue;
+            }
+            let how = if touches { "is in" } else { "is too near to" };
             let Collision { first, second, .. } = pair;
+            let [one, other] = [pair.first_kind, pair.second_kind];
             writeln!(
                 text,
-                "  `{first}` {how} `{second}`: {} {unit}.",
-                Significant(size)
+                "  {one} `{first}` {how} {other} `{second}`: {size} {unit}."
             )?;
         }
         Ok(())
@@ -314,9 +319,4 @@ impl std::fmt::Display for Significant {
         };
         write!(f, "{value:.decimals$}")
     }
-}
-
-fn counted(count: usize, noun: &str) -> String {
-    let plural = if count == 1 { "" } else { "s" };
-    format!("{count} {noun}{plural}")
 }

@@ -25,7 +25,7 @@ mod restarts;
 mod schedule;
 mod solution;
 
-pub use crate::problem::Collision;
+pub use crate::problem::{BodyKind, Collision};
 pub use crate::solver::Side;
 pub(crate) use attempt::{Attempt, Found};
 pub(crate) use attempts::{Attempts, Engine, run};

@@ -1,6 +1,8 @@
 //! A checker says which pairs are nearer than the margin, and by how much: places known by hand.
 
-use kinopt::collision::{Checker, CheckerError, CollisionModel, CollisionObject, Shape, World};
+use kinopt::collision::{
+    BodyKind, Checker, CheckerError, CollisionModel, CollisionObject, Shape, World,
+};
 use kinopt::model::{FrameId, Limits, Model};
 use kinopt::spatial::{Placement, Vector3};
 
@@ -61,6 +63,33 @@ fn pairs_are_told_with_their_distance_the_deepest_first() {
     // The end at 3 is 0.85 from the wall, its ball 0.75; the end at 1 the same on the other side, 0.95 and 0.85.
     assert!((found[1].distance - 0.75).abs() < 1e-9);
     assert!((found[2].distance - 0.85).abs() < 1e-9);
+}
+
+/// An obstacle may bear a link's name: what each of a pair is stands beside it.
+#[test]
+fn a_link_and_an_obstacle_of_its_name_are_told_apart() {
+    let mut world = wall(2.05);
+    // Beside the end at 3, and carried by what the first joint turns, onto the end at 2.
+    let side = Vector3::new(3.0, 0.15, 0.0);
+    world.add_sphere("b", 0.1, side).unwrap();
+    world.add_sphere("c", 0.1, Vector3::UNITS[0]).unwrap();
+    world.attach("c", "a", Vector3::UNITS[0]).unwrap();
+    let checker = Checker::new(balls()).with_world(&world).unwrap();
+    let found = checker.collisions(&[0.0; 3]).unwrap();
+    let told: Vec<_> = found.iter().map(ToString::to_string).collect();
+    for pair in [
+        "link `b` and obstacle `wall`",
+        "link `c` and obstacle `b`",
+        "obstacle `c` and obstacle `wall`",
+    ] {
+        assert!(told.iter().any(|told| told == pair), "{pair}: {told:?}");
+    }
+    let bent = checker.collisions(&[0.0, 0.0, 3.0]).unwrap();
+    assert!(
+        bent.iter()
+            .any(|pair| [pair.first_kind, pair.second_kind] == [BodyKind::Link; 2]),
+        "{bent:?}"
+    );
 }
 
 /// Of a link's several shapes the nearest tells how near the link is, in whichever order they are listed.

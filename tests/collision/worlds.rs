@@ -69,6 +69,17 @@ fn what_cannot_be_leaves_the_world_as_it_was() {
         let told = told.to_string();
         assert!(told.contains("wall") && told.contains("floor"), "{told}");
     }
+    // What was never attached is nowhere to be taken from.
+    let told = world.detach("floor", at(0.0)).unwrap_err().to_string();
+    assert!(
+        told.contains("\"floor\"") && told.contains("attached"),
+        "{told}"
+    );
+    // Counts are said as people say them.
+    let flat = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+    let flat = flat.map(Vector3::from);
+    let told = world.add_convex("flat", &flat, at(0.0)).unwrap_err();
+    assert!(told.to_string().ends_with("lie in one plane"), "{told}");
     let mirrored = Matrix3::from_columns(
         Vector3::new(-1.0, 0.0, 0.0),
         Vector3::new(0.0, 1.0, 0.0),

@@ -167,6 +167,7 @@ fn a_wrong_number_or_quaternion_is_named() {
     assert!(model.integrate(&q, &lost, &mut to).is_err());
     assert!(model.interpolate(&q, &q, f64::NAN, &mut to).is_err());
     assert!(!model.is_within_limits(&q[1..]));
+    assert!(model.joints_outside_limits(&q[1..]).is_err());
     let mut kinematics = ForwardKinematics::<f64>::of_frames(&model, &frames).unwrap();
     assert!(matches!(
         kinematics.place(&none),

@@ -55,6 +55,21 @@ export function bytes(value, name) {
     return value;
 }
 
+/** No list in the module has more bytes. */
+const MOST_BYTES = 0x7fffffff;
+
+/** What allocates in the module, which traps there where there is no room, as what throws: `sizeAt` says which argument is how many bytes. */
+export const allocating = (allocate, sizeAt) => (...sizes) => {
+    const bytes = sizes[sizeAt];
+    const full = () => new RangeError(`${bytes} bytes are more than the module has room for`);
+    if (bytes > MOST_BYTES) throw full();
+    try {
+        return allocate(...sizes);
+    } catch (error) {
+        throw error instanceof WebAssembly.RuntimeError ? full() : error;
+    }
+};
+
 export function instance(value, name, type) {
     if (!(value instanceof type)) throw wanted(`a ${type.name}`, value, name);
     return value;

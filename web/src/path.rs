@@ -8,7 +8,7 @@ use wasm_bindgen::prelude::*;
 use crate::arm::Arm;
 use crate::given::Given;
 use crate::placement::read_all;
-use crate::{object, raise, view};
+use crate::{object, raise, solution, view};
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
@@ -192,9 +192,7 @@ impl PathSolution {
                 MissReason::BeyondReach { distance, reach } => format!(
                     "beyond reach: {distance:.4} m away, and the chain is {reach:.4} m long"
                 ),
-                MissReason::Touches(pair) => {
-                    format!("{} and {} touch there", pair.first, pair.second)
-                }
+                MissReason::Touches(pair) => format!("{pair} touch there"),
                 _ => "no configuration within the limits was found".to_owned(),
             };
             object::of([
@@ -211,12 +209,9 @@ impl PathSolution {
     #[wasm_bindgen(getter)]
     pub fn blocked(&self) -> BlockedSteps {
         let blocked = self.inner.blocked.iter().map(|step| {
-            object::of([
-                ("index", step.index.into()),
-                ("first", step.by.first.as_str().into()),
-                ("second", step.by.second.as_str().into()),
-                ("distance", step.by.distance.into()),
-            ])
+            let told = object::of(solution::fields(&step.by));
+            object::add(&told, [("index", step.index.into())]);
+            told
         });
         blocked.collect::<Array>().unchecked_into()
     }

@@ -27,12 +27,17 @@ export interface TaskReport {
     orientationError?: number;
 }
 
-/** Two things that touch, or come nearer than the margin. */
+/** Two things that touch, come nearer than the margin, or end a way. */
 export interface Collision {
     first: string;
+    firstKind: "link" | "obstacle";
     second: string;
+    secondKind: "link" | "obstacle";
     /** Metres; below 0 where they overlap. */
     distance: number;
+    /** Whether they are met on the way to a place, not at it: the step was not made in full, as it is not surely free. Their distance
+     * is that where it ends, and may be up to a micrometre more than the margin. */
+    onTheWay: boolean;
 }
 "#;
 
@@ -69,10 +74,16 @@ impl Solution {
         self.inner.q.clone()
     }
 
-    /// Whether every goal is within its tolerance.
+    /// Whether every goal is within its tolerance, and nothing is touched.
     #[wasm_bindgen(getter)]
     pub fn reached(&self) -> bool {
         self.inner.reached
+    }
+
+    /// Whether every goal is within its tolerance, though something may be touched.
+    #[wasm_bindgen(getter, js_name = goalsReached)]
+    pub fn goals_reached(&self) -> bool {
+        self.inner.goals_reached()
     }
 
     /// The largest error of a place, metres.
@@ -149,7 +160,7 @@ impl Solution {
 #[cfg(feature = "collision")]
 #[wasm_bindgen]
 impl Solution {
-    /// What touches at the answer.
+    /// What is in the way: what touches at the answer, or what the step to a better one would come to.
     #[wasm_bindgen(getter)]
     pub fn collisions(&self) -> Collisions {
         collisions(self.inner.collisions())
@@ -159,12 +170,19 @@ impl Solution {
 /// Collisions as objects.
 #[cfg(feature = "collision")]
 pub(crate) fn collisions(found: &[kinopt::ik::Collision]) -> Collisions {
-    let told = found.iter().map(|pair| {
-        object::of([
-            ("first", pair.first.to_string().into()),
-            ("second", pair.second.to_string().into()),
-            ("distance", pair.distance.into()),
-        ])
-    });
+    let told = found.iter().map(|pair| object::of(fields(pair)));
     told.collect::<Array>().unchecked_into()
+}
+
+/// What an object says of a collision.
+#[cfg(any(feature = "collision", feature = "paths"))]
+pub(crate) fn fields(pair: &kinopt::ik::Collision) -> [(&'static str, JsValue); 6] {
+    [
+        ("first", pair.first.as_str().into()),
+        ("firstKind", pair.first_kind.name().into()),
+        ("second", pair.second.as_str().into()),
+        ("secondKind", pair.second_kind.name().into()),
+        ("distance", pair.distance.into()),
+        ("onTheWay", pair.on_the_way.into()),
+    ]
 }

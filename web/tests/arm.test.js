@@ -87,10 +87,17 @@ test("an arm keeps clear of a box, and says what it touches", () => {
     assert.deepEqual(world.names, ["shelf"]);
     const arm = Arm.keepingClear(robot, "base", "flange", shapes, world, 0.01);
     const solution = arm.solve(target);
+    assert.ok(solution.goalsReached || !solution.reached);
     assert.deepEqual(arm.collisions(solution.q), solution.reached ? [] : arm.collisions(solution.q));
     world.move("shelf", [target[12], target[13], target[14]]);
     const blocked = arm.withWorld(world, 0.01).collisions([0, 0.4, 0, -1.8, 0, 2.2, 0.8]);
     assert.ok(blocked.some(({ second, distance }) => second.includes("shelf") && distance < 0.01), JSON.stringify(blocked));
+    // What each of a pair is stands beside its name.
+    for (const { firstKind, secondKind, second, onTheWay } of blocked) {
+        assert.equal(firstKind, "link");
+        assert.equal(secondKind, second.includes("shelf") ? "obstacle" : "link");
+        assert.equal(onTheWay, false);
+    }
 });
 
 test("names and options that do not exist list those that do", () => {

@@ -54,6 +54,13 @@ for (const [what, [wrong, message]] of Object.entries(WRONG)) {
     });
 }
 
+test("what the module has no room for is a RangeError, however often, and nothing is broken", () => {
+    const large = new Float64Array(2 ** 28);
+    const answer = arm.solve(target, start).q;
+    for (let k = 0; k < 1000; k += 1) assert.throws(() => arm.solve(large, start), (error) => error instanceof RangeError && /2147483648 bytes.*room/.test(error.message));
+    assert.deepEqual(arm.solve(target, start).q, answer);
+});
+
 test("what a file's reader gives instead of bytes is told", () => {
     const json = new TextEncoder().encode(text("humanoid/humanoid.json"));
     assert.throws(() => Rig.parse(json, "humanoid.json", () => "ply"), /humanoid\.ply.*Uint8Array/);

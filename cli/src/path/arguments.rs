@@ -126,7 +126,7 @@ pub(crate) struct Arguments {
 
     /// When each row is: a plain trapezoid of speed within the joints' velocity limits and these accelerations, in radians (--degrees) or
     /// metres a second squared. One number for all, or as for --start. Default: those of --joint-limits, where it has any.
-    #[arg(long, value_name = "NUMBERS", value_parser = Numbers::parse_some, help_heading = LIMITS)]
+    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, value_parser = Numbers::parse_some, help_heading = LIMITS)]
     pub(super) accelerations: Option<Numbers>,
 
     /// Configurations that are known of a place at most, from 4 to 4096: more find more, and take longer. Default: 256.
@@ -138,7 +138,7 @@ pub(crate) struct Arguments {
     pub(super) tolerance: Option<f64>,
 
     /// What a radian or metre of each joint weighs in lengths: numbers above 0 as for --start, or one for all. Default: 1.
-    #[arg(long, value_name = "NUMBERS", value_parser = Numbers::parse_some, help_heading = PREFERENCES)]
+    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, value_parser = Numbers::parse_some, help_heading = PREFERENCES)]
     pub(super) joint_weights: Option<Numbers>,
 
     /// Write the rows to a file: .csv (a row a point, joints by name, after the time where there is one) or .json (as --json prints).

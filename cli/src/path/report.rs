@@ -4,6 +4,7 @@ use kinopt::Arm;
 use kinopt::motion::path::{CartesianPath, CsvColumns, MissReason, Missed, PathSolution};
 use serde::Serialize;
 
+use crate::collision_document::CollisionDocument;
 use crate::loaded_model::LoadedModel;
 use crate::table;
 
@@ -63,9 +64,8 @@ struct Miss {
 #[derive(Serialize)]
 struct Block<'a> {
     index: usize,
-    first: &'a str,
-    second: &'a str,
-    distance: f64,
+    #[serde(flatten)]
+    by: CollisionDocument<'a>,
 }
 
 impl<'a> Report<'a> {
@@ -98,9 +98,7 @@ impl<'a> Report<'a> {
         });
         let blocked = solution.blocked.iter().map(|blocked| Block {
             index: blocked.index,
-            first: &blocked.by.first,
-            second: &blocked.by.second,
-            distance: blocked.by.distance,
+            by: CollisionDocument::of(&blocked.by),
         });
         Document {
             joints: self.loaded.joint_names(),
@@ -174,10 +172,8 @@ impl<'a> Report<'a> {
             )
         });
         add(&mut text, "missed", missed.collect());
-        let blocked = solution.blocked.iter().map(|step| {
-            let (first, second) = (&step.by.first, &step.by.second);
-            format!("  to row {}: {first} and {second}", step.index)
-        });
+        let blocked = solution.blocked.iter();
+        let blocked = blocked.map(|step| format!("  to row {}: {}", step.index, step.by));
         add(&mut text, "not surely free", blocked.collect());
         text
     }
@@ -211,7 +207,7 @@ fn reason(missed: &Missed) -> String {
         MissReason::BeyondReach { distance, reach } => format!(
             "beyond reach: {distance:.4} m from where the chain begins, which is {reach:.4} m long"
         ),
-        MissReason::Touches(pair) => format!("{} and {} touch there", pair.first, pair.second),
+        MissReason::Touches(pair) => format!("{pair} touch there"),
         _ => "no configuration within the limits was found".to_owned(),
     }
 }

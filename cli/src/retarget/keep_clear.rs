@@ -51,8 +51,7 @@ pub(super) fn tell_touching(file: &str, found: &Retargeted) {
     if let Some(first) = found.touching.first() {
         let (frames, frame, pair) = (found.touching.len(), first.frame, &first.pair);
         output::message(&format!(
-            "note: {file}: in {frames} frames something touches all the same, first in frame {frame}: {} and {}",
-            pair.first, pair.second
+            "note: {file}: in {frames} frames something touches all the same, first in frame {frame}: {pair}"
         ));
     }
 }

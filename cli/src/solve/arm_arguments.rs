@@ -35,7 +35,7 @@ pub(crate) struct ArmArguments {
     /// One number a joint goes by all moving joints in the order of `kinopt info`, or, of an arm, by the free
     /// joints from base to tip. Of a ball, whose four numbers are the same, it is the angle that it turns by. A body or a
     /// figure does not settle on the way then; of a path each step counts from the one before.
-    #[arg(long, value_name = "NUMBERS", value_parser = Numbers::parse_some, help_heading = SEARCH, hide_short_help = true)]
+    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, value_parser = Numbers::parse_some, help_heading = SEARCH, hide_short_help = true)]
     pub(super) max_move: Option<Numbers>,
 
     /// A configuration to come close to where the target leaves room, in radians (--degrees) and
@@ -65,7 +65,7 @@ pub(crate) struct ArmArguments {
 
     /// What a radian or metre of each joint weighs where answers are compared (--search nearest and
     /// distinct, --posture): numbers above 0 as for --max-move. Robots only. Default: 1 for each.
-    #[arg(long, value_name = "NUMBERS", value_parser = Numbers::parse_some,
+    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, value_parser = Numbers::parse_some,
           conflicts_with_all = GENERAL, help_heading = PREFERENCES, hide_short_help = true)]
     pub(super) joint_weights: Option<Numbers>,
 
@@ -89,7 +89,7 @@ pub(crate) struct ArmArguments {
 
     /// How fast each joint may move while --servo follows, in radians (--degrees) or metres a second:
     /// numbers as for --max-move. Default: as the robot's file says.
-    #[arg(long, value_name = "NUMBERS", value_parser = Numbers::parse_some, help_heading = FOLLOWING,
+    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, value_parser = Numbers::parse_some, help_heading = FOLLOWING,
           hide_short_help = true)]
     pub(super) velocity_limits: Option<Numbers>,
 

@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::derivative::TargetDerivatives;
 use super::query::{Answer, Settled, TaskName, Way};
+use crate::collision_document::CollisionDocument;
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{magnitude, six_digits, time};
 use crate::table::Table;
@@ -29,6 +30,8 @@ pub(super) struct Document<'a> {
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     alternatives: &'a [Vec<f64>],
     reached: bool,
+    /// Whether all goals are met, though something may touch.
+    goals_reached: bool,
     termination: &'static str,
     cost: f64,
     tasks: Vec<TaskDocument<'a>>,
@@ -36,7 +39,7 @@ pub(super) struct Document<'a> {
     /// Of a model that has loops: those that are open.
     #[serde(skip_serializing_if = "Option::is_none")]
     open_loops: Option<Vec<OpenLoopDocument<'a>>>,
-    /// The pairs that are nearer than the margin; none where nothing was to be kept clear of.
+    /// What is in the way; none where nothing was to be kept clear of.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     collisions: Vec<CollisionDocument<'a>>,
     iterations: usize,
@@ -96,14 +99,6 @@ struct OpenLoopDocument<'a> {
 }
 
 #[derive(Serialize)]
-struct CollisionDocument<'a> {
-    first: &'a str,
-    second: &'a str,
-    /// In metres, negative where one is in the other.
-    distance: f64,
-}
-
-#[derive(Serialize)]
 struct Evaluations {
     residuals: usize,
     jacobians: usize,
@@ -149,12 +144,7 @@ impl<'a> Report<'a> {
             gap: open.gap,
             angle: open.angle,
         });
-        let collisions = solution.collisions().iter();
-        let collisions = collisions.map(|pair| CollisionDocument {
-            first: &pair.first,
-            second: &pair.second,
-            distance: pair.distance,
-        });
+        let collisions = solution.collisions().iter().map(CollisionDocument::of);
         let has_loops = !self.loaded.model.loops().is_empty();
         Document {
             q: &self.answer.q,
@@ -162,6 +152,7 @@ impl<'a> Report<'a> {
             notes: Vec::new(),
             alternatives: &self.answer.alternatives,
             reached: solution.reached,
+            goals_reached: solution.goals_reached(),
             termination: solution.termination.name(),
             cost: solution.cost,
             tasks: tasks.collect(),

@@ -14,16 +14,27 @@ fn with(target: &str, options: &str) -> serde_json::Value {
 fn an_answer_touches_nothing_or_names_what_it_touches() {
     let free = with(POSE, "");
     assert_eq!(free["reached"], true);
+    assert_eq!(free["goals_reached"], true);
     assert_eq!(free.get("collisions"), None);
     // In the table.
     let inside = with("flange=0.6,0,0.18,0,1,0,0", "");
     assert_eq!(inside["reached"], false);
     let pairs = list(&inside["collisions"]);
     assert!(
-        pairs.iter().any(|pair| pair["second"] == "table"),
+        pairs
+            .iter()
+            .any(|pair| pair["second"] == "table" && pair["second_kind"] == "obstacle"),
         "{pairs:?}"
     );
+    assert!(pairs.iter().all(|pair| pair["on_the_way"] == false));
     assert!(number(&pairs[0]["distance"]) < 0.0);
+    // The pose can be met, though not freely; what is out of reach cannot.
+    assert_eq!(inside["goals_reached"], true);
+    let far = with("flange=3,0,0.18,0,1,0,0", "");
+    assert_eq!(
+        (&far["reached"], &far["goals_reached"]),
+        (&false.into(), &false.into())
+    );
     let text = inside["explanation"].as_str().unwrap();
     assert!(text.contains("`table`"), "{text}");
     // Nothing is so far apart.
@@ -65,6 +76,6 @@ fn a_world_is_for_what_has_shapes() {
     let folder = Folder::new("world-without-skin");
     let bones = folder.changed("bones.json", |rig| (rig.mesh, rig.weights) = (None, None));
     refused!("solve {bones} --target bone/4=0,1,0 --world {table}" => 2, "--world is for robots");
-    refused!("solve {panda} --target {POSE} --margin=-1" => 2, "margin");
+    refused!("solve {panda} --target {POSE} --margin -1" => 2, "--margin | `-1` is below 0");
     refused!("solve {panda} --base base --target {POSE} --world {table}.gone" => 1, "table.json.gone");
 }

@@ -36,7 +36,10 @@ fn what_touches_is_told_with_its_depth() {
     let apart = free["nearest"]["distance"].as_f64().unwrap();
     assert!((apart - 0.25).abs() < 1e-12, "{apart}");
     let told = text!("check {robot} --q 0 --world {world}");
-    assert_eq!(told, "free: bar and ball are nearest, 250.000 mm apart\n");
+    assert_eq!(
+        told,
+        "free: link `bar` and obstacle `ball` are nearest, 250.000 mm apart\n"
+    );
 
     // At 45 degrees the ball's middle is on the bar's axis, half a sphere and the bar's half width deep.
     let run = kinopt!("check {robot} --q 45 --degrees --world {world} --json");
@@ -45,7 +48,9 @@ fn what_touches_is_told_with_its_depth() {
     let [pair] = list(&told["collisions"]) else {
         panic!("{told}")
     };
+    let kinds = json!({"first_kind": "link", "second_kind": "obstacle", "on_the_way": false});
     has(pair, json!({"first": "bar", "second": "ball"}));
+    has(pair, kinds);
     let depth = -pair["distance"].as_f64().unwrap();
     assert!((depth - 0.25).abs() < 1e-12, "{depth}");
     assert_eq!(told["free"], false);
@@ -67,7 +72,7 @@ fn a_margin_counts_what_is_near() {
         told.contains("ball") && told.contains("250.000 mm") && !told.contains("wall"),
         "{told}"
     );
-    refused!("check {robot} --q 0 --margin=-1" => 2, "margin");
+    refused!("check {robot} --q 0 --margin -1" => 2, "--margin | `-1` is below 0");
 }
 
 #[test]
@@ -83,6 +88,49 @@ fn scenes_of_moveit_are_worlds_too_and_a_robot_alone_is_free() {
     assert_eq!(told["collisions"][0]["second"], "can");
     let told = text!("check {robot}");
     assert_eq!(told, "free: there is nothing to touch\n");
+}
+
+/// An obstacle may bear a link's name.
+#[test]
+fn a_link_and_an_obstacle_of_its_name_are_told_apart() {
+    let folder = Folder::new("check-names");
+    let robot = folder.text("bar.urdf", BAR);
+    let world = folder.text("world.json", WORLD.replace("ball", "bar"));
+    let run = kinopt!("check {robot} --q 45 --degrees --world {world}");
+    let told = String::from_utf8(run.stdout).unwrap();
+    assert!(
+        told.contains("link bar") && told.contains("obstacle bar"),
+        "{told}"
+    );
+}
+
+#[test]
+fn joints_beyond_their_limits_are_told_by_name() {
+    let folder = Folder::new("check-limits");
+    let robot = folder.text("bar.urdf", BAR);
+    let told = answer!("check {robot} --q 3.2");
+    let outside = json!([{"joint": "turn", "value": 3.2, "lower": -3.0, "upper": 3.0}]);
+    assert_eq!(
+        (&told["free"], &told["outside_limits"]),
+        (&true.into(), &outside)
+    );
+    let told = text!("check {robot} --q 3.2");
+    assert!(
+        told.ends_with("`turn` is outside its limits: 3.2 is not within [-3, 3]\n"),
+        "{told}"
+    );
+    assert_eq!(answer!("check {robot} --q 3")["outside_limits"], json!([]));
+}
+
+/// What the help says is what can be typed.
+#[test]
+fn the_example_of_the_help_fits_the_panda() {
+    let help = text!("check --help");
+    let example = help.split("franka_panda.urdf --q ").nth(1).unwrap();
+    let q = example.split_whitespace().next().unwrap();
+    let (panda, table) = (model("franka_panda.urdf"), model("worlds/table.json"));
+    let told = answer!("check {panda} --q {q} --world {table}");
+    assert_eq!(told["outside_limits"], json!([]));
 }
 
 #[test]

@@ -57,6 +57,25 @@ fn wrong_usage_is_two() {
     refused!("solve {rig} --targets=poses.json --skinning=dqs" => 2, "--skinning");
 }
 
+/// What begins with a dash and is a number is no option that is unknown.
+#[test]
+fn a_negative_number_is_refused_for_what_it_is() {
+    let folder = Folder::new("negative");
+    let (rig, panda) = (folder.rig(), model("franka_panda.urdf"));
+    refused!("solve {rig} {TARGET} --max-move -1" => 1, "max_move | -1");
+    for option in ["--tolerance", "--time-limit"] {
+        refused!("solve {rig} {TARGET} {option} -1" => 2, "{option} | `-1`");
+    }
+    refused!("path {panda} weld.csv --max-step -1" => 2, "--max-step | `-1`");
+    // Numbers of a list are looked at with the arm: the file comes first.
+    refused!("path {panda} weld.csv --joint-weights -1,2" => 1, "weld.csv");
+    refused!("solve {rig} {TARGET} --restarts -1" => 2, "--restarts | -1");
+    refused!("spheres {panda} --overhang -1 --out s.yml" => 1, "overhang | -1");
+    refused!("animate {rig} --fps -24 --out frames" => 2, "--fps | `-24`");
+    refused!("retarget walk.bvh {panda} --contact-speed -1 --out a.npz" => 2, "--contact-speed | `-1`");
+    refused!("retarget walk.bvh {panda} --keep-clear -1 --out a.npz" => 2, "--keep-clear | `-1`");
+}
+
 #[test]
 fn what_cannot_be_done_is_one() {
     let folder = Folder::new("failed");

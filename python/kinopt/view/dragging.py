@@ -180,7 +180,9 @@ class Dragging:
         if self.obstacles is not None:
             touched = getattr(answer.solution, "collisions", [])
             self.obstacles.refresh()
-            self.obstacles.mark(name for pair in touched for name in (pair.first, pair.second))
+            bodies = [body for pair in touched for body in ((pair.first, pair.first_kind), (pair.second, pair.second_kind))]
+            # A link may bear the name of an obstacle.
+            self.obstacles.mark(name for name, kind in bodies if kind == "obstacle")
 
     def stand_at(self, q: Array) -> None:
         """Places the body; pinned targets go along."""

@@ -54,6 +54,10 @@ pub(crate) use task::{Adds, Aimed, AnyTask, Move, add, items, tolerances};
 /// each pair at least the margin apart, and a solution that is not says which pairs touch (`Solution.collisions`); a `Drag` slides along what
 /// is in its way. A robot has shapes, a rig with a skin gets capsules along its bones; anything else takes a `collision_model`.
 ///
+/// `weights`, shape (rows of `Solution.rows`,), take the place of those that the tasks say, and `joint_origins`,
+/// {"joint": (x, y, z)} in metres and the parent's axes, that of the model's: links of other lengths. A solution is
+/// differentiable by both.
+///
 /// Raises `UnknownNameError` for frames and joints that do not exist, and `InvalidValueError`, with the
 /// task's name, for targets that are not finite, weights and tolerances below 0, bounds that leave nothing.
 /// What there is to solve raises `InvalidValueError` as long as there are no tasks.
@@ -80,7 +84,7 @@ impl Problem {
     #[pyo3(signature = (
         model, tasks = None, *, parameters = None, bounds = None, tolerance = None,
         derivatives = "analytic", preferences = "within_goals", world = None, margin = None,
-        collision_model = None
+        collision_model = None, weights = None, joint_origins = None
     ))]
     #[allow(clippy::too_many_arguments, reason = "they are keywords")]
     fn new(
@@ -94,6 +98,8 @@ impl Problem {
         world: Option<&Bound<'_, PyAny>>,
         margin: Option<&Bound<'_, PyAny>>,
         collision_model: Option<&Bound<'_, PyAny>>,
+        weights: Option<&Bound<'_, PyAny>>,
+        joint_origins: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let py = model.py();
         let options = PyDict::new(py);
@@ -105,6 +111,8 @@ impl Problem {
             ("world", world),
             ("margin", margin),
             ("collision_model", collision_model),
+            ("weights", weights),
+            ("joint_origins", joint_origins),
         ];
         for (name, value) in given {
             if let Some(value) = value {
@@ -268,9 +276,46 @@ impl Problem {
     fn with_derivatives(&self, py: Python<'_>, derivatives: &str) -> PyResult<Py<PyAny>> {
         let options = self.options.bind(py).copy()?;
         options.set_item("derivatives", derivatives)?;
-        let arguments = (self.model.bind(py), self.given(py));
-        let problem = py.get_type::<Self>().call(arguments, Some(&options))?;
-        Ok(problem.unbind())
+        self.with_options(&options)
+    }
+
+    /// What multiplies the rows, shape (rows of `Solution.rows`,), as the tasks' `weight` and `times` say.
+    #[getter]
+    fn weights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(arrays::list(py, &self.stated()?.inner.weights()))
+    }
+
+    /// The same problem with other `weights`, shape (rows of `Solution.rows`,).
+    ///
+    /// Raises `InvalidValueError` for another shape, weights below 0 or not finite, and a problem in a world.
+    fn with_weights(&self, py: Python<'_>, weights: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
+        let options = self.options.bind(py).copy()?;
+        options.set_item("weights", weights)?;
+        self.with_options(&options)
+    }
+
+    /// The same problem with the origins of some joints elsewhere on their parents, {"joint": (x, y, z)} in metres and
+    /// the parent's axes. Weights and limits stay.
+    ///
+    /// Raises `UnknownNameError` for joints that do not exist, and `InvalidValueError` for places that are not finite
+    /// and a problem in a world.
+    fn with_joint_origins(
+        &self,
+        py: Python<'_>,
+        joint_origins: &Bound<'_, PyAny>,
+    ) -> PyResult<Py<PyAny>> {
+        let options = self.options.bind(py).copy()?;
+        let all = PyDict::new(py);
+        for own in [
+            options.get_item("joint_origins")?.as_ref(),
+            Some(joint_origins),
+        ] {
+            for (joint, origin) in items(own, "joint_origins")? {
+                all.set_item(joint, origin)?;
+            }
+        }
+        options.set_item("joint_origins", all)?;
+        self.with_options(&options)
     }
 
     /// The same problem in another world, as it is now, with another margin in metres or the same.
@@ -288,9 +333,7 @@ impl Problem {
         if let Some(margin) = margin {
             options.set_item("margin", margin)?;
         }
-        let arguments = (self.model.bind(py), self.given(py));
-        let problem = py.get_type::<Self>().call(arguments, Some(&options))?;
-        Ok(problem.unbind())
+        self.with_options(&options)
     }
 
     /// The pairs that are nearer to each other than the margin at a configuration, the deepest first; none where there is nothing to keep
@@ -405,6 +448,13 @@ impl Problem {
 impl Problem {
     fn lock(&self) -> MutexGuard<'_, Current> {
         self.current.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn with_options(&self, options: &Bound<'_, PyDict>) -> PyResult<Py<PyAny>> {
+        let py = options.py();
+        let arguments = (self.model.bind(py), self.given(py));
+        let problem = py.get_type::<Self>().call(arguments, Some(options))?;
+        Ok(problem.unbind())
     }
 
     fn given(&self, py: Python<'_>) -> Py<PyTuple> {

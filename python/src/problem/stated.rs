@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use kinopt::Workspace;
 use kinopt::collision::Checker;
+use kinopt::model::JointId;
 use kinopt::problem::{Evaluation, ProblemError, Question, Targets};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -70,6 +71,21 @@ impl Stated {
         let inner = match builder.build() {
             Err(none @ ProblemError::NoTasks { .. }) => return Ok(Err(none.to_string())),
             built => built.or_raise()?,
+        };
+        let inner = match option("weights")?.filter(|weights| !weights.is_none()) {
+            Some(weights) => {
+                let weights = arrays::vector(&weights, "weights")?.to_vec();
+                inner.with_weights(&weights).or_raise()?
+            }
+            None => inner,
+        };
+        let inner = match origins(option("joint_origins")?.as_ref(), &own)? {
+            origins if origins.is_empty() => inner,
+            origins => {
+                let moved = kinopt::Model::clone(&own);
+                let moved = moved.with_joint_origins(origins).or_raise()?;
+                inner.with_joint_origins(&moved).or_raise()?
+            }
         };
         Ok(Ok(Arc::new(Self {
             inner,
@@ -182,4 +198,21 @@ impl Stated {
         })?;
         Ok(value)
     }
+}
+
+/// Where joints are to stand on their parents.
+fn origins(
+    given: Option<&Bound<'_, PyAny>>,
+    model: &kinopt::Model,
+) -> PyResult<Vec<(JointId, [f64; 3])>> {
+    let own = items(given, "joint_origins")?.into_iter();
+    own.map(|(joint, origin)| {
+        let joint = arrays::name(&joint, "a joint of joint_origins")?;
+        let what = format!("the origin of {joint}");
+        Ok((
+            model.joint(&joint).or_raise()?,
+            arrays::array(&origin, &what)?,
+        ))
+    })
+    .collect()
 }

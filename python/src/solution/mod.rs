@@ -123,7 +123,8 @@ impl Solution {
         self.inner.active_limits().map(ActiveLimit::from).collect()
     }
 
-    /// The pairs that are nearer to each other at `q` than the margin asked for, the deepest first. A solution that is
+    /// What is in the way: the pairs that are nearer to each other at `q` than the margin asked for, the deepest first; or where there are
+    /// none and the step to a better place is not surely free, the pair that it would come to (`on_the_way`). A solution that is
     /// reached has none; none are known where no world was given.
     #[getter]
     fn collisions(&self) -> Vec<Collision> {

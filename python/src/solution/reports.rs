@@ -1,10 +1,11 @@
 //! The parts of a solution: what became of each task, and what stood in the way.
 
-use kinopt::ik::{BoundKind, Side};
+use kinopt::ik::{BodyKind, BoundKind, Side};
 use kinopt::task::{Quantity, Role};
 use pyo3::prelude::*;
 
 use super::quantity;
+use crate::pickling;
 
 /// How many times a search looked at the problem.
 #[pyclass(frozen, eq, module = "kinopt", get_all)]
@@ -38,41 +39,94 @@ impl Counts {
     }
 }
 
-/// Two things that are nearer to each other than they should be.
-#[pyclass(frozen, eq, module = "kinopt", get_all)]
+/// Two things that are nearer to each other than they should be, or that end a way. Its text says what each of them is.
+#[pyclass(frozen, eq, module = "kinopt")]
 #[derive(Clone, PartialEq)]
-pub(crate) struct Collision {
-    /// A link of the robot, or an obstacle attached to one.
-    first: String,
-    /// An obstacle, or another link.
-    second: String,
-    /// How far they are apart, metres; negative where one is in the other.
-    distance: f64,
-}
+pub(crate) struct Collision(kinopt::ik::Collision);
 
 impl From<kinopt::ik::Collision> for Collision {
     fn from(pair: kinopt::ik::Collision) -> Self {
-        Self {
-            first: pair.first,
-            second: pair.second,
-            distance: pair.distance,
-        }
+        Self(pair)
     }
 }
 
 #[pymethods]
 impl Collision {
+    /// A link of the robot, or an obstacle attached to one.
+    #[getter]
+    fn first(&self) -> &str {
+        &self.0.first
+    }
+
+    /// An obstacle, or another link.
+    #[getter]
+    fn second(&self) -> &str {
+        &self.0.second
+    }
+
+    /// What the first is: "link" or "obstacle".
+    #[getter]
+    fn first_kind(&self) -> &'static str {
+        self.0.first_kind.name()
+    }
+
+    /// What the second is: "link" or "obstacle".
+    #[getter]
+    fn second_kind(&self) -> &'static str {
+        self.0.second_kind.name()
+    }
+
+    /// How far they are apart, metres; negative where one is in the other.
+    #[getter]
+    fn distance(&self) -> f64 {
+        self.0.distance
+    }
+
     /// How deep one is in the other, metres; 0 where they are apart.
     #[getter]
     fn depth(&self) -> f64 {
-        (-self.distance).max(0.0)
+        self.0.depth()
+    }
+
+    /// Whether they are met on the way to a place, not at it: the step of a path or of a drag, or a part of it, was not made, as it is
+    /// not surely free. `distance` is then that where the way ends, and may be up to a micrometre more than the margin.
+    #[getter]
+    fn on_the_way(&self) -> bool {
+        self.0.on_the_way
+    }
+
+    fn __str__(&self) -> String {
+        self.0.to_string()
     }
 
     fn __repr__(&self) -> String {
-        format!(
-            "Collision({:?}, {:?}, distance={})",
-            self.first, self.second, self.distance
-        )
+        format!("Collision({}, distance={})", self.0, self.0.distance)
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let own = &slf.get().0;
+        let names = (own.first.clone(), own.second.clone());
+        let links = [own.first_kind, own.second_kind].map(|kind| kind == BodyKind::Link);
+        pickling::by_rebuild::<Self>(slf.py(), (names, links, own.distance, own.on_the_way))
+    }
+
+    #[staticmethod]
+    fn _rebuild(
+        names: (String, String),
+        links: [bool; 2],
+        distance: f64,
+        on_the_way: bool,
+    ) -> Self {
+        let [first, second] = links.map(|is_link| match is_link {
+            true => BodyKind::Link,
+            false => BodyKind::Obstacle,
+        });
+        let pair = kinopt::ik::Collision::new(&names.0, &names.1, distance).between(first, second);
+        Self(if on_the_way {
+            pair.met_on_the_way()
+        } else {
+            pair
+        })
     }
 }
 

@@ -290,7 +290,7 @@ impl World {
 
     /// Leaves an obstacle in the world again, at `world_from_object`.
     ///
-    /// Raises `UnknownNameError` for a name that is not there, `InvalidValueError` for what is no pose.
+    /// Raises `UnknownNameError` for a name that is not there, `InvalidValueError` for what is attached to nothing and for what is no pose.
     fn detach(&self, name: &str, world_from_object: &Bound<'_, PyAny>) -> PyResult<()> {
         let pose = self::pose(Some(world_from_object), "world_from_object")?;
         self.lock().detach(name, pose).or_raise()
@@ -350,7 +350,10 @@ impl World {
     }
 
     fn __repr__(&self) -> String {
-        format!("World({} obstacles)", self.lock().len())
+        match self.lock().len() {
+            1 => "World(1 obstacle)".to_owned(),
+            count => format!("World({count} obstacles)"),
+        }
     }
 }
 

@@ -1,25 +1,31 @@
 //! Where nothing is free: the solution that touches least.
 
+use super::search::LOOKED_AT;
 use super::{ClearRoom, KeepClear};
 use crate::arm::QueryError;
 use crate::arm::arm::Arm;
+use crate::arm::lanes_or_core::Query;
 use crate::arm::workspace::ArmWorkspace;
 
 impl Arm {
-    /// Stands at the solution found whose worst pair is nearest to being free; the workspace's own x is one of them.
+    /// Stands at the solution found whose worst pair is nearest to being free, of those that there is time to look at; the workspace's own
+    /// x is one of them.
     pub(super) fn stand_least_deep(
         &self,
         kept: &KeepClear,
         workspace: &mut ArmWorkspace,
         room: &mut ClearRoom,
-        most: usize,
+        query: &Query<'_>,
     ) -> Result<(), QueryError> {
         let worst = |room: &mut ClearRoom, q: &[f64]| -> Result<f64, QueryError> {
             let pairs = kept.collisions(self, room, q)?;
             Ok(pairs.first().map_or(f64::INFINITY, |pair| pair.distance))
         };
         let mut best = worst(room, &workspace.x)?;
-        for turn in 0..workspace.order.len().min(most) {
+        for turn in 0..workspace.order.len().min(LOOKED_AT) {
+            if query.is_late() {
+                break;
+            }
             let place = workspace.order[turn].1;
             let distance = worst(room, workspace.found_at(place))?;
             if distance > best {

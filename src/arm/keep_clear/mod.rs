@@ -13,7 +13,7 @@ use crate::collision::{Checker, CheckerWorkspace, SphereModel, World};
 use crate::kinematics::ForwardKinematics;
 use crate::lanes::Chain;
 use crate::model::{FrameId, JointId, Model};
-use crate::search::Collision;
+use crate::search::{BodyKind, Collision};
 use crate::spatial::Placement;
 
 /// Lanes and the exact check place parts by different roundings: so much nearer counts in lanes, metres.
@@ -282,7 +282,9 @@ impl InLanes {
         let groups = spheres.groups();
         let touch = |[a, b]: &[usize; 2]| {
             let names = [&groups[*a].name, &groups[*b].name];
-            let own = |pair: &Collision| names == [&pair.first, &pair.second];
+            let own = |pair: &Collision| {
+                pair.second_kind == BodyKind::Link && names == [&pair.first, &pair.second]
+            };
             at_rest.iter().any(own)
         };
         let counts =

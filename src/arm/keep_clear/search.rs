@@ -13,7 +13,7 @@ use crate::search::Found;
 use crate::solver::Termination;
 
 /// Solutions that touch something by their spheres and are looked at by their shapes, where no other is free.
-const LOOKED_AT: usize = 32;
+pub(super) const LOOKED_AT: usize = 32;
 /// So many seeds that are free are enough to run, or any from so many cells. Measured on the problems of MotionBenchMaker: where further cells
 /// are looked through for four, the mean question of the Fetch takes a quarter longer, the Panda's a tenth; with 2 or 8 seeds the UR5's slowest
 /// hundredth a fifth.
@@ -72,26 +72,24 @@ impl Arm {
             false => self.lowest_free(kept, workspace, room, query)?,
         };
         let free = match free {
-            None if !kept.spheres_decide() => self.free_by_shapes(kept, workspace, room)?,
+            None if !kept.spheres_decide() => self.free_by_shapes(kept, workspace, room, query)?,
             other => other,
         };
         found.iterations = before.0 + spent(&workspace.outcomes);
         found.attempts = before.1 + workspace.outcomes.len();
         found.reached = free.is_some();
-        let late = query.is_late();
-        found.termination = match (free.is_some(), late) {
-            (true, _) => Termination::Reached,
-            (false, true) => Termination::TimeLimit,
-            (false, false) => Termination::Stationary,
-        };
-        match free {
-            Some(place) => {
-                workspace.stand_at_found(place);
-                // After those of the plain answer.
-                found.number = before.1 + place;
-            }
-            None => self.stand_least_deep(kept, workspace, room, LOOKED_AT)?,
+        if let Some(place) = free {
+            workspace.stand_at_found(place);
+            found.termination = Termination::Reached;
+            // After those of the plain answer.
+            found.number = before.1 + place;
+            return Ok(());
         }
+        self.stand_least_deep(kept, workspace, room, query)?;
+        found.termination = match query.is_late() {
+            true => Termination::TimeLimit,
+            false => Termination::Stationary,
+        };
         Ok(())
     }
 
@@ -266,8 +264,12 @@ impl Arm {
         kept: &KeepClear,
         workspace: &ArmWorkspace,
         room: &mut ClearRoom,
+        query: &Query<'_>,
     ) -> Result<Option<usize>, QueryError> {
         for (_, place) in workspace.order.iter().take(LOOKED_AT) {
+            if query.is_late() {
+                break;
+            }
             if kept.is_free(self, room, workspace.found_at(*place))? {
                 return Ok(Some(*place));
             }

@@ -193,8 +193,8 @@ impl Checker {
     }
 
     fn collision(&self, pair: Pair, distance: f64) -> Collision {
-        let [first, second] = self.scene.names(pair);
-        Collision::new(first, second, distance)
+        let [(first, first_kind), (second, second_kind)] = self.scene.bodies(pair);
+        Collision::new(first, second, distance).between(first_kind, second_kind)
     }
 
     /// Memory for checks, one at a time.

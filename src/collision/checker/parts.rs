@@ -11,6 +11,7 @@ use crate::collision::{
     BoundingBox, CollisionModel, Separation, Shape, SphereModel, World, separation_within,
 };
 use crate::model::{FrameId, FrameRef};
+use crate::problem::BodyKind;
 use crate::spatial::{Placement, Vector3};
 
 /// Something that stands in the world.
@@ -26,6 +27,7 @@ struct Standing {
 #[derive(Clone, Debug)]
 pub(super) struct Part {
     name: String,
+    kind: BodyKind,
     frame: FrameId,
     pub(super) shapes: Vec<PartShape>,
     /// Around all of its shapes, where that was given.
@@ -59,6 +61,7 @@ impl Scene {
     pub(super) fn new(model: &CollisionModel, world: &World) -> Result<Self, CheckerError> {
         let link = |link: &FrameId| Part {
             name: model.name_of(*link).to_owned(),
+            kind: BodyKind::Link,
             frame: *link,
             shapes: (model.objects_of(*link))
                 .map(|object| PartShape::new(object.shape.clone(), object.link_from_shape))
@@ -85,6 +88,7 @@ impl Scene {
                     })?;
                     parts.push(Part {
                         name,
+                        kind: BodyKind::Obstacle,
                         frame,
                         shapes: vec![PartShape::new(shape, obstacle.placement)],
                         cover: None,
@@ -126,10 +130,12 @@ impl Scene {
         &self.motion_bound
     }
 
-    pub(super) fn names(&self, pair: Pair) -> [&str; 2] {
+    /// The names of both, and what they are.
+    pub(super) fn bodies(&self, pair: Pair) -> [(&str, BodyKind); 2] {
+        let part = |at: usize| (&*self.parts[at].name, self.parts[at].kind);
         match pair {
-            Pair::Standing(a, b) => [&self.parts[a].name, &self.standing[b].name],
-            Pair::Parts(a, b) => [&self.parts[a].name, &self.parts[b].name],
+            Pair::Standing(a, b) => [part(a), (&self.standing[b].name, BodyKind::Obstacle)],
+            Pair::Parts(a, b) => [part(a), part(b)],
         }
     }
 

@@ -20,7 +20,7 @@ const LONG: f64 = 0.2;
 pub struct Way {
     /// The share of the way from its begin that is surely free: 1 where all is.
     pub free: f64,
-    /// What ends it.
+    /// What ends it, [on the way](Collision::on_the_way).
     pub blocked_by: Option<Collision>,
 }
 
@@ -180,7 +180,7 @@ impl Checker {
             one.free = here + room / one.motion;
         }
         workspace.slow = slow;
-        Ok(blocked.map(|(pair, distance)| self.collision(pair, distance)))
+        Ok(blocked.map(|(pair, distance)| self.collision(pair, distance).met_on_the_way()))
     }
 
     /// What is apart along a direction: all shapes of both, not only those that are nearest.

@@ -1,5 +1,6 @@
 //! What can be wrong with a shape, and what is only told.
 
+use crate::counted::counted;
 use crate::spatial::Vector3;
 
 /// Lengths of shapes, so that no square of one over- or underflows.
@@ -65,7 +66,7 @@ pub enum ShapeError {
         given: usize,
     },
     /// The points of a convex hull lie in a plane, on a line or at one place.
-    #[error("the {points} points of the convex hull lie in one plane, within {thickness:e}")]
+    #[error("the {points} points of the convex hull lie in one plane{}", within(*.thickness))]
     Flat {
         /// How many points there are.
         points: usize,
@@ -103,14 +104,15 @@ pub enum ShapeError {
 #[non_exhaustive]
 pub enum ShapeNote {
     /// Edges with another number of triangles than two: there is no inside, the surface alone counts.
-    #[error("the mesh is open at {edges} edges: its surface alone counts, it has no inside")]
+    #[error("the mesh is open at {}: its surface alone counts, it has no inside", counted(*.edges, "edge"))]
     Open {
         /// How many.
         edges: usize,
     },
     /// Neighbouring triangles that are wound against each other, so that inside and outside are not told apart.
     #[error(
-        "{edges} edges of the mesh join triangles wound against each other: its surface alone counts"
+        "{} of the mesh {} triangles wound against each other: its surface alone counts",
+        counted(*.edges, "edge"), if *.edges == 1 { "joins" } else { "join" }
     )]
     Winding {
         /// How many.
@@ -120,11 +122,22 @@ pub enum ShapeNote {
     #[error("the mesh is inside out: its triangles were turned")]
     InsideOut,
     /// Triangles with two corners at one place, left out as their neighbours cover them.
-    #[error("{triangles} triangles without area were left out")]
+    #[error(
+        "{} without area {} left out",
+        counted(*.triangles, "triangle"), if *.triangles == 1 { "was" } else { "were" }
+    )]
     WithoutArea {
         /// How many.
         triangles: usize,
     },
+}
+
+/// How thick something is, where that is more than nothing.
+fn within(thickness: f64) -> String {
+    match thickness == 0.0 {
+        true => String::new(),
+        false => format!(", within {thickness:e}"),
+    }
 }
 
 /// A length, if it is one.

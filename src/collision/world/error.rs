@@ -15,13 +15,16 @@ pub enum WorldError {
     #[error("an obstacle needs a name, not {0:?}")]
     Unnamed(String),
     /// There is no obstacle of the name.
-    #[error("there is no obstacle {name:?}, but {}", listed(.valid))]
+    #[error("there is no obstacle {name:?}; {}", listed(.valid))]
     Unknown {
         /// The name asked for.
         name: String,
         /// The first of those there are.
         valid: Vec<String>,
     },
+    /// An obstacle that stands in the world already.
+    #[error("obstacle {0:?} is attached to nothing that it could be detached from")]
+    NotAttached(String),
     /// A placement that is not rigid.
     #[error("the placement of obstacle {name:?} is not rigid: {defect}")]
     Placement {
@@ -54,7 +57,8 @@ impl WorldError {
 
 fn listed(names: &[String]) -> String {
     match names {
-        [] => "none at all".to_owned(),
-        names => names.join(", "),
+        [] => "there is none at all".to_owned(),
+        [only] => format!("the only one is {only:?}"),
+        names => format!("there are {}", names.join(", ")),
     }
 }

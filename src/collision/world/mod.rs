@@ -130,12 +130,15 @@ impl World {
     /// Leaves an obstacle in the world again, at `world_from_object`.
     ///
     /// # Errors
-    /// There is none of that name, or the placement is not rigid.
+    /// There is none of that name, it is attached to nothing, or the placement is not rigid.
     pub fn detach(
         &mut self,
         name: &str,
         world_from_object: impl Into<Placement<f64>>,
     ) -> Result<(), WorldError> {
+        if self.obstacle(name)?.attached.is_none() {
+            return Err(WorldError::NotAttached(name.to_owned()));
+        }
         let placement = rigid(name, world_from_object.into())?;
         self.edit(name, |obstacle| {
             obstacle.attached = None;

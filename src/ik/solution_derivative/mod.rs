@@ -162,8 +162,7 @@ impl<'a> SolutionDerivative<'a> {
     /// A model of another shape.
     pub fn with_joint_origins(mut self, model: &'a Model) -> Result<Self, DerivativeError> {
         let problem = self.question.problem();
-        let (given, expected) = (model.configuration_len(), problem.configuration_len());
-        if given != expected || model.name() != problem.names().model {
+        if !problem.is_of(model) {
             return Err(DerivativeError::ForeignModel {
                 given: model.name().to_owned(),
                 expected: problem.names().model.clone(),
