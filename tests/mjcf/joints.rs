@@ -86,6 +86,10 @@ fn a_ball_turns_by_no_more_than_its_range_about_any_axis() {
         let turned = |by: f64| [(0.5 * by).cos(), 0.0, (0.5 * by).sin(), 0.0];
         assert!(model.is_within_limits(&turned(angle - 1e-9)));
         assert!(!model.is_within_limits(&turned(angle + 1e-9)));
+        // By name too, once for all four numbers.
+        let outside = |by: f64| model.joints_outside_limits(&turned(by)).unwrap();
+        assert_eq!(outside(angle - 1e-9), []);
+        assert_eq!(outside(angle + 1e-9), [model.moving_joints()[0]]);
     }
     let free = joint("", r#"type="ball" range="0 180""#);
     assert!(free.model().joints()[0].ball.is_none() && free.repairs().is_empty());

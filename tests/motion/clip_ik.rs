@@ -13,7 +13,7 @@ use kinopt::skeleton::BoneId;
 const THIGH: f32 = 0.45;
 const SHIN: f32 = 0.45;
 /// How high the hips are.
-const HIPS: f32 = 0.88;
+pub(crate) const HIPS: f32 = 0.88;
 /// Metres a second.
 const SPEED: f32 = 1.2;
 
@@ -45,7 +45,7 @@ pub(crate) fn figure() -> Armature {
 }
 
 /// Bends a leg so that its foot is at a place from its hip: the law of cosines, the knee forward.
-fn bend(pose: &mut Pose, [thigh, shin, foot]: [BoneId; 3], at: Vec3) {
+pub(crate) fn bend(pose: &mut Pose, [thigh, shin, foot]: [BoneId; 3], at: Vec3) {
     let reach = at.length().min(THIGH + SHIN - 1e-4);
     let cosine =
         |a: f32, b: f32, c: f32| ((a * a + b * b - c * c) / (2.0 * a * b)).clamp(-1.0, 1.0);
@@ -101,14 +101,14 @@ pub(crate) fn at(armature: &Armature, clip: &Clip, bone: &str, time: f64) -> Vec
     place.unwrap().translation
 }
 
-fn pose(armature: &Armature, clip: &Clip, time: f64) -> Pose {
+pub(crate) fn pose(armature: &Armature, clip: &Clip, time: f64) -> Pose {
     let mut pose = armature.rest().clone();
     clip.sample(time, Playback::Hold, &mut Cursor::new(), &mut pose)
         .unwrap();
     pose
 }
 
-fn planted<'a>(armature: &'a Armature) -> ClipIk<'a> {
+pub(crate) fn planted<'a>(armature: &'a Armature) -> ClipIk<'a> {
     let id = |name: &str| armature.bone(name).unwrap();
     ClipIk::new(armature)
         .plant(id("foot.l"))

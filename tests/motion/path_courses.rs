@@ -160,6 +160,30 @@ fn given_ends_are_kept() {
     ));
 }
 
+/// The elbow goes round on the way, shared by all steps: none is longer than it may be.
+#[test]
+fn an_end_that_is_given_is_led_to() {
+    let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
+    let (start, end) = (
+        [0.3, -0.4, 0.5, -2.0, 0.2, 1.6, 0.8],
+        [1.0, -0.4, -0.6, -1.9, 0.1, 1.7, 0.6],
+    );
+    let ends = [start, end].map(|q| arm.base_from_tool(&q).unwrap());
+    for count in [12, 24, 48] {
+        let path = CartesianPath::spline(ends.to_vec(), None, count).unwrap();
+        let solver = PathSolver::new(&arm).with_start(&start).with_end(&end);
+        let solution = solver.solve(&path).unwrap();
+        let rows: Vec<&[f64]> = solution.rows().collect();
+        let steps: Vec<f64> = rows
+            .windows(2)
+            .map(|pair| longest(pair[0], pair[1]))
+            .collect();
+        assert_eq!((rows[0], rows[count]), (&start[..], &end[..]));
+        assert!(solution.is_whole());
+        assert!(steps.iter().all(|step| *step <= 0.2), "{steps:?}");
+    }
+}
+
 #[test]
 fn points_for_two_tools() {
     let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();

@@ -123,3 +123,42 @@ fn a_foot_whose_ankle_ends_is_not_tipped_into_the_ground() {
         assert!(found.given_up.is_empty(), "{:?}", found.given_up);
     }
 }
+
+/// Under each corner a small ball, and a little farther in a large one that comes 1.4 cm lower though its middle is higher.
+const PADS: [([f64; 3], f64); 8] = [
+    ([-0.05, -0.03, -0.03], 0.002),
+    ([-0.05, 0.03, -0.03], 0.002),
+    ([0.17, -0.03, -0.03], 0.002),
+    ([0.17, 0.03, -0.03], 0.002),
+    ([-0.046, -0.028, -0.026], 0.02),
+    ([-0.046, 0.028, -0.026], 0.02),
+    ([0.166, -0.028, -0.026], 0.02),
+    ([0.166, 0.028, -0.026], 0.02),
+];
+
+#[test]
+fn round_soles_stand_on_their_surface_not_on_their_middles() {
+    let pad = |([x, y, z], radius): ([f64; 3], f64)| {
+        format!(
+            r#"<collision><origin xyz="{x} {y} {z}"/><geometry><sphere radius="{radius}"/></geometry></collision>"#
+        )
+    };
+    let robot = legs(&PADS.map(pad).concat());
+    let map = BodyMap::from_json(MAP, "legs").unwrap();
+    let capture = Capture::new(map.joints.clone(), &leaning(), RATE).unwrap();
+    let fitted = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
+    let feet = ["left_foot", "right_foot"].map(|name| robot.model().frame(name).unwrap());
+    let mut kinematics = ForwardKinematics::new(robot.model());
+    for found in [fitted.per_frame().unwrap(), fitted.whole().unwrap()] {
+        let mut lowest = f64::INFINITY;
+        for q in found.q.chunks(found.configuration_len) {
+            let placed = kinematics.place(q).unwrap();
+            for foot in feet {
+                let heights = PADS
+                    .map(|(at, radius)| placed[foot.index()].apply(Vector3::from(at)).z - radius);
+                lowest = heights.into_iter().fold(lowest, f64::min);
+            }
+        }
+        assert!(lowest > -1.5e-3 && lowest < 1.5e-3, "{lowest} m");
+    }
+}

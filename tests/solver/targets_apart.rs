@@ -78,3 +78,24 @@ fn targets_and_ids_of_other_problems_are_refused() {
         "{error}"
     );
 }
+
+/// As far as both go their tasks are the same: the number of tasks alone tells them apart.
+#[test]
+fn targets_of_a_problem_with_fewer_or_more_tasks_are_refused() {
+    let rig = RandomRig::new(11);
+    let (two, _) = problem(&rig, [[0.0; 3]; 2]);
+    let mut builder = Problem::builder(rig.skeleton.model());
+    builder.add(Point::new(rig.skeleton.tip(rig.tips[0]), [0.0; 3]));
+    let one = builder.build().unwrap();
+    for (problem, targets, counts) in [(&two, one.targets(), (1, 2)), (&one, two.targets(), (2, 1))]
+    {
+        let error = problem.with_targets(&targets).err();
+        let told = match &error {
+            Some(ProblemError::ForeignTargets {
+                given, expected, ..
+            }) => Some((*given, *expected)),
+            _ => None,
+        };
+        assert_eq!(told, Some(counts), "{error:?}");
+    }
+}

@@ -88,17 +88,4 @@ impl Rooms {
             .into_iter()
             .all(|(edge, change)| change.abs() <= edge.slack)
     }
-
-    /// What of a rank's gain at a trial is not its own, but let through by the edges that it stands on: by their
-    /// multipliers.
-    pub(super) fn let_through(&self, multipliers: &[f64]) -> f64 {
-        let standing = (0..self.edges.len()).filter(|&edge| {
-            let own = self.edges[edge];
-            own.locked || (own.works && own.stands)
-        });
-        let through = standing
-            .map(|edge| multipliers[edge] * (self.depths_there[edge] - self.depths[edge]))
-            .filter(|through| through.is_finite());
-        through.sum()
-    }
 }

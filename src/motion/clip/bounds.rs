@@ -60,7 +60,7 @@ impl FrameBounds {
     }
 
     /// Where a variable may be in each of some frames, so that all others can be reached from there at a share of its
-    /// moves, within a share of its range; frames that are fixed stay where x has them.
+    /// moves, within a share of its range. Of fixed frames the band says nothing: they stay where x has them.
     fn band(&self, x: &Frames<'_>, variable: usize, share: f64) -> Option<Band> {
         let (low, high) = (self.lower[variable], self.upper[variable]);
         let middle = 0.5 * (low + high);
@@ -76,14 +76,12 @@ impl FrameBounds {
             upper[frame] = lower[frame];
         }
         let mut narrow = |frame: usize, from: usize| {
-            // What cannot reach a fixed frame is told by the frames beside it.
-            if !x.fixed[frame] {
-                lower[frame] = lower[frame].max(lower[from] - most);
-                upper[frame] = upper[frame].min(upper[from] + most);
-            }
+            lower[frame] = lower[frame].max(lower[from] - most);
+            upper[frame] = upper[frame].min(upper[from] + most);
         };
         (1..frames).for_each(|frame| narrow(frame, frame - 1));
         (1..frames).rev().for_each(|frame| narrow(frame - 1, frame));
+        // What cannot reach a fixed frame is told by the frames beside it.
         let open = |frame: usize| x.fixed[frame] || lower[frame] <= upper[frame];
         (0..frames).all(open).then_some([lower, upper])
     }

@@ -116,16 +116,12 @@ fn outermost(balls: &[(Vector3<f64>, f64)]) -> Vec<(Vector3<f64>, f64)> {
 /// Across a foot, and along one of a single point.
 fn level_directions(limbs: &[Standing]) -> Vec<Vector3<f64>> {
     let [x, y, z] = Vector3::UNITS;
-    let first = limbs.first().map_or(Vector3::zero(), |limb| limb.at);
-    let ways = limbs.iter().map(|limb| limb.at - first);
-    let ways = ways.map(|way| Vector3::new(way.x, way.y, 0.0));
-    let along = ways.fold(Vector3::zero(), |longest, way| {
-        if way.norm() > longest.norm() {
-            way
-        } else {
-            longest
-        }
-    });
+    // Limbs come from the joint outward.
+    let along = match limbs {
+        [first, .., last] => last.at - first.at,
+        _ => Vector3::zero(),
+    };
+    let along = Vector3::new(along.x, along.y, 0.0);
     match along.norm() {
         0.0 => vec![x, y],
         length => vec![z.cross(along * (1.0 / length))],

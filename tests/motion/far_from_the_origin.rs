@@ -1,0 +1,32 @@
+//! Promise: a body that is far from the origin follows as it does there.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting};
+
+use crate::retargeted_feet::{MAP, RATE, legs, person};
+
+/// The normal equations are summed about the body: about the origin they would lose as many digits as the distance has, squared.
+#[test]
+fn a_person_who_walks_far_away_is_followed_alike() {
+    let robot = legs("");
+    let map = BodyMap::from_json(MAP, "legs").unwrap();
+    let at = |off: f64| {
+        let mut numbers = person();
+        for place in numbers.chunks_mut(3) {
+            place[0] += off;
+            place[1] -= off;
+        }
+        let capture = Capture::new(map.joints.clone(), &numbers, RATE).unwrap();
+        let fitted = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
+        fitted.per_frame().unwrap()
+    };
+    let (near, off) = (at(0.0), 1e4);
+    let far = at(off);
+    let frames = near.q.chunks(near.configuration_len);
+    for (near, far) in frames.zip(far.q.chunks(near.configuration_len)) {
+        // Behind the base's place, as a number of that size holds it.
+        let apart = near[3..].iter().zip(&far[3..]).map(|(a, b)| (a - b).abs());
+        let apart = apart.fold(0.0, f64::max);
+        assert!(apart < 1e-12 * off, "{apart}");
+    }
+}

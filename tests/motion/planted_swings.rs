@@ -1,0 +1,90 @@
+//! Promise: a planted foot goes over the edge of a step as high as it must, by its lower place on the ground, and over nothing
+//! that is higher than a step.
+#![allow(clippy::unwrap_used)]
+
+use glam::{DVec3, Vec3};
+use kinopt::animation::{Armature, Clip};
+
+use crate::clip_ik::{HIPS, at, bend, figure, planted, walk};
+
+/// A pole is no step: a foot that would climb it goes where it went without, up to half as high again as the step itself.
+#[test]
+fn what_is_higher_than_the_steps_is_walked_through() {
+    let armature = figure();
+    let walk = walk(&armature, true);
+    let level = planted(&armature).solve(&walk).unwrap();
+    for rise in [0.0, 0.1] {
+        // Three metres high, before a step.
+        let ground = move |at: DVec3| match (0.1..0.3).contains(&at.z) {
+            true => 3.0,
+            false => rise * f64::from(at.z > 0.3),
+        };
+        let edited = planted(&armature).ground(ground).solve(&walk).unwrap();
+        let passes = |foot: &str, time| {
+            let at = at(&armature, &level.clip, foot, time);
+            (0.1..0.3).contains(&at.z)
+        };
+        let mut passed = 0;
+        for step in 0..=400 {
+            let time = f64::from(step) / 200.0;
+            for foot in ["foot.l", "foot.r"] {
+                passed += usize::from(passes(foot, time));
+                let [own, before] = [&edited.clip, &level.clip]
+                    .map(|clip| f64::from(at(&armature, clip, foot, time).y));
+                let lift = own - before;
+                assert!(
+                    (-5e-3..2.5 * rise + 5e-3).contains(&lift),
+                    "{foot} at {time} s: {lift} m"
+                );
+            }
+        }
+        assert!(passed > 5, "{passed}");
+    }
+}
+
+/// The left foot goes ahead by a pace, from flat on the ground to on its toes.
+fn pace(armature: &Armature, raised: [f32; 2]) -> Clip {
+    let id = |name: &str| armature.bone(name).unwrap();
+    let limb = ["thigh.l", "shin.l", "foot.l"].map(id);
+    let times: Vec<f32> = (0..=90).map(|k| k as f32 / 60.0).collect();
+    let poses = times.iter().map(|&time| {
+        let mut pose = armature.rest().clone();
+        let share = ((time - 0.5) / 0.5).clamp(0.0, 1.0);
+        let eased = share * share * (3.0 - 2.0 * share);
+        let height = raised[0] + (raised[1] - raised[0]) * eased;
+        bend(
+            &mut pose,
+            limb,
+            Vec3::new(0.0, height - HIPS + 0.1, 0.5 * eased - 0.25),
+        );
+        pose
+    });
+    let poses: Vec<_> = poses.collect();
+    Clip::through_poses("pace", armature, &times, &poses).unwrap()
+}
+
+/// Where the edge is passed the foot is as high over it as where it stands lower, no less and no more.
+#[test]
+fn an_edge_is_cleared_by_the_lower_of_two_stances() {
+    let armature = figure();
+    let foot = armature.bone("foot.l").unwrap();
+    for raised in [[0.0, 0.04], [0.04, 0.0]] {
+        let ground = |at: DVec3| 0.2 * f64::from(at.z > -0.12);
+        let edited = kinopt::motion::clip_ik::ClipIk::new(&armature)
+            .plant(foot)
+            .ground(ground)
+            .solve(&pace(&armature, raised))
+            .unwrap();
+        assert_eq!(edited.stances.len(), 2);
+        // As high as the sole is over the ground on which it stands flat.
+        let lowest = 0.1;
+        let places =
+            (0..=90).map(|k| at(&armature, &edited.clip, "foot.l", f64::from(k) / 60.0).as_dvec3());
+        // Next to the edge: it begins and ends on the ground.
+        let over = places
+            .filter(|at| (-0.12..0.05).contains(&at.z))
+            .map(|at| at.y - ground(at) - lowest);
+        let least = over.fold(f64::INFINITY, f64::min);
+        assert!(least.abs() < 2e-3, "{raised:?}: {least} m over the edge");
+    }
+}

@@ -1,0 +1,62 @@
+//! Promise: new keys are in the stretches that were solved, and a clip's own elsewhere.
+#![allow(clippy::unwrap_used)]
+
+use glam::{DVec3, Quat};
+use kinopt::animation::rotation::RotationCurve;
+use kinopt::animation::{Channel, Clip};
+use kinopt::motion::clip_ik::{ClipIk, Reach};
+
+use crate::clip_ik::{figure, pose};
+
+/// A bone that one key holds, as exporters write what stands still, has no key but the new ones.
+#[test]
+fn what_one_key_holds_gets_keys_over_the_span_alone() {
+    let armature = figure();
+    let id = |name: &str| armature.bone(name).unwrap();
+    let arm = ["chest", "arm", "forearm", "hand"];
+    for step in [false, true] {
+        let mut builder = Clip::builder("held", &armature);
+        let curve = |times: Vec<f32>, turns: Vec<Quat>| match step {
+            true => RotationCurve::step(times, turns).unwrap(),
+            false => RotationCurve::slerp(times, turns).unwrap(),
+        };
+        for bone in arm {
+            let held = curve(vec![0.25], vec![Quat::from_rotation_z(0.2)]);
+            builder.channel(id(bone), Channel::Rotation(held)).unwrap();
+        }
+        // Which makes it last two seconds.
+        let nods = [0.0, 0.3].map(Quat::from_rotation_x).to_vec();
+        let nods = RotationCurve::slerp(vec![0.0, 2.0], nods).unwrap();
+        builder
+            .channel(id("head"), Channel::Rotation(nods))
+            .unwrap();
+        let clip = builder.build();
+        let reach = Reach::to(id("hand"), DVec3::new(0.5, 1.3, 0.3)).unwrap();
+        let reach = reach.over(0.8..=1.6).fade(0.2);
+        let edited = ClipIk::new(&armature).reach(reach).solve(&clip).unwrap();
+        let mut moved = 0;
+        for (bone, channel) in edited.clip.channels(&armature).unwrap() {
+            let name = armature.names()[bone.index()].as_str();
+            let times = channel.times();
+            if name == "head" {
+                assert_eq!(times, [0.0, 2.0]);
+            } else if times.len() > 1 {
+                assert!(arm.contains(&name) && matches!(channel, Channel::Rotation(_)));
+                let span = 0.8 - 0.02..1.6 + 0.02;
+                assert!(
+                    times.iter().all(|time| span.contains(time)),
+                    "{name}: {times:?}"
+                );
+                moved += 1;
+            }
+        }
+        assert!(moved > 1, "{moved}");
+        for time in [0.0, 0.25, 0.5, 1.8] {
+            let [old, new] = [&clip, &edited.clip].map(|clip| pose(&armature, clip, time));
+            for bone in armature.bone_ids() {
+                let [old, new] = [&old, &new].map(|pose| pose.local(bone).unwrap());
+                assert!(old.rotation.abs_diff_eq(new.rotation, 2e-7), "{time} s");
+            }
+        }
+    }
+}
