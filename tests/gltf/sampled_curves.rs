@@ -141,6 +141,38 @@ fn other_curves_are_sampled_at_the_rate() {
     }
 }
 
+/// A weight that stands still goes along with one that steps: it leaps where it leapt, at once.
+#[test]
+fn steps_beside_a_constant_stay_steps() {
+    for constant in [0, 1] {
+        let scene = moving(|builder| {
+            let steps = KeyedCurve::step(vec![0.0, 0.5, 1.0], vec![0.0, 1.0, 0.25]).unwrap();
+            let still = KeyedCurve::step(vec![0.0], vec![0.7]).unwrap();
+            builder
+                .morph_weight(constant, still)
+                .unwrap()
+                .morph_weight(1 - constant, steps)
+                .unwrap();
+        });
+        let read = again(&scene, &WriteOptions::default());
+        for (time, stepped) in [
+            (0.0, 0.0),
+            (0.499, 0.0),
+            (0.501, 1.0),
+            (0.999, 1.0),
+            (1.0, 0.25),
+        ] {
+            let weights = at(&read, 0, time);
+            let weights = weights.morph_weights();
+            assert_eq!(
+                (weights[constant], weights[1 - constant]),
+                (0.7, stepped),
+                "{time}"
+            );
+        }
+    }
+}
+
 #[test]
 fn a_clip_lasts_as_long_as_it_did() {
     let build = |start: f32, end: f32| {

@@ -7,6 +7,7 @@ mod look_at_from_behind;
 mod mouse_rays;
 mod numeric_residuals;
 mod room_and_bases;
+mod rooms;
 mod support_points;
 mod task_residuals;
 mod whole_bodies;

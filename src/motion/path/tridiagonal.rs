@@ -310,4 +310,19 @@ mod tests {
             assert!((place[1] - 0.2).abs() < 1e-6, "{knot}: {place:?}");
         }
     }
+
+    /// A knot between two that stand lies where both pull alike, each step by its own weight.
+    #[test]
+    fn a_step_draws_by_its_weight() {
+        let mut system = Tridiagonal::default();
+        system.begin(1, &[1.0]);
+        let q = [0.0, 0.9, 1.0];
+        let free: [&[f64]; 3] = [&[], &[1.0], &[]];
+        for (q, (free, weight)) in q.iter().zip(free.into_iter().zip([0.0, 1.0, 3.0])) {
+            system.push(&[*q], free, weight);
+        }
+        system.solve(&q, &[(-1.0, 2.0)]);
+        let came = q[1] + system.moves()[1];
+        assert!((came - 0.75).abs() < 1e-5, "{came}");
+    }
 }

@@ -1,0 +1,132 @@
+//! Promise: the rows of a room vanish where each of its depths is at least zero, and only there.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::{Masses, PointMass};
+use kinopt::robot::Robot;
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{
+    CentreOfMass, Gaze, Goal, Manipulability, Point, Pose, Residual, SupportPolygon, Within,
+};
+use support::arms::panda;
+use support::random::Random;
+use support::trees::configuration_of;
+
+/// How often all rooms of a residual were stood in, and how often one was left, at random configurations of an arm.
+fn stood_in_and_left<R: Residual>(make: impl Fn(&Robot) -> R) -> [usize; 2] {
+    let (robot, ..) = panda();
+    let model = robot.model();
+    let residual = make(&robot);
+    let (frames, joints) = (residual.frames(), residual.joints());
+    let (rooms, rows) = (residual.rooms(), residual.rows());
+    let mut values = vec![0.0; rows.iter().map(|rows| rows.count).sum()];
+    let mut depths = vec![0.0; rooms.iter().map(kinopt::task::Room::edges).sum()];
+    let mut kinematics = ForwardKinematics::new(model);
+    let mut random = Random::new(5);
+    let mut met = [0; 2];
+    for _ in 0..400 {
+        let q = configuration_of(model, &mut random);
+        let placed = kinematics.place(&q).unwrap();
+        let own: Vec<Placement<f64>> = frames.iter().map(|id| placed[id.index()]).collect();
+        let turned: Vec<f64> = joints
+            .iter()
+            .map(|id| q[model.coordinate(*id).unwrap()])
+            .collect();
+        residual.evaluate(&own, &turned, &mut values);
+        residual.depths(&own, &turned, &mut depths);
+        let mut edge = 0;
+        for room in &rooms {
+            let least = depths[edge..edge + room.edges()].iter().copied();
+            let least = least.fold(f64::INFINITY, f64::min);
+            edge += room.edges();
+            let vanishes = values[room.rows()].iter().all(|value| *value == 0.0);
+            if least.abs() > 1e-9 {
+                assert_eq!(vanishes, least > 0.0, "{values:?} {depths:?} at {q:?}");
+                met[usize::from(!vanishes)] += 1;
+            }
+        }
+    }
+    met
+}
+
+/// Both happen often enough to say something.
+fn assert_told(met: [usize; 2]) {
+    assert!(met.iter().all(|&times| times >= 10), "{met:?}");
+}
+
+#[test]
+fn of_intervals() {
+    assert_told(stood_in_and_left(|robot| {
+        let tip = robot.model().frame("flange").unwrap();
+        Within::new(Point::new(tip, [0.3, 0.0, 0.5]), 0.3)
+    }));
+}
+
+#[test]
+fn of_intervals_that_are_open_below() {
+    assert_told(stood_in_and_left(|robot| {
+        let tip = robot.model().frame("flange").unwrap();
+        Within::at_most(Point::new(tip, [0.3, 0.0, 0.5]), 0.1)
+    }));
+}
+
+#[test]
+fn of_goals_with_bands() {
+    assert_told(stood_in_and_left(|robot| {
+        let tip = robot.model().frame("flange").unwrap();
+        let target = Placement::translation(Vector3::new(0.3, 0.0, 0.5));
+        Pose::new(tip, target).with_goal(Goal::within([0.3, 0.3, 0.0, 0.8, 0.8, 0.8]))
+    }));
+}
+
+#[test]
+fn of_gazes() {
+    assert_told(stood_in_and_left(|robot| {
+        let tip = robot.model().frame("flange").unwrap();
+        Gaze::at(tip, [0.0, 0.0, 0.7], [1.0, 0.5, 0.2], 1.1)
+    }));
+}
+
+#[test]
+fn of_measures_of_manipulability() {
+    assert_told(stood_in_and_left(|robot| {
+        let tip = robot.model().frame("flange").unwrap();
+        Manipulability::new(robot.model(), None, tip, 0.05)
+    }));
+}
+
+#[test]
+fn of_polygons() {
+    assert_told(stood_in_and_left(|robot| {
+        let model = robot.model();
+        let masses = ["link4", "flange"].map(|name| PointMass {
+            frame: model.frame(name).unwrap(),
+            at: Vector3::zero(),
+            mass: 1.0,
+        });
+        let masses = Masses::new(model, masses).unwrap();
+        let corners = [
+            [-0.1, -0.2, 0.0],
+            [0.5, -0.3, 0.2],
+            [0.4, 0.3, 0.0],
+            [-0.2, 0.2, 0.0],
+        ];
+        SupportPolygon::new(&masses)
+            .with_points(corners.map(Vector3::from))
+            .with_margin(0.02)
+    }));
+}
+
+#[test]
+fn of_centres_of_mass() {
+    assert_told(stood_in_and_left(|robot| {
+        let model = robot.model();
+        let masses = [PointMass {
+            frame: model.frame("flange").unwrap(),
+            at: Vector3::zero(),
+            mass: 2.0,
+        }];
+        let masses = Masses::new(model, masses).unwrap();
+        Within::new(CentreOfMass::new(&masses, [0.2, 0.1, 0.4]), 0.3)
+    }));
+}
