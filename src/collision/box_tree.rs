@@ -1,6 +1,6 @@
 //! A tree of boxes over many things, for clouds, meshes and height fields.
 
-use super::shape::BoundingBox;
+use super::bounding_box::BoundingBox;
 use crate::spatial::Vector3;
 
 /// Things in one leaf at most.

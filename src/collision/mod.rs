@@ -18,6 +18,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod bounding_box;
 mod box_tree;
 mod checker;
 mod convex_surface;
@@ -31,6 +32,7 @@ mod sphere_model;
 mod world;
 
 pub use crate::problem::{BodyKind, Collision};
+pub use bounding_box::BoundingBox;
 pub use checker::{Checker, CheckerError, CheckerWorkspace, Clearance, Way, WayChecker};
 pub use distance::{Separation, separation, separation_within};
 pub use mesh_file::MeshFile;
@@ -38,8 +40,8 @@ pub use model::{
     CollisionModel, CollisionModelBuilder, CollisionModelError, CollisionObject, MeshUse,
 };
 pub use shape::{
-    Ball, BoundingBox, ConvexHull, HeightField, PointCloud, Shape, ShapeError, ShapeKind,
-    ShapeNote, TriangleMesh,
+    Ball, ConvexHull, HeightField, PointCloud, Shape, ShapeError, ShapeKind, ShapeNote,
+    TriangleMesh,
 };
 pub use sphere_model::{Fineness, SphereGroup, SphereModel};
 pub use world::{Obstacle, World, WorldError};

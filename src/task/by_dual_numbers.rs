@@ -2,6 +2,7 @@
 //! time.
 
 use super::LocalJacobian;
+use super::local_jacobian::make_room;
 use crate::scalar::{Dual, Scalar};
 use crate::spatial::{Placement, Vector3};
 
@@ -32,11 +33,6 @@ impl DualScratch {
             residual: Vec::with_capacity(self.residual.capacity()),
         }
     }
-}
-
-/// Grows an empty vector's capacity to at least `count`.
-pub(super) fn make_room<T>(vector: &mut Vec<T>, count: usize) {
-    vector.reserve(count.saturating_sub(vector.len()));
 }
 
 /// Differentiates what `evaluate` writes by frames and joints: moves one frame, or six joints, at a time.

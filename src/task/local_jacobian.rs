@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use super::by_dual_numbers::make_room;
 use crate::spatial::Vector3;
 
 /// ∂r/∂twist for each frame and ∂r/∂value for each joint of one residual.
@@ -188,4 +187,9 @@ impl LocalJacobian {
             }
         }
     }
+}
+
+/// Grows an empty vector's capacity to at least `count`.
+pub(super) fn make_room<T>(vector: &mut Vec<T>, count: usize) {
+    vector.reserve(count.saturating_sub(vector.len()));
 }

@@ -1,6 +1,7 @@
 //! `kinopt info`: what a model has.
 
 mod animation;
+mod cone;
 mod document;
 mod robot;
 mod text;

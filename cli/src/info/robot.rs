@@ -6,7 +6,7 @@ use kinopt::model::{FrameId, Joint, JointId};
 use kinopt::robot::{Geometry, Link, Repair, Robot};
 use serde::Serialize;
 
-use super::document::ConeDocument;
+use super::cone::ConeDocument;
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{six_digits, three_digits};
 use crate::table::Table;

@@ -1,6 +1,7 @@
 //! The document for people.
 
-use super::document::{ConeDocument, Document, RigDocument};
+use super::cone::ConeDocument;
+use super::document::{Document, RigDocument};
 use super::robot::{self, LinkDocument};
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{LengthFormat, six_digits, three_digits};

@@ -5,7 +5,8 @@ use std::time::Instant;
 use kinopt::solver::{Observer, Silent};
 use rayon::prelude::*;
 
-use super::query::{Answer, Path, Query, TaskName};
+use super::query::{Answer, Path, Query};
+use super::task_name::TaskName;
 use crate::failure::Outcome;
 use crate::joint_columns::JointColumns;
 

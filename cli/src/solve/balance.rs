@@ -7,7 +7,7 @@ use kinopt::robot::{Geometry, Shape};
 use kinopt::spatial::Vector3;
 use kinopt::task::{Axis, CentreOfMass, SupportPolygon, Task};
 
-use super::query::TaskName;
+use super::task_name::TaskName;
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::help_headings::TARGETS;

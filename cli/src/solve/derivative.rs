@@ -9,7 +9,7 @@ use kinopt::nalgebra::DMatrix;
 use kinopt::problem::Question;
 use serde::Serialize;
 
-use super::query::TaskName;
+use super::task_name::TaskName;
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::number_format::six_digits;

@@ -3,7 +3,7 @@
 use clap::Args;
 use kinopt::model::UnknownName;
 
-use super::query::TaskName;
+use super::task_name::TaskName;
 use crate::failure::Outcome;
 use crate::help_headings::TARGETS;
 

@@ -23,6 +23,7 @@ mod report;
 pub(crate) mod room;
 mod settings;
 mod task_file;
+mod task_name;
 mod weights;
 
 pub(crate) use arguments::Arguments;

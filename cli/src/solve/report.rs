@@ -4,7 +4,8 @@ use kinopt::ik::{BoundKind, Side};
 use serde::Serialize;
 
 use super::derivative::TargetDerivatives;
-use super::query::{Answer, Settled, TaskName, Way};
+use super::query::{Answer, Settled, Way};
+use super::task_name::TaskName;
 use crate::collision_document::CollisionDocument;
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{magnitude, six_digits, time};

@@ -1,6 +1,7 @@
 //! Convex bodies as cores with a radius around them: a sphere is a point, a capsule a segment.
 
-use crate::collision::shape::{BoundingBox, ConvexHull, ShapeKind};
+use crate::collision::bounding_box::BoundingBox;
+use crate::collision::shape::{ConvexHull, ShapeKind};
 use crate::spatial::{Placement, Vector3};
 
 /// A convex body without its radius, in its own coordinates.

@@ -1,9 +1,8 @@
 //! Shapes of many parts: meshes, height fields and clouds, through the boxes around their parts.
 
+use crate::collision::bounding_box::BoundingBox;
 use crate::collision::box_tree::{BoxTree, Contents};
-use crate::collision::shape::{
-    BoundingBox, HeightField, PointCloud, Shape, ShapeKind, TriangleMesh,
-};
+use crate::collision::shape::{HeightField, PointCloud, Shape, ShapeKind, TriangleMesh};
 use crate::spatial::{Placement, Vector3};
 
 use super::convex;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::bodies::BodyChain;
 use super::many_solids::ManySolids;
-use super::solids::Solids;
+use super::solids::{Solids, in_lane};
 use crate::collision::Ball;
 use crate::lanes::lane::LaneScalar;
 use crate::spatial::{Matrix3, Placement, Vector3};
@@ -233,16 +233,6 @@ fn near_each_other<V: LaneScalar>(
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn at<V: LaneScalar>(frame: &Placement<V>, ball: &Ball) -> Vector3<V> {
     frame.apply(Vector3::constant(ball.centre))
-}
-
-/// The point of one lane.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn in_lane<V: LaneScalar>(points: &Vector3<V>, lane: usize) -> Vector3<f64> {
-    Vector3::new(
-        points.x.lane(lane),
-        points.y.lane(lane),
-        points.z.lane(lane),
-    )
 }
 
 /// The lanes in which two points are nearer than so far.

@@ -2,7 +2,6 @@
 
 use super::bodies::{Body, BodyChain};
 use super::many_solids::ManySolids;
-use super::near::in_lane;
 use crate::collision::{Ball, BoundingBox, Shape, ShapeKind};
 use crate::lanes::lane::LaneScalar;
 use crate::spatial::{Placement, Vector3};
@@ -254,4 +253,14 @@ impl Solid {
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn beyond<V: LaneScalar>(value: V, half: f64) -> V {
     (value.abs() - V::constant(half)).max(V::zero())
+}
+
+/// The point of one lane.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn in_lane<V: LaneScalar>(points: &Vector3<V>, lane: usize) -> Vector3<f64> {
+    Vector3::new(
+        points.x.lane(lane),
+        points.y.lane(lane),
+        points.z.lane(lane),
+    )
 }

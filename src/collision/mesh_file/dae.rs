@@ -1,21 +1,13 @@
 //! COLLADA: the triangles of the scene, each part where its nodes put it, in metres. `<up_axis>` is not applied, as
 //! in RViz and MoveIt: robots' files are written for that.
 
-use std::collections::HashMap;
-
 use roxmltree::{Document, Node, ParsingOptions};
 
+use super::dae_document::{Collada, children, named};
 use super::dae_nodes::Instances;
 use super::{CORNER_LIMIT, MeshFile, text};
 use crate::file::{Place, ReadError};
 use crate::spatial::Vector3;
-
-/// A document, its name for errors and its elements by their ids.
-pub(super) struct Collada<'a> {
-    pub(super) file: &'a str,
-    document: &'a Document<'a>,
-    by_id: HashMap<&'a str, Node<'a, 'a>>,
-}
 
 pub(super) fn parse(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
     let text = text::of(bytes, file)?;
@@ -28,13 +20,7 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
         let place = Place::Line(error.pos().row as usize);
         ReadError::malformed(file, place, error.to_string())
     })?;
-    let ids = document.descendants();
-    let by_id = ids.filter_map(|node| Some((node.attribute("id")?, node)));
-    let collada = Collada {
-        file,
-        by_id: by_id.collect(),
-        document: &document,
-    };
+    let collada = Collada::new(&document, file);
     let unit = named(document.root_element(), "asset")
         .and_then(|asset| named(asset, "unit")?.attribute("meter")?.parse().ok())
         .filter(|unit: &f64| unit.is_finite() && *unit > 0.0)
@@ -60,55 +46,7 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
     Ok(mesh)
 }
 
-/// The first child of a name.
-pub(super) fn named<'a>(node: Node<'a, 'a>, tag: &str) -> Option<Node<'a, 'a>> {
-    children(node, tag).next()
-}
-
-pub(super) fn children<'a>(node: Node<'a, 'a>, tag: &str) -> impl Iterator<Item = Node<'a, 'a>> {
-    node.children()
-        .filter(move |child| child.tag_name().name() == tag)
-}
-
 impl<'a> Collada<'a> {
-    pub(super) fn root(&self) -> Node<'a, 'a> {
-        self.document.root_element()
-    }
-
-    pub(super) fn fail(&self, node: Node<'a, 'a>, problem: impl Into<String>) -> ReadError {
-        let row = self.document.text_pos_at(node.range().start).row;
-        ReadError::malformed(self.file, Place::Line(row as usize), problem)
-    }
-
-    /// The element that an attribute `#id` names.
-    pub(super) fn referred(
-        &self,
-        node: Node<'a, 'a>,
-        attribute: &str,
-    ) -> Result<Node<'a, 'a>, ReadError> {
-        let reference = node.attribute(attribute).unwrap_or_default();
-        let found = self.by_id.get(reference.trim_start_matches('#')).copied();
-        found.ok_or_else(|| {
-            self.fail(
-                node,
-                format!("{attribute} `{reference}` is no id of the file"),
-            )
-        })
-    }
-
-    /// The numbers in an element, at most as many as there may be corners.
-    pub(super) fn numbers<T: std::str::FromStr>(
-        &self,
-        node: Node<'a, 'a>,
-    ) -> Result<Vec<T>, ReadError> {
-        let words = node.text().unwrap_or_default().split_ascii_whitespace();
-        let number = |word: &str| {
-            let fault = |_| self.fail(node, format!("`{word}` is no number that may stand here"));
-            word.parse().map_err(fault)
-        };
-        words.map(number).collect()
-    }
-
     fn geometry(&self, geometry: Node<'a, 'a>) -> Result<MeshFile, ReadError> {
         let mut mesh = MeshFile::default();
         // Of a spline there are no triangles.

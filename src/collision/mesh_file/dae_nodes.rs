@@ -2,7 +2,7 @@
 
 use roxmltree::Node;
 
-use super::dae::{Collada, children, named};
+use super::dae_document::{Collada, children, named};
 use crate::file::ReadError;
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Vector3};

@@ -5,6 +5,7 @@
 //! vertices of merged parts from the last triangle. roxmltree is there already.
 
 mod dae;
+mod dae_document;
 mod dae_nodes;
 mod obj;
 mod parts;

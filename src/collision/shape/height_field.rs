@@ -1,7 +1,8 @@
 //! A ground over a grid.
 
+use super::ShapeError;
 use super::error::{check_number, size};
-use super::{BoundingBox, ShapeError};
+use crate::collision::bounding_box::BoundingBox;
 use crate::collision::box_tree::BoxTree;
 use crate::spatial::Vector3;
 

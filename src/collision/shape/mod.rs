@@ -13,7 +13,7 @@ mod triangle_mesh;
 
 use std::sync::Arc;
 
-pub use bounds::{Ball, BoundingBox};
+pub use bounds::Ball;
 pub use convex_hull::ConvexHull;
 pub use error::{ShapeError, ShapeNote};
 pub use height_field::HeightField;

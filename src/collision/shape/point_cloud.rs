@@ -1,7 +1,8 @@
 //! Many points with one radius.
 
+use super::ShapeError;
 use super::error::{check_points, size};
-use super::{BoundingBox, ShapeError};
+use crate::collision::bounding_box::BoundingBox;
 use crate::collision::box_tree::BoxTree;
 use crate::spatial::Vector3;
 

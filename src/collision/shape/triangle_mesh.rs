@@ -3,7 +3,8 @@
 use std::collections::HashMap;
 
 use super::error::check_points;
-use super::{BoundingBox, ShapeError, ShapeNote};
+use super::{ShapeError, ShapeNote};
+use crate::collision::bounding_box::BoundingBox;
 use crate::collision::box_tree::BoxTree;
 use crate::scalar::elementary::atan2;
 use crate::spatial::Vector3;

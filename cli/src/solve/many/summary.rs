@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
-use super::super::query::{Answer, LongStep, TaskName};
+use super::super::query::{Answer, LongStep};
 use super::super::report::{self, Report};
+use super::super::task_name::TaskName;
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{magnitude, time};
 

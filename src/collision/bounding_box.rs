@@ -1,0 +1,118 @@
+//! Boxes along the axes.
+
+use crate::spatial::{Placement, Vector3};
+
+/// A box along the axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoundingBox {
+    /// The least coordinates; −∞ where there is no bound.
+    pub min: Vector3<f64>,
+    /// The greatest coordinates; ∞ where there is no bound.
+    pub max: Vector3<f64>,
+}
+
+impl BoundingBox {
+    /// Around nothing.
+    pub(crate) const EMPTY: Self = Self {
+        min: Vector3 {
+            x: f64::INFINITY,
+            y: f64::INFINITY,
+            z: f64::INFINITY,
+        },
+        max: Vector3 {
+            x: f64::NEG_INFINITY,
+            y: f64::NEG_INFINITY,
+            z: f64::NEG_INFINITY,
+        },
+    };
+
+    /// Around points.
+    pub(crate) fn around(points: impl IntoIterator<Item = Vector3<f64>>) -> Self {
+        points.into_iter().fold(Self::EMPTY, Self::with)
+    }
+
+    /// With one point more.
+    #[inline]
+    pub(crate) fn with(self, point: Vector3<f64>) -> Self {
+        Self {
+            min: least(self.min, point),
+            max: greatest(self.max, point),
+        }
+    }
+
+    /// Around both.
+    #[inline]
+    pub(crate) fn union(self, other: Self) -> Self {
+        Self {
+            min: least(self.min, other.min),
+            max: greatest(self.max, other.max),
+        }
+    }
+
+    /// What is in both; empty, with least above greatest, where nothing is.
+    pub(crate) fn intersection(self, other: Self) -> Self {
+        Self {
+            min: greatest(self.min, other.min),
+            max: least(self.max, other.max),
+        }
+    }
+
+    /// Larger by `by` on all sides.
+    pub(crate) fn grown(self, by: f64) -> Self {
+        let by = Vector3::new(by, by, by);
+        Self {
+            min: self.min - by,
+            max: self.max + by,
+        }
+    }
+
+    /// Its middle.
+    #[inline]
+    pub(crate) fn centre(&self) -> Vector3<f64> {
+        (self.min + self.max) * 0.5
+    }
+
+    /// From its middle to a corner.
+    #[inline]
+    pub(crate) fn half_diagonal(&self) -> f64 {
+        (self.max - self.min).norm() * 0.5
+    }
+
+    /// From a point to it, squared; 0 inside.
+    #[inline]
+    pub(crate) fn squared_distance(&self, point: Vector3<f64>) -> f64 {
+        let nearest = greatest(self.min, least(self.max, point));
+        (point - nearest).norm_squared()
+    }
+
+    /// Around the same box placed elsewhere.
+    #[must_use]
+    pub fn placed(&self, world_from_shape: &Placement<f64>) -> Self {
+        let corner = |i: u8| {
+            let pick = |bit, min, max| if i & bit == 0 { min } else { max };
+            let x = pick(1, self.min.x, self.max.x);
+            let y = pick(2, self.min.y, self.max.y);
+            Vector3::new(x, y, pick(4, self.min.z, self.max.z))
+        };
+        match (self.max - self.min).norm().is_finite() {
+            true => Self::around((0..8).map(|i| world_from_shape.apply(corner(i)))),
+            false => Self::EVERYWHERE,
+        }
+    }
+
+    /// Without bounds.
+    pub(super) const EVERYWHERE: Self = Self {
+        min: Self::EMPTY.max,
+        max: Self::EMPTY.min,
+    };
+}
+
+#[inline]
+fn least(a: Vector3<f64>, b: Vector3<f64>) -> Vector3<f64> {
+    Vector3::new(a.x.min(b.x), a.y.min(b.y), a.z.min(b.z))
+}
+
+#[inline]
+fn greatest(a: Vector3<f64>, b: Vector3<f64>) -> Vector3<f64> {
+    Vector3::new(a.x.max(b.x), a.y.max(b.y), a.z.max(b.z))
+}

@@ -1,0 +1,105 @@
+//! How far something may move.
+
+/// Limits so many spreads away (for angles: four turns) stand in for none.
+const ENDLESS: f64 = 8.0;
+
+/// A closed interval, in radians or metres; infinite ends are allowed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(from = "[Option<f64>; 2]", into = "[Option<f64>; 2]")
+)]
+pub struct Limits {
+    /// The smallest value allowed.
+    pub lower: f64,
+    /// The largest value allowed.
+    pub upper: f64,
+}
+
+impl Limits {
+    /// No limit on either side.
+    pub const UNBOUNDED: Self = Self {
+        lower: f64::NEG_INFINITY,
+        upper: f64::INFINITY,
+    };
+
+    /// From `lower` to `upper`. What is built with these limits checks that they are in order.
+    #[must_use]
+    pub const fn new(lower: f64, upper: f64) -> Self {
+        Self { lower, upper }
+    }
+
+    /// Whether both ends are the same number.
+    #[must_use]
+    pub fn is_locked(&self) -> bool {
+        self.lower == self.upper
+    }
+
+    /// Neither NaN nor out of order nor an infinity on the wrong side.
+    #[must_use]
+    pub fn is_valid(&self) -> bool {
+        self.lower <= self.upper && self.lower < f64::INFINITY && self.upper > f64::NEG_INFINITY
+    }
+
+    /// Whether `lower <= value && value <= upper`, to the bit.
+    #[must_use]
+    pub fn contains(&self, value: f64) -> bool {
+        self.lower <= value && value <= self.upper
+    }
+
+    /// The nearest value within the limits. NaN stays NaN.
+    #[must_use]
+    #[inline(always)]
+    pub fn clamp(&self, value: f64) -> f64 {
+        if value < self.lower {
+            self.lower
+        } else if value > self.upper {
+            self.upper
+        } else {
+            value
+        }
+    }
+
+    /// Where random values near `at` are drawn from: the limits, where one is missing or so far
+    /// away that it only means that there is none, `spread` from `at` instead.
+    pub(crate) fn sampling_range(&self, at: f64, spread: f64) -> (f64, f64) {
+        let lower = if at - self.lower <= ENDLESS * spread {
+            self.lower
+        } else {
+            at - spread
+        };
+        let upper = if self.upper - at <= ENDLESS * spread {
+            self.upper
+        } else {
+            at + spread
+        };
+        (lower, upper)
+    }
+
+    /// The values allowed by both.
+    #[must_use]
+    pub fn intersection(&self, other: &Self) -> Self {
+        Self::new(self.lower.max(other.lower), self.upper.min(other.upper))
+    }
+}
+
+/// An open end is none: JSON has no infinity.
+#[cfg(feature = "serde")]
+impl From<Limits> for [Option<f64>; 2] {
+    fn from(limits: Limits) -> Self {
+        let open = [f64::NEG_INFINITY, f64::INFINITY];
+        let ends = [(limits.lower, open[0]), (limits.upper, open[1])];
+        ends.map(|(end, open)| (end != open).then_some(end))
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<[Option<f64>; 2]> for Limits {
+    fn from([lower, upper]: [Option<f64>; 2]) -> Self {
+        Self::new(
+            lower.unwrap_or(f64::NEG_INFINITY),
+            upper.unwrap_or(f64::INFINITY),
+        )
+    }
+}
