@@ -148,3 +148,28 @@ def test_what_is_wrong_is_named(arm: kinopt.Robot) -> None:
             motion.solve(start)
     with pytest.raises(kinopt.InvalidValueError, match="tolerance"):
         motion.solve(np.zeros(6), tolerance=-1.0)
+
+
+def between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The angles of the turns between quaternions (w, x, y, z), row by row."""
+    return 2 * np.arccos(np.clip(np.abs(np.sum(a * b, axis=-1)), 0, 1))
+
+
+def test_free_bases_and_balls_keep_their_speeds() -> None:
+    free = kinopt.Robot.from_urdf(MODELS / "aldebaran_nao.urdf", base_joint="free")
+    start = free.neutral()
+    frame = free.frame_names[0]
+    goal = np.eye(4)
+    goal[:3, 3] = [0.6, 0.3, 0.2]
+    goal[:3, :3] = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+    work = [tasks.Pose(frame, goal, name="base"), tasks.Posture(start, times=0.01)]
+    motion = kinopt.MotionProblem(
+        free, FRAMES, STEP, work, acceleration=1e-3, first=start, max_speeds={"root_joint": (0.9, 1.3)}
+    )
+    q = motion.solve(start).q
+    slid = np.linalg.norm(np.diff(q[:, :3], axis=0), axis=1)
+    assert 0.89 * STEP < slid.max() <= 0.9 * STEP
+    turned = between(q[1:, 3:7], q[:-1, 3:7])
+    assert 1.29 * STEP < turned.max() <= 1.3 * STEP + 1e-7
+    with pytest.raises(kinopt.UnknownNameError, match="rot_joint"):
+        kinopt.MotionProblem(free, FRAMES, STEP, work, max_speeds={"rot_joint": (0.9, 1.3)})

@@ -3,7 +3,7 @@
 use super::{Problem, Scratch, Targets};
 use crate::kinematics::Tree;
 use crate::model::{Limits, ParameterMap};
-use crate::solver::{ConfigurationSpace, TurnLimit};
+use crate::solver::{ConfigurationSpace, RotationSets, TurnLimit};
 use crate::task::ErasedResidual;
 
 /// One question to a [`Problem`]. A reference to a problem is one: with the targets that it was built
@@ -16,6 +16,8 @@ pub struct Question<'a> {
     upper: &'a [f64],
     /// How far balls may go from where they stood.
     moves: &'a [TurnLimit],
+    /// Which variables belong together as rotations, as steps are told at their edges.
+    rotations: &'a RotationSets,
     tree: &'a Tree,
 }
 
@@ -27,6 +29,7 @@ impl<'a> From<&'a Problem> for Question<'a> {
             lower: problem.lower(),
             upper: problem.upper(),
             moves: &[],
+            rotations: &problem.rotations,
             tree: &problem.tree,
         }
     }
@@ -55,8 +58,15 @@ impl<'a> Question<'a> {
     /// The space of the variables, within these bounds.
     #[must_use]
     pub fn space(&self) -> ConfigurationSpace<'a> {
-        ConfigurationSpace::new(self.lower, self.upper)
-            .with_rotations(&self.problem.rotations, self.moves)
+        ConfigurationSpace::new(self.lower, self.upper).with_rotations(self.rotations, self.moves)
+    }
+
+    /// The same with derivatives by the variables at the edges of cones and angles too, for who knows those by himself.
+    pub(crate) fn by_variables(self) -> Self {
+        Self {
+            rotations: const { &RotationSets::NONE },
+            ..self
+        }
     }
 
     /// The same with other targets, which are of this problem.

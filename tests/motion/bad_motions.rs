@@ -1,6 +1,6 @@
 //! Promise: what is asked of a motion and cannot be is an error that names it, and limits hold at its fixed ends.
 
-use kinopt::model::{BallLimits, Limits, Model};
+use kinopt::model::{Limits, Model};
 use kinopt::motion::clip::{
     Contact, MotionBound, MotionError, MotionProblem, MotionProblemBuilder, MotionSolver, RateCost,
 };
@@ -87,29 +87,6 @@ fn errors_name_what_is_wrong() {
         });
         assert!(told.contains(words), "{told}");
     }
-}
-
-#[test]
-fn balls_within_cones_are_refused_by_name() {
-    let mut builder = Model::builder("ball");
-    let cone = BallLimits::cone(1.0, Limits::new(-1.0, 1.0));
-    let ball = builder.ball(
-        "hip",
-        None,
-        Placement::identity(),
-        Vector3::UNITS[0],
-        Some(cone),
-    );
-    let tip = builder.frame("tip", Some(ball), Vector3::UNITS[0]);
-    let model = builder.build().unwrap();
-    let mut motion = MotionProblem::builder(&model, 2, 0.1);
-    motion.add(Point::new(tip, [1.0, 0.0, 0.0]));
-    assert_eq!(
-        motion.build().unwrap_err(),
-        MotionError::BoundedBall {
-            joint: "hip".to_owned()
-        }
-    );
 }
 
 #[test]

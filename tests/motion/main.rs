@@ -3,6 +3,7 @@
 
 mod bad_captures;
 mod bad_motions;
+mod ball_limits;
 mod clip_ik;
 mod clip_minima;
 mod contacts;

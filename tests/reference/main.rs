@@ -9,5 +9,6 @@ mod same_arms;
 mod same_bits;
 mod same_courses;
 mod same_following;
+mod same_motions;
 mod same_on_the_web;
 mod skinning;

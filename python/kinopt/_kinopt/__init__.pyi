@@ -700,7 +700,7 @@ class MotionProblem:
         velocity: float | tuple[float, Mapping[str, float]] | None = None,
         acceleration: float | tuple[float, Mapping[str, float]] | None = None,
         jerk: float | tuple[float, Mapping[str, float]] | None = None,
-        max_speeds: Mapping[str, float] | None = None,
+        max_speeds: Mapping[str, float | tuple[float, float]] | None = None,
         contacts: Iterable[Contact] | None = None,
         first: ArrayLike | None = None,
         last: ArrayLike | None = None,

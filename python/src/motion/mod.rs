@@ -28,6 +28,7 @@ use crate::robot::Robot;
 ///
 /// `velocity`, `acceleration` and `jerk` are what those cost, per rad/s or m/s and so on: a weight, or (weight, {"joint":
 /// factor}). `max_speeds` are hard limits from each frame to the next, {"joint": rad/s or m/s}; unset those of a robot's file, {} none.
+/// A ball's is of the angle that it turns by; a free joint has (m/s, rad/s), of the way that its place goes and of its turn.
 /// `contacts` are `kinopt.Contact`s: what stands still over a span. `first` and `last` fix those frames' configurations.
 ///
 /// Raises `UnknownNameError` for names that do not exist, and `InvalidValueError` for what is out of range, with its name.
@@ -275,6 +276,10 @@ fn build(
         (Some(speeds), _) => {
             for (joint, speed) in problem::items(Some(&speeds), "max_speeds")? {
                 let joint = arrays::name(&joint, "a joint of max_speeds")?;
+                if let Ok((linear, angular)) = speed.extract::<(f64, f64)>() {
+                    builder.max_free_speed(&joint, linear, angular);
+                    continue;
+                }
                 let speed = arrays::number(&speed, &format!("the speed of {joint}"))?;
                 builder.max_speed(joint.as_str(), speed);
             }

@@ -1,5 +1,7 @@
 //! Where each variable may be and how far it may go from frame to frame, and a motion well within that.
 
+use super::draw_together::{Together, groups};
+use super::length_limits::LengthLimit;
 use crate::problem::Problem;
 
 /// Shares of the moves, and of the ranges about their middles, that a motion well within its bounds is looked for in.
@@ -35,6 +37,25 @@ pub(super) struct FrameBounds {
     pub(super) most: Vec<f64>,
     /// Where both bounds are one: it stays.
     pub(super) still: Vec<bool>,
+    /// Of several variables together.
+    pub(super) lengths: Vec<LengthLimit>,
+}
+
+/// How far a frame may go from the one before.
+#[derive(Clone, Debug)]
+pub(in crate::motion) struct Moves {
+    /// Each variable by itself; infinite for no limit.
+    pub(in crate::motion) most: Vec<f64>,
+    /// Several together.
+    pub(super) together: Vec<LengthLimit>,
+}
+
+impl Moves {
+    /// The first joint that is limited in several variables at once.
+    pub(in crate::motion) fn first_together(&self, problem: &Problem) -> Option<String> {
+        let first = self.together.first()?.variables[0];
+        Some(problem.names().joints[first].clone())
+    }
 }
 
 /// A variable whose ends are too far apart for its speed.
@@ -47,15 +68,29 @@ pub(super) struct TooFar {
 type Band = [Vec<f64>; 2];
 
 impl FrameBounds {
-    /// Of a problem, with how far each variable goes from frame to frame.
-    pub(super) fn new(problem: &Problem, most: Vec<f64>) -> Self {
-        let (lower, upper) = (problem.lower().to_vec(), problem.upper().to_vec());
-        let still = lower.iter().zip(&upper).map(|(low, high)| low >= high);
+    /// Of a problem, with how far each variable goes from frame to frame, and what of several goes together.
+    pub(super) fn new(problem: &Problem, moves: Moves) -> Self {
+        let (mut lower, mut upper) = (problem.lower().to_vec(), problem.upper().to_vec());
+        let still: Vec<bool> = lower
+            .iter()
+            .zip(&upper)
+            .map(|(low, high)| low >= high)
+            .collect();
+        let map = problem.parameters();
+        for ball in map.balls().iter().filter(|ball| ball.swing.is_some()) {
+            // Their ellipse is within that box.
+            lower[ball.variable..ball.variable + 2].fill(f64::NEG_INFINITY);
+            upper[ball.variable..ball.variable + 2].fill(f64::INFINITY);
+        }
+        let mut lengths = LengthLimit::of_balls(map);
+        lengths.extend(moves.together);
+        lengths.sort_by_key(|limit| limit.variables);
         Self {
-            still: still.collect(),
+            still,
             lower,
             upper,
-            most,
+            most: moves.most,
+            lengths,
         }
     }
 
@@ -145,6 +180,9 @@ impl FrameBounds {
                 x.set(frame, variable, value + inward.share * (inside - value));
             }
         }
+        for limits in groups(&self.lengths) {
+            Together::new(self, limits).draw(x, 1.0 - inward.share)?;
+        }
         Ok(())
     }
 
@@ -187,12 +225,28 @@ pub(super) struct Frames<'a> {
 }
 
 impl Frames<'_> {
-    fn frames(&self) -> usize {
+    pub(super) fn frames(&self) -> usize {
         self.fixed.len()
     }
 
     fn stride(&self) -> usize {
         self.x.len() / self.fixed.len()
+    }
+
+    pub(super) fn frame(&self, frame: usize) -> &[f64] {
+        let n = self.stride();
+        &self.x[frame * n..(frame + 1) * n]
+    }
+
+    pub(super) fn frame_mut(&mut self, frame: usize) -> &mut [f64] {
+        let n = self.stride();
+        &mut self.x[frame * n..(frame + 1) * n]
+    }
+
+    pub(super) fn put(&mut self, frame: usize, variables: [usize; 3], place: [f64; 3]) {
+        for (variable, value) in variables.into_iter().zip(place) {
+            self.set(frame, variable, value);
+        }
     }
 
     fn at(&self, frame: usize, variable: usize) -> f64 {

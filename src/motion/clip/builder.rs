@@ -1,13 +1,15 @@
 //! Collects what a motion should do, and checks it once.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
-use super::bounds::{FrameBounds, longest_move};
+use super::bounds::{FrameBounds, Moves, longest_move};
+use super::length_limits::{LengthLimit, Measure};
 use super::motion_problem::Follow;
 use super::space::FrameSpace;
 use super::{Contact, MotionError, MotionProblem, RateCost};
 use crate::bad_option::{BadOption, POSITIVE};
-use crate::model::{JointRef, Limits, Model, ParameterMap, Source, UnknownName};
+use crate::model::{JointRef, Limits, Model, ParameterMap, Source, UnknownName, quaternion_at};
 use crate::problem::{Problem, ProblemBuilder, TaskId};
 use crate::robot::Robot;
 use crate::search::check_start;
@@ -15,6 +17,9 @@ use crate::task::{Point, Quantity, Residual, Task};
 
 /// How large values of a variable without limits are taken to be, where rounding is told, in radians or metres.
 const UNBOUNDED_SIZE: f64 = 1e4;
+
+/// What is on the edge of a cone, a twist or an angle is told to be so far beyond it by rounding, in radians and as a share.
+const ON_EDGE: f64 = 1e-9;
 
 /// A metre of slip costs a held point so many times the largest weight of a length.
 const STIFFER: f64 = 300.0;
@@ -30,6 +35,8 @@ pub struct MotionProblemBuilder<'m> {
     rate_costs: Vec<RateCost>,
     /// By number of a configuration.
     speeds: Vec<f64>,
+    /// Of free joints: their first slides, and how fast all three go together.
+    free_speeds: Vec<(usize, f64)>,
     contacts: Vec<Contact>,
     ends: [Option<Vec<f64>>; 2],
     /// The first name or number that was wrong.
@@ -56,6 +63,7 @@ impl<'m> MotionProblemBuilder<'m> {
             weights: Vec::new(),
             rate_costs: Vec::new(),
             speeds: vec![f64::INFINITY; model.configuration_len()],
+            free_speeds: Vec::new(),
             contacts: Vec::new(),
             ends: [None, None],
             wrong: None,
@@ -114,7 +122,9 @@ impl<'m> MotionProblemBuilder<'m> {
         self
     }
 
-    /// How fast a joint moves at most, in rad/s or m/s: hard, from each frame to the next.
+    /// How fast a joint moves at most, in rad/s or m/s: hard, from each frame to the next. A ball turns by no larger angle,
+    /// about whatever axis; a free joint has parts of its own, `NAME/x`, …, `NAME/rotation`, or both limits of
+    /// [`max_free_speed`](Self::max_free_speed).
     pub fn max_speed<'a>(&mut self, joint: impl Into<JointRef<'a>>, speed: f64) -> &mut Self {
         let resolved = joint.into().resolve(self.model);
         let coordinate = resolved.map(|joint| (joint, self.model.coordinate(joint)));
@@ -131,6 +141,34 @@ impl<'m> MotionProblemBuilder<'m> {
             (_, Err(bad)) => self.note(bad),
         }
         self
+    }
+
+    /// How fast a free joint moves at most: hard, from each frame to the next. Its place goes no farther than `linear` m/s in
+    /// whatever direction, and its rotation turns no faster than `angular` rad/s about whatever axis. `name` is the joint's own,
+    /// as given to [`ModelBuilder::free`](crate::model::ModelBuilder::free).
+    pub fn max_free_speed(&mut self, name: &str, linear: f64, angular: f64) -> &mut Self {
+        let joints = self.model.free_joints().iter();
+        let slides = joints.map(|id| (id, &self.model.joints()[id.index()].name));
+        let named = slides.filter_map(|(id, slide)| Some((*id, slide.strip_suffix("/x")?)));
+        let named: Vec<_> = named.collect();
+        match named.iter().find(|(_, own)| *own == name) {
+            Some((slide, _)) => {
+                for speed in [linear, angular] {
+                    if let Err(bad) = BadOption::check("max_free_speed", speed, POSITIVE) {
+                        self.note(bad);
+                    }
+                }
+                self.free_speeds
+                    .extend(self.model.coordinate(*slide).map(|first| (first, linear)));
+                self.max_speed(format!("{name}/rotation").as_str(), angular)
+            }
+            None => {
+                let valid = named.iter().map(|(_, own)| *own);
+                let unknown = UnknownName::new("free joint", name, valid);
+                self.note(unknown);
+                self
+            }
+        }
     }
 
     /// How fast all joints of a robot move at most, as its file says: see [`Robot::velocity_limit`].
@@ -176,7 +214,7 @@ impl<'m> MotionProblemBuilder<'m> {
     ///
     /// # Errors
     /// The first thing that is wrong, by name: what [`ProblemBuilder::build`] refuses, no frame, weights or settings out
-    /// of range, spans beyond the frames, goals on several levels, balls within limits, loops, fixed frames beyond limits.
+    /// of range, spans beyond the frames, goals on several levels, loops, fixed frames beyond limits.
     pub fn build(self) -> Result<MotionProblem, MotionError> {
         let Self {
             model,
@@ -199,16 +237,14 @@ impl<'m> MotionProblemBuilder<'m> {
         let problem = self.problem.build()?;
         refuse_levels(&problem)?;
         let map = problem.parameters();
-        let joints = &problem.names().joints;
-        let bounded = |ball: &&crate::model::BallVariables| {
-            ball.swing.is_some() || ball.angle.is_some_and(|angle| angle < std::f64::consts::PI)
-        };
-        if let Some(ball) = map.balls().iter().find(bounded) {
-            return Err(MotionError::BoundedBall {
-                joint: joints[ball.variable].clone(),
-            });
+        let mut moves = longest_moves(&problem, &self.speeds, time_step_s)?;
+        for (first, speed) in self.free_speeds {
+            let most = longest_move(speed, time_step_s, UNBOUNDED_SIZE);
+            BadOption::check("max_free_speed", most, POSITIVE)?;
+            moves
+                .together
+                .extend(LengthLimit::of_slides(map, first, most));
         }
-        let most = longest_moves(&problem, &self.speeds, time_step_s)?;
         let compiled = self.rate_costs.iter();
         let rate_costs = compiled
             .map(|cost| cost.compile(&problem, time_step_s))
@@ -232,7 +268,7 @@ impl<'m> MotionProblemBuilder<'m> {
         Ok(MotionProblem {
             stiffness: stiffness(&problem),
             space: FrameSpace::new(map),
-            bounds: FrameBounds::new(&problem, most),
+            bounds: FrameBounds::new(&problem, moves),
             problem,
             frames,
             time_step_s,
@@ -246,14 +282,23 @@ impl<'m> MotionProblemBuilder<'m> {
     }
 }
 
-/// How far each variable goes from a frame to the next, those that follow it included.
+/// How far each variable goes from a frame to the next, those that follow it included, and balls.
 pub(in crate::motion) fn longest_moves(
     problem: &Problem,
     speeds: &[f64],
     time_step_s: f64,
-) -> Result<Vec<f64>, MotionError> {
+) -> Result<Moves, MotionError> {
     let map = problem.parameters();
     let mut most = vec![f64::INFINITY; problem.variables()];
+    let mut together = Vec::new();
+    for ball in map.balls() {
+        let speed = speeds[ball.coordinate];
+        if speed.is_finite() {
+            let angle = longest_move(speed, time_step_s, PI);
+            BadOption::check("max_speed", angle, POSITIVE)?;
+            together.extend(LengthLimit::of_turn(ball, angle));
+        }
+    }
     for (source, &speed) in map
         .sources()
         .iter()
@@ -261,12 +306,7 @@ pub(in crate::motion) fn longest_moves(
         .filter(|(_, s)| s.is_finite())
     {
         match *source {
-            Source::Constant(_) => {}
-            Source::Rotation { variable } => {
-                return Err(MotionError::SpeedOfBall {
-                    joint: problem.names().joints[variable].clone(),
-                });
-            }
+            Source::Constant(_) | Source::Rotation { .. } => {}
             Source::Variable {
                 variable,
                 ratio,
@@ -288,7 +328,7 @@ pub(in crate::motion) fn longest_moves(
             Source::Variable { .. } => {}
         }
     }
-    Ok(most)
+    Ok(Moves { most, together })
 }
 
 /// What is weighed together would silently break a level's promise.
@@ -384,5 +424,40 @@ fn fixed_frame(problem: &Problem, q: &[f64]) -> Result<Vec<f64>, MotionError> {
     }
     let mut x = vec![0.0; problem.variables()];
     map.gather(q, &mut x);
+    refuse_beyond_balls(problem, q)?;
     Ok(x)
+}
+
+/// Refuses a frame that has a ball beyond its cone, its range of twist or its whole angle.
+fn refuse_beyond_balls(problem: &Problem, q: &[f64]) -> Result<(), MotionError> {
+    let map = problem.parameters();
+    let mut x = vec![0.0; problem.variables()];
+    for ball in map.balls() {
+        let rotation = quaternion_at(&q[ball.coordinate..]);
+        let own = rotation.map_or([f64::NAN; 3], |rotation| ball.chart.variables(rotation));
+        x[ball.variable..ball.variable + 3].copy_from_slice(&own);
+    }
+    let beyond = |variable: usize, value: f64, [lower, upper]: [f64; 2]| MotionError::FixedBeyond {
+        joint: problem.names().variables[variable].clone(),
+        value,
+        lower,
+        upper,
+    };
+    for limit in LengthLimit::of_balls(map) {
+        let [first, second, third] = limit.variables;
+        let stretched = limit.rho(&x, &x).norm();
+        if stretched > limit.most * (1.0 + ON_EDGE) {
+            let angle = match limit.measure {
+                Measure::Swing(..) => (x[first] * x[first] + x[second] * x[second]).sqrt(),
+                _ => stretched,
+            };
+            return Err(beyond(first, angle, [0.0, angle * limit.most / stretched]));
+        }
+        let ends = [map.lower()[third], map.upper()[third]];
+        let twist = x[third];
+        if twist < ends[0] - ON_EDGE || twist > ends[1] + ON_EDGE {
+            return Err(beyond(third, twist, ends));
+        }
+    }
+    Ok(())
 }

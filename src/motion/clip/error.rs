@@ -60,16 +60,10 @@ pub enum MotionError {
         /// Its level.
         level: usize,
     },
-    /// A joint whose limits are no range of a variable.
+    /// A speed limit of a ball, where movements are followed frame by frame.
     #[error(
-        "joint `{joint}` turns as a ball within limits, which whole motions do not know: leave its limits out"
+        "joint `{joint}` turns as a ball, whose speed limit a follower does not keep: leave it out of the robot's file"
     )]
-    BoundedBall {
-        /// The joint.
-        joint: String,
-    },
-    /// A speed limit of a joint that is no number.
-    #[error("joint `{joint}` turns as a ball, whose speed whole motions do not limit")]
     SpeedOfBall {
         /// The joint.
         joint: String,

@@ -43,7 +43,7 @@ impl<'a> Evaluator<'a> {
         let mut products = InnerProducts::default();
         products.reserve(n);
         Self {
-            residuals: FrameResiduals::new(motion),
+            residuals: FrameResiduals::new(motion).by_variables(),
             residual: vec![0.0; rows],
             jacobian: DMatrix::zeros(rows, n),
             products,
@@ -185,7 +185,7 @@ impl<'a> Evaluator<'a> {
         let rates = self.rates(at, x);
         for cost in &self.motion.rate_costs {
             let first = at.held.saturating_sub(cost.order);
-            cost.add_to(&self.motion.space, &self.ways, first, hessian, gradient);
+            cost.add_to(&self.motion.space, x, &self.ways, first, hessian, gradient);
         }
         let held = self.held.linearise(at, x, hessian, gradient);
         Ok([tasks + rates, held])

@@ -13,6 +13,8 @@ pub(super) struct FrameResiduals<'a> {
     targets: Targets,
     /// The frame whose targets those are.
     at: Option<usize>,
+    /// Whether derivatives at the edges of balls are by steps that tell those apart, or by the variables.
+    edges: bool,
 }
 
 impl<'a> FrameResiduals<'a> {
@@ -21,8 +23,14 @@ impl<'a> FrameResiduals<'a> {
             scratch: motion.problem.scratch(),
             targets: motion.problem.targets(),
             at: None,
+            edges: true,
             motion,
         }
+    }
+
+    setters! {
+        /// Derivatives by the variables everywhere.
+        pub(super) fn by_variables(mut self) { self.edges = false }
     }
 
     fn evaluation(&mut self, frame: usize) -> Evaluation<'_> {
@@ -31,6 +39,10 @@ impl<'a> FrameResiduals<'a> {
             self.at = Some(frame);
         }
         let question = Question::from(&self.motion.problem).with_targets(&self.targets);
+        let question = match self.edges {
+            true => question,
+            false => question.by_variables(),
+        };
         Evaluation::new(question, &mut self.scratch)
     }
 

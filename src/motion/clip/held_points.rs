@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 use super::MotionProblem;
 use super::block_banded::BlockBanded;
 use super::evaluator::Stretch;
-use crate::problem::{Evaluation, Scratch};
+use crate::problem::{Evaluation, Question, Scratch};
 use crate::solver::{LeastSquares, dot};
 
 /// Rows of a point.
@@ -54,7 +54,7 @@ impl<'a> HeldPoints<'a> {
             return;
         };
         self.places.swap(0, 1);
-        let mut evaluation = Evaluation::new(held, scratch);
+        let mut evaluation = Evaluation::new(Question::from(held).by_variables(), scratch);
         evaluation.residual(x, &mut self.places[1]);
         if differentiate {
             self.jacobians.swap(0, 1);

@@ -56,10 +56,10 @@ pub(super) struct Window<'a, 'e> {
 }
 
 /// What came of it, but for where the frames stand.
-pub(super) struct Outcome {
+pub(super) struct Outcome<'a> {
     pub(super) termination: MotionTermination,
     pub(super) iterations: usize,
-    pub(super) barrier: Barrier,
+    pub(super) barrier: Barrier<'a>,
     /// Before the last step.
     pub(super) cost: f64,
     pub(super) slip: f64,
@@ -76,13 +76,13 @@ struct Step {
     was_cut: bool,
 }
 
-impl Window<'_, '_> {
+impl<'a> Window<'a, '_> {
     /// Minimises from x, in place.
     pub(super) fn minimise(
         &mut self,
         x: &mut [f64],
         limits: Limits,
-    ) -> Result<Outcome, MotionError> {
+    ) -> Result<Outcome<'a>, MotionError> {
         let n = self.motion.variables();
         let frames = self.fixed.len();
         let fixed = &self.fixed;
@@ -93,8 +93,8 @@ impl Window<'_, '_> {
         within.map_err(|too_far| self.too_far(too_far.variable))?;
         self.evaluator.held.begin(frames);
         let mut barrier = Barrier::new(&self.motion.bounds, &self.fixed);
-        if let Some(bound) = barrier.look(x) {
-            return Err(self.too_far(bound.at % n));
+        if let Some(at) = barrier.look(x) {
+            return Err(self.too_far(at % n));
         }
         let hessian = BlockBanded::new(frames, n, self.motion.bandwidth());
         let mut step = Step {
@@ -116,7 +116,7 @@ impl Window<'_, '_> {
             last_cost = costs[0];
             if iterations == 0 && !barrier.is_empty() {
                 let least = f64::MIN_POSITIVE.sqrt();
-                barrier.centre((FIRST_GAP * cost).max(least) / barrier.bounds.len() as f64);
+                barrier.centre((FIRST_GAP * cost).max(least) / barrier.len() as f64);
             }
             barrier.add_to(n, &mut step.hessian);
             self.take_out_fixed(&mut step.hessian);
@@ -157,13 +157,14 @@ impl Window<'_, '_> {
         &mut self,
         x: &mut [f64],
         cost: f64,
-        barrier: &mut Barrier,
+        barrier: &mut Barrier<'_>,
         step: &mut Step,
     ) -> Result<Option<(f64, f64)>, MotionError> {
         let largest = step.hessian.largest();
         let mut trial = x.to_vec();
         loop {
             self.factorise(step, largest);
+            barrier.forget_bends();
             // What a step straight to the bounds leaves of Σ s z tells how far μ may fall.
             let mu = match barrier.is_empty() {
                 true => 0.0,
@@ -174,11 +175,15 @@ impl Window<'_, '_> {
                     let gap = barrier.gap();
                     let left = barrier.gap_after(of_slacks, of_multipliers) / gap;
                     let centring = (left * left * left).clamp(LEAST_CENTRING, 1.0);
-                    (centring * gap).max(LEAST_GAP * to_win) / barrier.bounds.len() as f64
+                    (centring * gap).max(LEAST_GAP * to_win) / barrier.len() as f64
                 }
             };
-            let downhill = self.aim(step, barrier, mu);
+            let mut downhill = self.aim(step, barrier, mu);
             barrier.take_step(&step.way, mu);
+            if barrier.bend() {
+                downhill = self.aim_bent(step, barrier, mu).unwrap_or(downhill);
+                barrier.take_step(&step.way, mu);
+            }
             let (longest, of_multipliers) = barrier.longest();
             let merit = cost + mu * barrier.cost(x);
             let mut share = longest;
@@ -194,8 +199,8 @@ impl Window<'_, '_> {
                 if trial_cost <= enough + 4.0 * f64::EPSILON * merit.abs() {
                     x.copy_from_slice(&trial);
                     barrier.move_multipliers(of_multipliers);
-                    if let Some(bound) = barrier.look(x) {
-                        return Err(self.too_far(bound.at % self.motion.variables()));
+                    if let Some(at) = barrier.look(x) {
+                        return Err(self.too_far(at % self.motion.variables()));
                     }
                     if share == longest {
                         step.damping *= LESS_DAMPING;
@@ -230,7 +235,7 @@ impl Window<'_, '_> {
     }
 
     /// Solves for the step with a barrier of this μ; how steep the barrier problem falls along it.
-    fn aim(&self, step: &mut Step, barrier: &Barrier, mu: f64) -> f64 {
+    fn aim(&self, step: &mut Step, barrier: &Barrier<'_>, mu: f64) -> f64 {
         let Step {
             factor,
             gradient,
@@ -247,6 +252,27 @@ impl Window<'_, '_> {
         factor.solve(way, room);
         self.keep_fixed(way);
         dot(&downhill, way)
+    }
+
+    /// Turns the step inward by what its lengths bend, so that edges are followed and not left; how steep the barrier problem
+    /// falls along it. Where it would not, the step stays.
+    fn aim_bent(&self, step: &mut Step, barrier: &mut Barrier<'_>, mu: f64) -> Option<f64> {
+        let straight = step.way.clone();
+        let mut steepest: Vec<f64> = step.gradient.iter().map(|slope| -slope).collect();
+        barrier.add_push(mu, &mut steepest);
+        self.keep_fixed(&mut steepest);
+        step.way.copy_from_slice(&steepest);
+        barrier.add_bends(&mut step.way);
+        self.keep_fixed(&mut step.way);
+        step.factor.solve(&mut step.way, &mut step.room);
+        self.keep_fixed(&mut step.way);
+        let downhill = dot(&steepest, &step.way);
+        if downhill > 0.0 {
+            return Some(downhill);
+        }
+        barrier.forget_bends();
+        step.way.copy_from_slice(&straight);
+        None
     }
 
     fn move_by(&self, x: &[f64], share: f64, way: &[f64], to: &mut [f64]) {

@@ -131,10 +131,11 @@ impl CompiledRateCost {
         0.5 * sum
     }
 
-    /// Adds the gradient and JᵀJ of that cost.
+    /// Adds the gradient and JᵀJ of that cost, for the frames x between which those ways are.
     pub(super) fn add_to(
         &self,
         space: &FrameSpace,
+        x: &[f64],
         ways: &[f64],
         first: usize,
         hessian: &mut BlockBanded,
@@ -158,7 +159,7 @@ impl CompiledRateCost {
                     }
                 }
             }
-            self.add_balls(space, ways, frame, hessian, gradient);
+            self.add_balls(space, x, ways, frame, hessian, gradient);
         }
     }
 
@@ -166,6 +167,7 @@ impl CompiledRateCost {
     fn add_balls(
         &self,
         space: &FrameSpace,
+        x: &[f64],
         ways: &[f64],
         frame: usize,
         hessian: &mut BlockBanded,
@@ -175,7 +177,8 @@ impl CompiledRateCost {
         let of_ways = OF_WAYS[self.order - 1];
         let mut slopes = [const { Vec::new() }; 3];
         for (k, slopes) in slopes.iter_mut().enumerate().take(self.order) {
-            slopes.extend(space.slopes(&ways[k * n..(k + 1) * n]));
+            let [from, to] = [frame + k, frame + k + 1].map(|at| &x[at * n..(at + 1) * n]);
+            slopes.extend(space.slopes(&ways[k * n..(k + 1) * n], [from, to]));
         }
         for (ball, first) in slopes[0].iter().map(|ball| ball.first).enumerate() {
             let squared = self.weights[first] * self.weights[first];

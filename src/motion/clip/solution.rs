@@ -196,7 +196,7 @@ impl<'a> Report<'a> {
     }
 
     /// Takes the outcome of a window whose first frame is `first`, and of which some frames are kept.
-    pub(super) fn take(&mut self, outcome: &Outcome, first: usize, kept: Range<usize>) {
+    pub(super) fn take(&mut self, outcome: &Outcome<'_>, first: usize, kept: Range<usize>) {
         self.iterations += outcome.iterations;
         self.slip = self.slip.max(outcome.slip);
         if outcome.termination != MotionTermination::Stationary {
@@ -204,19 +204,23 @@ impl<'a> Report<'a> {
         }
         let n = self.motion.variables();
         let barrier = &outcome.barrier;
+        let kind = |is_of_move: bool| match is_of_move {
+            true => MotionBound::Speed,
+            false => MotionBound::Position,
+        };
+        // The product of slack and push is nearly the same for all: one of them is small.
+        let holds = |slack: f64, push: f64, size: f64| {
+            let (room_left, pushed) = (slack / size, push * size / outcome.cost);
+            pushed > NEGLIGIBLE && pushed > room_left
+        };
         let pairs = barrier.slacks.iter().zip(&barrier.multipliers);
         for (bound, (&slack, &push)) in barrier.bounds.iter().zip(pairs) {
             let (frame, variable) = (first + bound.at / n, bound.at % n);
-            // The product of both is nearly the same for all: one of them is small.
-            let (room_left, pushed) = (slack / bound.size, push * bound.size / outcome.cost);
-            if kept.contains(&frame) && pushed > NEGLIGIBLE && pushed > room_left {
+            if kept.contains(&frame) && holds(slack, push, bound.size) {
                 self.held.push(Held {
                     frame,
                     variable,
-                    bound: match bound.before {
-                        None => MotionBound::Position,
-                        Some(_) => MotionBound::Speed,
-                    },
+                    bound: kind(bound.before.is_some()),
                     side: match bound.sign > 0.0 {
                         true => Side::Upper,
                         false => Side::Lower,
@@ -225,10 +229,24 @@ impl<'a> Report<'a> {
                 });
             }
         }
+        for (bound, slack, push) in barrier.with_lengths() {
+            let (frame, limit) = (first + bound.frame, bound.limit);
+            if kept.contains(&frame) && holds(slack, push, limit.most) {
+                self.held.push(Held {
+                    frame,
+                    variable: limit.variables[0],
+                    bound: kind(limit.is_of_move()),
+                    side: Side::Upper,
+                    push,
+                });
+            }
+        }
     }
 
     /// Measures the whole.
-    pub(super) fn finish(self, evaluator: &mut Evaluator<'_>, x: &[f64]) -> MotionSolution {
+    pub(super) fn finish(mut self, evaluator: &mut Evaluator<'_>, x: &[f64]) -> MotionSolution {
+        // Of each window those of lengths come last.
+        self.held.sort_by_key(|held| held.frame);
         let motion = self.motion;
         let problem = &motion.problem;
         let counts = evaluator.counts;

@@ -1,13 +1,43 @@
 //! Where one frame of a motion stands, and the way from one frame to the next.
 
-use crate::model::{BallVariables, ParameterMap};
-use crate::spatial::{Quaternion, Vector3, rotation_log_jacobian};
+use std::f64::consts::PI;
 
-/// The variables of a frame as a manifold: numbers, and rotations that are moved and compared in their turned axes,
-/// R exp(δ) and log(RᵀR') (Solà, Deray & Atchuthan 2018, "A micro Lie theory for state estimation in robotics").
+use crate::model::{BallVariables, ParameterMap};
+use crate::spatial::{Matrix3, Quaternion, Vector3, rotation_log_jacobian};
+
+/// The variables of a frame as a manifold: numbers, and rotations that are compared in their turned axes, log(RᵀR'), and
+/// moved in them, R exp(δ) (Solà, Deray & Atchuthan 2018, "A micro Lie theory for state estimation in robotics").
+///
+/// A ball within a cone or an angle is moved by its variables instead, in which those are an ellipse, a range and a ball:
+/// they keep it off every place where its variables are singular.
 #[derive(Clone, Debug)]
 pub(super) struct FrameSpace {
     balls: Vec<BallVariables>,
+}
+
+/// Whether a ball is moved by its variables, as it has limits.
+pub(super) fn is_bounded(ball: &BallVariables) -> bool {
+    ball.swing.is_some() || ball.angle.is_some_and(|angle| angle < PI)
+}
+
+/// The rotation of a ball.
+pub(super) fn rotation(ball: &BallVariables, x: &[f64]) -> Quaternion<f64> {
+    let own = ball.of(x).unwrap_or([f64::NAN; 3]);
+    ball.chart.rotation(own)
+}
+
+/// How a rotation vector changes by steps of the ball that it leads to, whose turn by that vector is its last.
+pub(super) fn turn_slopes(ball: &BallVariables, x: &[f64], turn: Vector3<f64>) -> Matrix3<f64> {
+    let by_turn = rotation_log_jacobian(-turn);
+    match is_bounded(ball) {
+        false => by_turn,
+        true => {
+            let own = ball.of(x).unwrap_or([f64::NAN; 3]);
+            let back = ball.chart.rotation(own).to_matrix().transpose();
+            let [first, second, third] = ball.chart.axes(own);
+            by_turn * back * Matrix3::from_columns(first, second, third)
+        }
+    }
 }
 
 /// Three variables that a rotation's difference depends on, with its derivatives, row by row.
@@ -33,21 +63,16 @@ impl FrameSpace {
         !balls.any(|ball| (ball.variable..ball.variable + 3).contains(&variable))
     }
 
-    fn rotation(ball: &BallVariables, x: &[f64]) -> Quaternion<f64> {
-        let own = ball.of(x).unwrap_or([f64::NAN; 3]);
-        ball.chart.rotation(own)
-    }
-
     /// Writes x ⊕ share · step.
     pub(super) fn integrate(&self, x: &[f64], share: f64, step: &[f64], to: &mut [f64]) {
         for ((to, x), step) in to.iter_mut().zip(x).zip(step) {
             *to = x + share * step;
         }
-        for ball in &self.balls {
+        for ball in self.balls.iter().filter(|ball| !is_bounded(ball)) {
             let own = ball.variable..ball.variable + 3;
             let by = &step[own.clone()];
             let by = Quaternion::exp(Vector3::new(by[0], by[1], by[2]) * share);
-            let turned = Self::rotation(ball, x) * by;
+            let turned = rotation(ball, x) * by;
             to[own].copy_from_slice(&ball.chart.variables(turned));
         }
     }
@@ -58,33 +83,36 @@ impl FrameSpace {
             *way = to - from;
         }
         for ball in &self.balls {
-            let turned = Self::rotation(ball, from).conjugate() * Self::rotation(ball, to);
+            let turned = rotation(ball, from).conjugate() * rotation(ball, to);
             way[ball.variable..ball.variable + 3].copy_from_slice(&turned.log().to_array());
         }
     }
 
     /// How the rotations' part of a [`difference`](Self::difference) changes with steps of both ends.
-    pub(super) fn slopes<'a>(&'a self, way: &'a [f64]) -> impl Iterator<Item = BallSlopes> + 'a {
-        self.balls.iter().map(|ball| {
+    pub(super) fn slopes<'a>(
+        &'a self,
+        way: &'a [f64],
+        [from, to]: [&'a [f64]; 2],
+    ) -> impl Iterator<Item = BallSlopes> + 'a {
+        self.balls.iter().map(move |ball| {
             let first = ball.variable;
             let way = Vector3::new(way[first], way[first + 1], way[first + 2]);
-            let rows = |turned: Vector3<f64>, sign: f64| {
-                let columns = rotation_log_jacobian(turned);
+            let rows = |columns: Matrix3<f64>, sign: f64| {
                 let columns = [columns.x, columns.y, columns.z];
                 let [x, y, z] = columns.map(|column| (column * sign).to_array());
                 [0, 1, 2].map(|k| [x[k], y[k], z[k]])
             };
             BallSlopes {
                 first,
-                by_from: rows(way, -1.0),
-                by_to: rows(-way, 1.0),
+                by_from: rows(turn_slopes(ball, from, -way), -1.0),
+                by_to: rows(turn_slopes(ball, to, way), 1.0),
             }
         })
     }
 
     /// Turns the columns of a Jacobian by the variables (column-major, so many rows) into those by a step.
     pub(super) fn by_steps(&self, x: &[f64], rows: usize, entries: &mut [f64]) {
-        for ball in &self.balls {
+        for ball in self.balls.iter().filter(|ball| !is_bounded(ball)) {
             let Some([a, b, c]) = ball.of(x) else {
                 continue;
             };

@@ -113,8 +113,12 @@ impl BodyFollower {
         let size = weights
             .iter()
             .fold(POSTURE * POSTURE, |sum, own| sum + own * own);
+        let moves = longest_moves(&problem, &speeds, 1.0 / asked.frame_rate)?;
+        if let Some(joint) = moves.first_together(&problem) {
+            return Err(RetargetError::Motion(MotionError::SpeedOfBall { joint }));
+        }
         Ok(Self {
-            most: longest_moves(&problem, &speeds, 1.0 / asked.frame_rate)?,
+            most: moves.most,
             lower: problem.lower().to_vec(),
             upper: problem.upper().to_vec(),
             targets: problem.targets(),

@@ -1,0 +1,123 @@
+//! A limit of a length in one frame, as an interior method sees it.
+//!
+//! Its slack s = (m² − ‖ρ‖²) / (2m) is smooth, bends one way only and is near the edge how far that is. Bending is part of
+//! a step's model: with the multiplier z the Lagrangian's Hessian has (z/m) JᵀJ for it.
+
+use super::block_banded::BlockBanded;
+use super::length_limits::{LengthLimit, Measured};
+use crate::spatial::Vector3;
+
+/// One limit in one frame.
+#[derive(Clone, Debug)]
+pub(super) struct LengthBound<'a> {
+    pub(super) limit: &'a LengthLimit,
+    pub(super) frame: usize,
+    /// Where the frame's variables begin, and those of the frame that it is measured from.
+    to: usize,
+    from: usize,
+    stride: usize,
+    /// At the last look.
+    measured: Measured,
+}
+
+impl<'a> LengthBound<'a> {
+    pub(super) fn new(limit: &'a LengthLimit, frame: usize, stride: usize) -> Self {
+        let to = frame * stride;
+        let from = if limit.is_of_move() { to - stride } else { to };
+        Self {
+            limit,
+            frame,
+            to,
+            from,
+            stride,
+            measured: Measured::default(),
+        }
+    }
+
+    fn frames<'x>(&self, x: &'x [f64]) -> [&'x [f64]; 2] {
+        [self.from, self.to].map(|at| &x[at..at + self.stride])
+    }
+
+    /// A variable that it is about.
+    pub(super) fn at(&self) -> usize {
+        self.to + self.limit.variables[0]
+    }
+
+    pub(super) fn slack(&self, x: &[f64]) -> f64 {
+        let [from, to] = self.frames(x);
+        self.limit.slack(self.limit.rho(from, to))
+    }
+
+    /// Takes ρ and its derivatives at x; the slack.
+    pub(super) fn look(&mut self, x: &[f64]) -> f64 {
+        let [from, to] = self.frames(x);
+        self.measured = self.limit.measure(from, to);
+        self.limit.slack(self.measured.rho)
+    }
+
+    /// How ρ changes by a step.
+    fn way(&self, step: &[f64]) -> Vector3<f64> {
+        let [from, to] = [self.from, self.to].map(|at| {
+            let [a, b, c] = self.limit.variables.map(|variable| step[at + variable]);
+            Vector3::new(a, b, c)
+        });
+        let way = self.measured.by_to * to;
+        match self.limit.is_of_move() {
+            true => way + self.measured.by_from * from,
+            false => way,
+        }
+    }
+
+    /// How the slack changes by a share α of a step: α times the first, less α² times the second.
+    pub(super) fn along(&self, step: &[f64]) -> (f64, f64) {
+        let way = self.way(step);
+        let most = self.limit.most;
+        (
+            -self.measured.rho.dot(way) / most,
+            0.5 * way.norm_squared() / most,
+        )
+    }
+
+    /// ∂s by the variables of the frame, and by those of the frame before.
+    fn slopes(&self) -> [[f64; 3]; 2] {
+        let inward = self.measured.rho * (-1.0 / self.limit.most);
+        [self.measured.by_to, self.measured.by_from].map(|by| by.transpose_mul(inward).to_array())
+    }
+
+    /// Adds to what a step goes by: so much of a push inward.
+    pub(super) fn add_push(&self, push: f64, downhill: &mut [f64]) {
+        let [by_to, by_from] = self.slopes();
+        for (k, variable) in self.limit.variables.into_iter().enumerate() {
+            downhill[self.to + variable] += push * by_to[k];
+            if self.limit.is_of_move() {
+                downhill[self.from + variable] += push * by_from[k];
+            }
+        }
+    }
+
+    /// Adds stiff · ∂s ∂sᵀ + (z/m) JᵀJ.
+    pub(super) fn add_to(&self, stiff: f64, multiplier: f64, hessian: &mut BlockBanded) {
+        let [slope_to, slope_from] = self.slopes();
+        let bend = multiplier / self.limit.most;
+        let columns = |by: crate::spatial::Matrix3<f64>| [by.x, by.y, by.z];
+        let (to, from) = (columns(self.measured.by_to), columns(self.measured.by_from));
+        let frame = self.frame;
+        for (i, a) in self.limit.variables.into_iter().enumerate() {
+            for (j, b) in self.limit.variables.into_iter().enumerate() {
+                let own = stiff * slope_to[i] * slope_to[j] + bend * to[i].dot(to[j]);
+                if i <= j {
+                    hessian.add(frame, 0, a, b, own);
+                }
+                if self.limit.is_of_move() {
+                    let before =
+                        stiff * slope_from[i] * slope_from[j] + bend * from[i].dot(from[j]);
+                    let across = stiff * slope_from[i] * slope_to[j] + bend * from[i].dot(to[j]);
+                    if i <= j {
+                        hessian.add(frame - 1, 0, a, b, before);
+                    }
+                    hessian.add(frame - 1, 1, a, b, across);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,405 @@
+//! Promise: balls and free bodies keep their cones, ranges of twist, angles and speeds in every frame of a motion, judged by
+//! their quaternions, and come to the minima that hinges and slides of the same limits come to.
+
+use kinopt::model::{BallLimits, FrameId, JointId, Limits, Model, ModelBuilder};
+use kinopt::motion::clip::{
+    MotionBound, MotionError, MotionProblem, MotionProblemBuilder, MotionSolution, MotionSolver,
+    MotionTermination, RateCost, Windows,
+};
+use kinopt::spatial::{Placement, Vector3, rotation_exp};
+use kinopt::task::{Point, Pose};
+
+const STEP: f64 = 1.0 / 30.0;
+const FRAMES: usize = 40;
+
+/// w, x, y, z.
+type Quaternion = [f64; 4];
+
+/// The rotation that leads from one to another, in turned axes, with w at least 0.
+fn between(a: Quaternion, b: Quaternion) -> Quaternion {
+    let [w, x, y, z] = [a[0], -a[1], -a[2], -a[3]];
+    let [v, p, q, r] = b;
+    let own = [
+        w * v - x * p - y * q - z * r,
+        w * p + x * v + y * r - z * q,
+        w * q - x * r + y * v + z * p,
+        w * r + x * q - y * p + z * v,
+    ];
+    own.map(|part| if own[0] < 0.0 { -part } else { part })
+}
+
+fn angle(turn: Quaternion) -> f64 {
+    let [w, x, y, z] = turn;
+    2.0 * (x * x + y * y + z * z).sqrt().atan2(w.abs())
+}
+
+fn quaternion(q: &[f64], at: usize) -> Quaternion {
+    [0, 1, 2, 3].map(|k| q[at + k])
+}
+
+/// Swing about y and z, in radians, and the twist about x, of a rotation R = swing · twist.
+fn parts(q: Quaternion) -> [f64; 3] {
+    let [w, x, y, z] = if q[0] < 0.0 { q.map(|part| -part) } else { q };
+    let twist = 2.0 * x.atan2(w);
+    let length = w.hypot(x);
+    let (c, s) = (w / length, x / length);
+    // swing = R · twist⁻¹.
+    let (sy, sz) = (y * c - z * s, z * c + y * s);
+    let sin = sy.hypot(sz);
+    let swing = 2.0 * sin.atan2(length);
+    match sin > 0.0 {
+        true => [swing * sy / sin, swing * sz / sin, twist],
+        false => [0.0, 0.0, twist],
+    }
+}
+
+/// One joint with a frame a metre out along x and another across.
+fn jointed(add: impl Fn(&mut ModelBuilder) -> JointId) -> (Model, [FrameId; 2]) {
+    let mut builder = Model::builder("one joint");
+    let joint = add(&mut builder);
+    let tip = builder.frame(
+        "tip",
+        Some(joint),
+        Placement::translation(Vector3::UNITS[0]),
+    );
+    let side = builder.frame(
+        "side",
+        Some(joint),
+        Placement::translation(Vector3::UNITS[1]),
+    );
+    (builder.build().unwrap(), [tip, side])
+}
+
+fn ball(limits: Option<BallLimits>) -> (Model, [FrameId; 2]) {
+    let x = Vector3::UNITS[0];
+    jointed(move |builder| builder.ball("hip", None, Placement::identity(), x, limits))
+}
+
+fn hinge(limits: Limits) -> (Model, [FrameId; 2]) {
+    let z = Vector3::UNITS[2];
+    jointed(move |builder| builder.revolute("hip", None, Placement::identity(), z, limits))
+}
+
+/// Its frames follow a rotation, smoothly.
+fn following(
+    (model, frames): &(Model, [FrameId; 2]),
+    count: usize,
+    turn: impl Fn(usize) -> Vector3<f64> + Send + Sync + Copy + 'static,
+    limit: impl Fn(&mut MotionProblemBuilder),
+) -> Result<MotionProblem, MotionError> {
+    let mut motion = MotionProblem::builder(model, count, STEP);
+    for (frame, at) in frames.iter().zip(Vector3::UNITS) {
+        let point = motion.add(Point::new(*frame, at));
+        motion.follow(point, move |frame, point| {
+            point.set_target(rotation_exp(turn(frame)) * at);
+        });
+    }
+    motion.rate_cost(RateCost::acceleration(1e-4));
+    limit(&mut motion);
+    motion.build()
+}
+
+fn solved(motion: &MotionProblem, start: &[f64]) -> MotionSolution {
+    let solved = MotionSolver::default().solve(motion, start).unwrap();
+    assert_eq!(
+        solved.termination(),
+        MotionTermination::Stationary,
+        "{} iterations",
+        solved.iterations()
+    );
+    solved
+}
+
+fn same_cost(a: &MotionSolution, b: &MotionSolution) {
+    assert!(
+        (a.cost() / b.cost() - 1.0).abs() < 1e-6,
+        "{} and {}",
+        a.cost(),
+        b.cost()
+    );
+}
+
+/// The largest turn from a frame to the next.
+fn fastest(solved: &MotionSolution, at: usize) -> f64 {
+    let frames: Vec<_> = (0..solved.frames())
+        .map(|frame| quaternion(solved.frame(frame).unwrap(), at))
+        .collect();
+    frames
+        .windows(2)
+        .map(|pair| angle(between(pair[0], pair[1])))
+        .fold(0.0, f64::max)
+}
+
+fn turn_about_z(frame: usize) -> Vector3<f64> {
+    Vector3::new(0.0, 0.0, if frame < FRAMES / 2 { -0.4 } else { 1.1 })
+}
+
+#[test]
+fn a_ball_is_no_faster_than_it_may_be_and_like_a_hinge_where_it_turns_as_one() {
+    let fast = |motion: &mut MotionProblemBuilder| _ = motion.max_speed("hip", 2.5);
+    let (ball, hinge) = (ball(None), hinge(Limits::new(-3.0, 3.0)));
+    let of_ball = following(&ball, FRAMES, turn_about_z, fast).unwrap();
+    let of_ball = solved(&of_ball, &ball.0.neutral());
+    let of_hinge = following(&hinge, FRAMES, turn_about_z, fast).unwrap();
+    let of_hinge = solved(&of_hinge, &[0.0]);
+    same_cost(&of_ball, &of_hinge);
+    let fastest = fastest(&of_ball, 0);
+    assert!(fastest <= 2.5 * STEP && fastest > 2.49 * STEP, "{fastest}");
+    let held = (0..FRAMES).flat_map(|frame| of_ball.active_limits(frame));
+    let held: Vec<_> = held.map(|limit| (limit.joint, limit.bound)).collect();
+    assert!(
+        !held.is_empty() && held.iter().all(|own| *own == ("hip", MotionBound::Speed)),
+        "{held:?}"
+    );
+}
+
+/// A free body that follows places and turns.
+fn free_body(
+    place: impl Fn(usize) -> Placement<f64> + Send + Sync + 'static,
+    limit: impl Fn(&mut MotionProblemBuilder),
+) -> (Model, MotionProblem) {
+    let mut builder = Model::builder("body");
+    let base = builder.free("base", None, Placement::identity(), [Limits::UNBOUNDED; 3]);
+    let frame = builder.frame("body", Some(base), Placement::identity());
+    let model = builder.build().unwrap();
+    let mut motion = MotionProblem::builder(&model, FRAMES, STEP);
+    let follow = motion.add(Pose::new(frame, place(0)));
+    motion.follow(follow, move |frame, pose| pose.set_target(place(frame)));
+    motion.rate_cost(RateCost::acceleration(1e-3));
+    limit(&mut motion);
+    let motion = motion.build().unwrap();
+    (model, motion)
+}
+
+#[test]
+fn a_free_body_is_no_faster_than_it_may_be_in_any_direction() {
+    let leap = |frame: usize| {
+        let by = if frame < FRAMES / 2 { -1.0 } else { 1.0 };
+        let turned = rotation_exp(Vector3::new(0.3, -0.5, 0.4) * by);
+        Placement::new(turned, Vector3::new(0.4 * by, 0.3 * by, -0.1))
+    };
+    let (model, motion) = free_body(leap, |motion| _ = motion.max_free_speed("base", 0.9, 1.4));
+    for solver in [
+        MotionSolver::default(),
+        MotionSolver::default().with_windows(Some(Windows {
+            frames: 15,
+            ahead: 10,
+        })),
+    ] {
+        let solved = solver.solve(&motion, &model.neutral()).unwrap();
+        assert_eq!(solved.termination(), MotionTermination::Stationary);
+        let mut fastest_slide = 0.0_f64;
+        for pair in solved.q().chunks(7).collect::<Vec<_>>().windows(2) {
+            let by = [0, 1, 2].map(|k| pair[1][k] - pair[0][k]);
+            fastest_slide = fastest_slide.max(by.iter().map(|by| by * by).sum::<f64>().sqrt());
+        }
+        let fastest = fastest(&solved, 3);
+        assert!(fastest <= 1.4 * STEP && fastest > 1.39 * STEP, "{fastest}");
+        assert!(
+            fastest_slide <= 0.9 * STEP && fastest_slide > 0.89 * STEP,
+            "{fastest_slide}"
+        );
+        let held = |name| {
+            (0..FRAMES).any(|frame| solved.active_limits(frame).any(|own| own.joint == name))
+        };
+        assert!(held("base/x") && held("base/rotation"));
+    }
+}
+
+#[test]
+fn a_body_that_slides_one_way_comes_to_the_minimum_of_limits_by_axis() {
+    let leap = |frame: usize| {
+        Placement::translation(Vector3::new(
+            if frame < FRAMES / 2 { -0.5 } else { 0.5 },
+            0.0,
+            0.0,
+        ))
+    };
+    let costs = [
+        free_body(leap, |motion| _ = motion.max_free_speed("base", 0.9, 3.0)),
+        free_body(leap, |motion| _ = motion.max_speed("base/x", 0.9)),
+    ];
+    let [one, other] = costs.map(|(model, motion)| solved(&motion, &model.neutral()));
+    same_cost(&one, &other);
+    assert!(one.active_limits(FRAMES / 2).count() > 0);
+}
+
+#[test]
+fn a_ball_led_out_of_its_cone_stays_at_the_edge_and_like_a_hinge_where_it_swings_as_one() {
+    let cone = BallLimits::cone(0.7, Limits::new(-0.5, 0.5));
+    let (ball, hinge) = (ball(Some(cone)), hinge(Limits::new(-0.7, 0.7)));
+    let of_ball = following(&ball, FRAMES, turn_about_z, |_| ()).unwrap();
+    let of_ball = solved(&of_ball, &ball.0.neutral());
+    let of_hinge = following(&hinge, FRAMES, turn_about_z, |_| ()).unwrap();
+    same_cost(&of_ball, &solved(&of_hinge, &[0.0]));
+    let last = parts(quaternion(of_ball.frame(FRAMES - 1).unwrap(), 0));
+    assert!((last[1] - 0.7).abs() < 1e-4, "{last:?}");
+    let held: Vec<_> = of_ball
+        .active_limits(FRAMES - 1)
+        .map(|own| (own.joint, own.bound))
+        .collect();
+    assert_eq!(held, [("hip swing", MotionBound::Position)]);
+}
+
+#[test]
+fn cones_ranges_angles_and_speeds_hold_together_wherever_targets_lead() {
+    let twist = Limits::new(-0.3, 0.6);
+    let y = Vector3::UNITS[1];
+    let limits = [
+        BallLimits::cone(0.8, twist),
+        BallLimits::elliptic(y, [0.4, 1.2], twist),
+        BallLimits::elliptic(y, [0.4, 1.2], Limits::UNBOUNDED),
+        BallLimits::cone(0.8, twist).with_angle(0.9),
+        BallLimits::within_angle(0.9),
+    ];
+    // All about, far out of every limit, and a leap.
+    let wild = |frame: usize| {
+        let at = frame as f64 * 0.15 + if frame < 17 { 0.0 } else { 1.0 };
+        Vector3::new(
+            1.4 * (2.0 * at).sin(),
+            1.7 * at.cos(),
+            1.7 * (1.3 * at).sin(),
+        )
+    };
+    for (k, limits) in limits.into_iter().enumerate() {
+        let ball = ball(Some(limits));
+        for speed in [None, Some(2.0)] {
+            let motion = following(&ball, FRAMES, wild, |motion| {
+                if let Some(speed) = speed {
+                    motion.max_speed("hip", speed);
+                }
+            });
+            let solved = solved(&motion.unwrap(), &ball.0.neutral());
+            let mut farthest = [0.0_f64; 3];
+            for q in solved.q().chunks(4) {
+                let [first, second, twist] = parts(quaternion(q, 0));
+                let share = (first / limits.swing[0]).hypot(second / limits.swing[1]);
+                farthest[0] = farthest[0].max(share);
+                farthest[1] =
+                    farthest[1].max((limits.twist.lower - twist).max(twist - limits.twist.upper));
+                farthest[2] = farthest[2].max(angle(quaternion(q, 0)));
+                assert!(ball.0.is_within_limits(q));
+            }
+            if k < 4 {
+                assert!(
+                    farthest[0] <= 1.0 && farthest[1] <= 0.0,
+                    "{k} {speed:?}: {farthest:?}"
+                );
+            }
+            if let Some(angle) = limits.angle {
+                assert!(farthest[2] <= angle, "{k} {speed:?}: {farthest:?}");
+            }
+            assert!(
+                farthest[0] > 0.99 || farthest[2] > 0.89,
+                "{k} {speed:?}: {farthest:?}"
+            );
+            if let Some(speed) = speed {
+                let fastest = fastest(&solved, 0);
+                assert!(
+                    fastest <= speed * STEP && fastest > 0.99 * speed * STEP,
+                    "{k}: {fastest}"
+                );
+            }
+        }
+    }
+}
+
+/// A configuration of the ball.
+fn turned(by: [f64; 3]) -> Vec<f64> {
+    let angle = by.iter().map(|by| by * by).sum::<f64>().sqrt();
+    let sin = (0.5 * angle).sin() / angle;
+    vec![(0.5 * angle).cos(), by[0] * sin, by[1] * sin, by[2] * sin]
+}
+
+#[test]
+fn fixed_ends_are_met_as_fast_as_may_be_or_told_to_be_too_far() {
+    let ball = ball(Some(BallLimits::cone(1.0, Limits::new(-1.0, 1.0))));
+    let ends = [turned([0.0, 0.0, -0.9]), turned([0.0, 0.0, 0.9])];
+    let between = |speed: f64, ends: &[Vec<f64>; 2]| {
+        let motion = following(&ball, 13, turn_about_z, |motion| {
+            motion
+                .first(&ends[0])
+                .last(&ends[1])
+                .max_speed("hip", speed);
+        });
+        MotionSolver::default().solve(&motion?, &ball.0.neutral())
+    };
+    // 1.8 rad in 12 steps.
+    let least = 1.8 / 12.0 / STEP;
+    let too_far = MotionError::TooFar {
+        joint: "hip".to_owned(),
+    };
+    assert_eq!(between(0.999 * least, &ends).unwrap_err(), too_far);
+    for speed in [1.001 * least, 1.5 * least] {
+        let solved = between(speed, &ends).unwrap();
+        for (frame, end) in [(0, &ends[0]), (12, &ends[1])] {
+            let off = angle(between_frames(&solved, frame, end));
+            assert!(off < 1e-15, "{off}");
+        }
+        assert!(fastest(&solved, 0) <= speed * STEP);
+    }
+    // Ends on an edge, in swing and in twist, from which the way leads inward.
+    let edge = [turned([1.0, 0.0, 0.0]), turned([0.0, 1.0, 0.0])];
+    let solved = between(6.0, &edge).unwrap();
+    assert!(solved.q().chunks(4).all(|q| ball.0.is_within_limits(q)));
+    let told = |q: [f64; 3]| {
+        between(6.0, &[turned(q), ends[1].clone()])
+            .unwrap_err()
+            .to_string()
+    };
+    let swung = told([0.0, 1.2, 0.0]);
+    assert!(
+        swung.contains("hip swing") && swung.contains("1.2"),
+        "{swung}"
+    );
+    let twisted = told([-1.3, 0.0, 0.0]);
+    assert!(
+        twisted.contains("hip twist") && twisted.contains("[-1, 1]"),
+        "{twisted}"
+    );
+}
+
+fn between_frames(solved: &MotionSolution, frame: usize, other: &[f64]) -> Quaternion {
+    between(
+        quaternion(solved.frame(frame).unwrap(), 0),
+        quaternion(other, 0),
+    )
+}
+
+#[test]
+fn a_start_beyond_every_limit_is_drawn_within_them() {
+    let limits = BallLimits::cone(0.6, Limits::new(0.2, 0.5)).with_angle(0.7);
+    let ball = ball(Some(limits));
+    let motion = following(&ball, FRAMES, turn_about_z, |motion| {
+        _ = motion.max_speed("hip", 1.0)
+    });
+    let motion = motion.unwrap();
+    let far: Vec<f64> = (0..FRAMES)
+        .flat_map(|frame| turned([1.3, if frame % 2 == 0 { -1.5 } else { 1.5 }, 0.8]))
+        .collect();
+    let near = MotionSolver::default().solve_near(&motion, &far).unwrap();
+    assert_eq!(near.termination(), MotionTermination::Stationary);
+    same_cost(&near, &solved(&motion, &ball.0.neutral()));
+    assert!(near.q().chunks(4).all(|q| ball.0.is_within_limits(q)));
+}
+
+#[test]
+fn free_joints_and_their_speeds_are_told_by_name() {
+    let mut builder = Model::builder("body");
+    let base = builder.free("base", None, Placement::identity(), [Limits::UNBOUNDED; 3]);
+    builder.frame("body", Some(base), Placement::identity());
+    let model = builder.build().unwrap();
+    let told = |name: &str, linear: f64, angular: f64| {
+        let mut motion = MotionProblem::builder(&model, 3, STEP);
+        motion.max_free_speed(name, linear, angular);
+        motion.build().unwrap_err().to_string()
+    };
+    let unknown = told("bose", 1.0, 1.0);
+    assert!(
+        unknown.contains("bose") && unknown.contains("base"),
+        "{unknown}"
+    );
+    for (linear, angular) in [(0.0, 1.0), (1.0, -1.0), (f64::NAN, 1.0)] {
+        assert!(told("base", linear, angular).contains("max_free_speed"));
+    }
+}
