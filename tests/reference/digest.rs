@@ -92,7 +92,9 @@ fn is_fused() -> bool {
 }
 
 /// What goes through glam, whose code for other architectures sums in another order.
-const SINGLE_PRECISION: [&str; 4] = [
+const SINGLE_PRECISION: [&str; 6] = [
+    "a capture on a robot, frame by frame",
+    "a capture on a robot, as a whole",
     "rotations and Euler angles",
     "a clip of Euler keys",
     "packed skin",

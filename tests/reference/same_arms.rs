@@ -23,10 +23,10 @@ impl Digest {
     }
 }
 
-/// A rotation by products and roots only.
-fn turned(random: &mut Random) -> Matrix3<f64> {
+/// A rotation by products and roots only, of numbers within 0 and 1.
+pub(crate) fn turned(mut random: impl FnMut() -> f64) -> Matrix3<f64> {
     let mut unit = || {
-        let v = [(); 3].map(|()| 2.0 * random.unit() - 1.0);
+        let v = [(); 3].map(|()| 2.0 * random() - 1.0);
         let v = Vector3::from(v);
         v * v.norm().recip()
     };
@@ -53,7 +53,7 @@ fn odd_chain(random: &mut Random, joints: usize, slides: usize) -> Chain {
             ),
         };
         ChainJoint {
-            parent_from_joint: Placement::new(turned(random), place),
+            parent_from_joint: Placement::new(turned(|| random.unit()), place),
             axis: axis.into(),
             kind,
             lower,
@@ -63,7 +63,7 @@ fn odd_chain(random: &mut Random, joints: usize, slides: usize) -> Chain {
     let list = list.collect();
     Chain::new(
         list,
-        Placement::new(turned(random), [0.02, -0.05, 0.1].into()),
+        Placement::new(turned(|| random.unit()), [0.02, -0.05, 0.1].into()),
     )
     .unwrap()
 }
@@ -234,11 +234,11 @@ fn atlases() -> u64 {
     for (robot, tip) in &robots {
         let arm = built(Arm::builder(robot, "base", tip).with_search(Search::First));
         reached(&mut digest, &arm, &mut random, 10);
-        let tool = Placement::new(turned(&mut random), [0.03, -0.02, 0.11].into());
+        let tool = Placement::new(turned(|| random.unit()), [0.03, -0.02, 0.11].into());
         let tooled = arm.with_tool(tool).unwrap();
         reached(&mut digest, &tooled, &mut random, 6);
         // So long that lengths are counted in another unit.
-        let long = Placement::new(turned(&mut random), [0.4, -0.9, 1.3].into());
+        let long = Placement::new(turned(|| random.unit()), [0.4, -0.9, 1.3].into());
         reached(&mut digest, &arm.with_tool(long).unwrap(), &mut random, 4);
         reached(
             &mut digest,
