@@ -92,7 +92,7 @@ fn answers() -> u64 {
             let [there, start] =
                 [(); 2].map(|()| configuration_of(model.model(), &mut random)[..7].to_vec());
             let target = arm.base_from_tool(&there).unwrap();
-            let solution = arm.solve(&target, &start).unwrap();
+            let solution = arm.solve(target, &start).unwrap();
             digest.solution(&solution);
             for pair in solution.collisions() {
                 digest.bytes(&pair.first);
