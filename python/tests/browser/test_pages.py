@@ -144,7 +144,7 @@ def test_the_humanoids_hand_is_dragged_and_its_mesh_follows(opened, open_tab):
     pinned = {frame: page.body.frame(frame)[:3, 3] for frame in page.pinned - {hand}}
     sent = len(shown.received)
     ground = shown.colors()
-    drag(shown, hand, [0.0, 0.0, 0.45])
+    drag(shown, hand, [0.0, 0.0, 0.35])
     assert page.answer.solution.reached
     for frame, place in pinned.items():
         assert np.linalg.norm(page.body.frame(frame)[:3, 3] - place) < 1e-5
