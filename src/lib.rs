@@ -107,6 +107,8 @@ pub use nalgebra;
 pub use arm::Arm;
 pub use bad_option::BadOption;
 pub use buffer::Buffer;
+#[doc(hidden)] // Words, for the command and the Python package.
+pub use counted::counted;
 pub use ik::{Solution, Solver, Workspace};
 pub use model::Model;
 pub use problem::Problem;

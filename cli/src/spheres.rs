@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use kinopt::collision::{CollisionModel, Fineness, SphereModel};
+use kinopt::counted;
 use serde::Serialize;
 
 use crate::collision_options::CollisionOptions;
@@ -101,7 +102,11 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let fineness = match (arguments.overhang, arguments.spheres) {
         (Some(overhang), _) => Fineness::Overhang(overhang),
         (_, Some(count)) => Fineness::PerLink(count),
-        _ => Fineness::Overhang(SHARE * robot.model().reach()),
+        // A robot of one joint's turn reaches nowhere, and has shapes all the same.
+        _ => Fineness::Overhang(match robot.model().reach() {
+            0.0 => SHARE,
+            reach => SHARE * reach,
+        }),
     };
     let spheres = SphereModel::of(&model, fineness)?;
     let text = match format {
@@ -166,12 +171,15 @@ fn report(
                 others.join(", "),
             ]);
         }
-        let count = spheres.count();
+        let count = counted(spheres.count(), "sphere");
+        let pairs = match spheres.pairs().len() {
+            1 => "1 pair of links is checked".to_owned(),
+            count => format!("{count} pairs of links are checked"),
+        };
         let millimetres = 1e3 * spheres.overhang();
         format!(
-            "{count} spheres on {} links, sticking out by {millimetres:.1} mm at most; {} pairs of links are checked\n\n{}\n{} written\n",
-            groups.len(),
-            spheres.pairs().len(),
+            "{count} on {}, sticking out by {millimetres:.1} mm at most; {pairs}\n\n{}\n{} written\n",
+            counted(groups.len(), "link"),
             table.text(),
             arguments.out.display(),
         )

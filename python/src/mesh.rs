@@ -158,9 +158,9 @@ impl TriangleMesh {
 
     fn __repr__(&self) -> String {
         format!(
-            "TriangleMesh({} vertices, {} triangles{})",
-            self.inner.positions().len(),
-            self.inner.triangles().len(),
+            "TriangleMesh({}, {}{})",
+            kinopt::counted(self.inner.positions().len(), "vertex"),
+            kinopt::counted(self.inner.triangles().len(), "triangle"),
             if self.inner.normals().is_empty() {
                 ""
             } else {

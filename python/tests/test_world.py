@@ -39,6 +39,14 @@ def everything() -> kinopt.World:
     return world
 
 
+def test_a_world_says_how_much_it_holds() -> None:
+    world = kinopt.World()
+    assert repr(world) == "World(0 obstacles)"
+    world.add_box("table", (1, 0.6, 0.04))
+    assert repr(world) == "World(1 obstacle)"
+    assert len(repr(everything())) < 40 and repr(len(everything())) in repr(everything())
+
+
 def test_obstacles_are_what_was_added() -> None:
     world = everything()
     assert len(world) == 9 and "table" in world and "chair" not in world

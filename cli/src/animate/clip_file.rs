@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use kinopt::animation::{Armature, Clip, KeyTolerance, Playback, Pose, PoseAngles};
+use kinopt::counted;
 use kinopt::glam::Vec3;
 use kinopt::io::gltf::{self, Scene, SceneFile, WriteOptions};
 use kinopt::skeleton::Skeleton;
@@ -121,7 +122,8 @@ impl ClipOptions {
         };
         let text = || {
             format!(
-                "{changed} of {keys} keys changed, in {}\n{}",
+                "{changed} of {} changed, in {}\n{}",
+                counted(keys, "key"),
                 out.display(),
                 told.text()
             )
@@ -280,9 +282,10 @@ fn say(
     };
     let text = || {
         format!(
-            "clip `{}`: {:.3} s, {keys} keys, in {}\n{}",
+            "clip `{}`: {:.3} s, {}, in {}\n{}",
             clip.name(),
             clip.duration(),
+            counted(keys, "key"),
             out.display(),
             told.map_or_else(String::new, IkReport::text)
         )

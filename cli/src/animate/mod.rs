@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args};
 use kinopt::animation::{Clip, Playback};
+use kinopt::counted;
 use kinopt::io::gltf::{SceneFile, ScenePosing};
 use kinopt::skinning::SkinningMethod;
 use serde::Serialize;
@@ -300,11 +301,12 @@ fn files(arguments: &Arguments, span: [f64; 2]) -> Outcome<Vec<(f64, MeshFile)>>
 }
 
 fn text(files: &[(f64, MeshFile)], vertices: usize) -> String {
+    let vertices = counted(vertices, "vertex");
     let shown = |file: &MeshFile| file.path().display().to_string();
     match files {
-        [(time, file)] => format!("{time} s: {vertices} vertices in {}\n", shown(file)),
+        [(time, file)] => format!("{time} s: {vertices} in {}\n", shown(file)),
         [(start, first), .., (end, last)] => format!(
-            "{} frames from {start} s to {end} s: {vertices} vertices each in {} to {}\n",
+            "{} frames from {start} s to {end} s: {vertices} each in {} to {}\n",
             files.len(),
             shown(first),
             shown(last)

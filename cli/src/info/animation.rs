@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use kinopt::animation::{Armature, Clip};
+use kinopt::counted;
 use kinopt::io::gltf::{Scene, SceneMesh};
 use serde::Serialize;
 
@@ -165,7 +166,11 @@ pub(super) fn text(document: &Document) -> String {
         let rate = 1.0 / frame_time;
         let frames = format!("{frames}, one every {frame_time} s ({rate:.3} a second)");
         lines.push(("frames", frames));
-        let channels = format!("{} on {} bones", captured.channels, moving.count());
+        let channels = format!(
+            "{} on {}",
+            captured.channels,
+            counted(moving.count(), "bone")
+        );
         lines.push(("channels", channels));
     }
     for mesh in document.meshes.iter().flatten() {
@@ -182,15 +187,18 @@ pub(super) fn text(document: &Document) -> String {
 
 fn mesh_line(mesh: &MeshDocument) -> String {
     let mut line = format!(
-        "{} on {}: {} vertices, {} triangles, {} normals",
+        "{} on {}: {}, {}, {} normals",
         mesh.name,
         mesh.bone.unwrap_or("-"),
-        mesh.vertices,
-        mesh.triangles,
+        counted(mesh.vertices, "vertex"),
+        counted(mesh.triangles, "triangle"),
         if mesh.normals { "with" } else { "without" },
     );
     if let (Some(joints), Some(most)) = (mesh.joints, mesh.max_influences) {
-        line.push_str(&format!(", {joints} joints, at most {most} to a vertex"));
+        line.push_str(&format!(
+            ", {}, at most {most} to a vertex",
+            counted(joints, "joint")
+        ));
     }
     if !mesh.morph_targets.is_empty() {
         let names = mesh.morph_targets.join(", ");

@@ -6,6 +6,7 @@ use super::robot::{self, LinkDocument};
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{LengthFormat, six_digits, three_digits};
 use crate::table::{self, Table};
+use kinopt::counted;
 
 /// The document as text with aligned tables.
 pub(super) fn text(loaded: &LoadedModel, document: &Document) -> String {
@@ -15,8 +16,9 @@ pub(super) fn text(loaded: &LoadedModel, document: &Document) -> String {
         (
             "freedom",
             format!(
-                "{} degrees of freedom, {} of them free",
-                document.degrees_of_freedom, document.free
+                "{} of freedom, {} of them free",
+                counted(document.degrees_of_freedom, "degree"),
+                document.free
             ),
         ),
         (
@@ -40,10 +42,10 @@ pub(super) fn text(loaded: &LoadedModel, document: &Document) -> String {
         let total =
             |count: fn(&LinkDocument) -> usize| robot.links.iter().map(count).sum::<usize>();
         let shapes = format!(
-            "{} to be seen, {} to collide, {} files of meshes",
+            "{} to be seen, {} to collide, {} of meshes",
             total(|link| link.visuals),
             total(|link| link.collisions),
-            total(|link| link.meshes.len()),
+            counted(total(|link| link.meshes.len()), "file"),
         );
         lines.push(("shapes", shapes));
         let mass = robot.mass.map(|mass| format!("{} kg", three_digits(mass)));
@@ -69,15 +71,17 @@ fn rig_lines(rig: &RigDocument) -> Vec<(&'static str, String)> {
     let mesh = rig.mesh.as_ref().map(|mesh| {
         let closed = if mesh.closed { "closed" } else { "not closed" };
         let with = if mesh.normals { "with" } else { "without" };
-        let (vertices, triangles) = (mesh.vertices, mesh.triangles);
-        format!("{vertices} vertices, {triangles} triangles, {closed}, {with} normals")
+        let vertices = counted(mesh.vertices, "vertex");
+        let triangles = counted(mesh.triangles, "triangle");
+        format!("{vertices}, {triangles}, {closed}, {with} normals")
     });
     let weights = rig.weights.as_ref().map(|weights| weights.max_influences);
-    let weights = weights.map(|most| format!("at most {most} bones to a vertex"));
+    let weights = weights.map(|most| format!("at most {} to a vertex", counted(most, "bone")));
     let keyframes = rig.keyframes.as_ref().map(|own| {
-        let (keys, bones, between) = (own.keys, own.bones, own.interpolation.join(", "));
+        let (keys, bones) = (counted(own.keys, "key"), counted(own.bones, "bone"));
+        let between = own.interpolation.join(", ");
         let (start, end) = (own.start, own.end);
-        format!("{keys} keys on {bones} bones, {start} s to {end} s, {between}")
+        format!("{keys} on {bones}, {start} s to {end} s, {between}")
     });
     let pinned = match rig.constrained.as_slice() {
         [] => none(),

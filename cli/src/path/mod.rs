@@ -7,6 +7,7 @@ mod rows_file;
 use std::time::Instant;
 
 use kinopt::arm::{Arm, Base};
+use kinopt::counted;
 use kinopt::motion::path::{CartesianPath, PathSolution, PathSolver};
 use kinopt::spatial::Placement;
 
@@ -89,8 +90,8 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         rows_file::write(out, &report)?;
     }
     output::message(&format!(
-        "{file}: {} points; {columns_read}",
-        path.points().len()
+        "{file}: {}; {columns_read}",
+        counted(path.points().len(), "point")
     ));
     output::result(json, || report.document(), || report.text())?;
     if let Some(out) = &arguments.out {

@@ -1,6 +1,7 @@
 //! What is told of a path.
 
 use kinopt::Arm;
+use kinopt::counted;
 use kinopt::motion::path::{CartesianPath, CsvColumns, MissReason, Missed, PathSolution};
 use serde::Serialize;
 
@@ -123,14 +124,15 @@ impl<'a> Report<'a> {
 
     pub(super) fn text(&self) -> String {
         let solution = self.solution;
-        let (points, deviation) = (self.path.points().len(), solution.largest_deviation);
+        let points = counted(self.path.points().len(), "point");
+        let deviation = solution.largest_deviation;
         let reached = solution.rows().len() - solution.missed.len();
         let mut told = vec![
             (
                 "path",
                 format!(
-                    "{reached} of {} rows reached, {points} points given",
-                    solution.rows().len()
+                    "{reached} of {} reached, {points} given",
+                    counted(solution.rows().len(), "row")
                 ),
             ),
             ("branches", self.branches()),

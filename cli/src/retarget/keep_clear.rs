@@ -2,6 +2,7 @@
 
 use clap::Args;
 use kinopt::collision::Checker;
+use kinopt::counted;
 use kinopt::motion::retarget::Retargeted;
 
 use super::target::Target;
@@ -49,9 +50,10 @@ impl KeepClearOptions {
 /// Tells of frames that touch all the same.
 pub(super) fn tell_touching(file: &str, found: &Retargeted) {
     if let Some(first) = found.touching.first() {
-        let (frames, frame, pair) = (found.touching.len(), first.frame, &first.pair);
+        let frames = counted(found.touching.len(), "frame");
+        let (frame, pair) = (first.frame, &first.pair);
         output::message(&format!(
-            "note: {file}: in {frames} frames something touches all the same, first in frame {frame}: {pair}"
+            "note: {file}: in {frames} something touches all the same, first in frame {frame}: {pair}"
         ));
     }
 }

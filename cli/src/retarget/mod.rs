@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use kinopt::collision::Checker;
+use kinopt::counted;
 use kinopt::motion::retarget::{FootShapes, GivenUp, RetargetOptions, Retargeting};
 use serde::Serialize;
 
@@ -140,9 +141,9 @@ impl Clip {
             false => String::new(),
         };
         format!(
-            "{}: {} frames, {} a second; {:.1} mm off in the mean; what stands slips by {:.3} mm at most{sunk}\n",
+            "{}: {}, {} a second; {:.1} mm off in the mean; what stands slips by {:.3} mm at most{sunk}\n",
             self.out.display(),
-            self.frames,
+            counted(self.frames, "frame"),
             self.fps,
             1e3 * self.mean_error,
             1e3 * self.slip

@@ -65,6 +65,34 @@ fn pairs_go_through_srdf() {
 }
 
 #[test]
+fn one_is_told_as_one() {
+    let folder = Folder::new("one-sphere");
+    let ball = "<collision><geometry><sphere radius='0.1'/></geometry></collision>";
+    let urdf = format!(
+        "<robot name='balls'><link name='a'>{ball}</link><link name='b'>{ball}</link><joint name='j' type='revolute'>\
+         <origin xyz='1 0 0'/><parent link='a'/><child link='b'/><axis xyz='0 0 1'/><limit lower='-1' upper='1'/></joint></robot>"
+    );
+    let (balls, out) = (folder.text("balls.urdf", urdf), folder.file("balls.yml"));
+    let told = text!("spheres {balls} --samples 0 --out {out}");
+    says(
+        &told,
+        "2 spheres on 2 links, | 0 pairs of links are checked",
+    );
+    let told = text!("info {balls}");
+    says(
+        &told,
+        "1 degree of freedom, 1 of them free | 0 files of meshes",
+    );
+    let urdf = format!("<robot name='ball'><link name='a'>{ball}</link></robot>");
+    let ball = folder.text("ball.urdf", urdf);
+    says(
+        &text!("spheres {ball} --samples 0 --out {out}"),
+        "1 sphere on 1 link, ",
+    );
+    says(&text!("info {ball}"), "0 degrees of freedom");
+}
+
+#[test]
 fn what_cannot_be_is_refused() {
     let folder = Folder::new("no-spheres");
     let panda = model("franka_panda.urdf");

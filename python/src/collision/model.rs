@@ -232,11 +232,11 @@ impl CollisionModel {
 
     fn __repr__(&self) -> String {
         format!(
-            "CollisionModel({:?}, {} shapes on {} links, {} pairs)",
+            "CollisionModel({:?}, {} on {}, {})",
             self.inner.model().name(),
-            self.inner.objects().len(),
-            self.inner.links().len(),
-            self.inner.pairs().len()
+            kinopt::counted(self.inner.objects().len(), "shape"),
+            kinopt::counted(self.inner.links().len(), "link"),
+            kinopt::counted(self.inner.pairs().len(), "pair")
         )
     }
 }

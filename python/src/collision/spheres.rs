@@ -127,9 +127,9 @@ impl SphereModel {
 
     fn __repr__(&self) -> String {
         format!(
-            "SphereModel({} spheres on {} links, overhang {:.4})",
-            self.inner.count(),
-            self.inner.groups().len(),
+            "SphereModel({} on {}, overhang {:.4})",
+            kinopt::counted(self.inner.count(), "sphere"),
+            kinopt::counted(self.inner.groups().len(), "link"),
             self.inner.overhang()
         )
     }

@@ -350,10 +350,7 @@ impl World {
     }
 
     fn __repr__(&self) -> String {
-        match self.lock().len() {
-            1 => "World(1 obstacle)".to_owned(),
-            count => format!("World({count} obstacles)"),
-        }
+        format!("World({})", kinopt::counted(self.lock().len(), "obstacle"))
     }
 }
 
