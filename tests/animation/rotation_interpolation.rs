@@ -391,3 +391,18 @@ fn the_mean_rates_of_a_steady_turn_are_its_rate() {
         assert!((*got - rate).length() < 1e-5, "key {key}: {got}");
     }
 }
+
+/// A turn at an even speed stays one, however unevenly its keys are spaced: rates are per second, not per key.
+#[test]
+fn an_even_turn_stays_even_between_uneven_keys() {
+    let times = vec![0.0_f32, 0.05, 0.8, 0.9, 2.3];
+    let axis = Vec3::new(2.0, -1.0, 2.0) / 3.0;
+    let turned = |time: f32| Quat::from_axis_angle(axis, 0.3 + 1.2 * time);
+    let keys: Vec<Quat> = times.iter().map(|&time| turned(time)).collect();
+    let smooth = RotationCurve::smooth(times, keys).unwrap();
+    for step in 0..=46 {
+        let time = 0.05 * step as f32;
+        let off = apart(smooth.at(time), turned(time));
+        assert!(off < 1e-5, "{time} s: off by {off}");
+    }
+}

@@ -47,3 +47,33 @@ fn steps_a_ball_and_a_slope_are_where_geometry_has_them() {
     assert!((top(-30.0) + 10.5).abs() < 1e-6);
     assert_eq!(World::new().top(Vector3::zero(), up), None);
 }
+
+/// What a robot holds is no ground to stand on, wherever its file has it in the hand; put down it is.
+#[test]
+fn what_moves_with_a_robot_is_no_top() {
+    let mut world = World::new();
+    let up = Vector3::UNITS[2];
+    world
+        .add_box("floor", [4.0, 4.0, 0.2], Vector3::new(0.0, 0.0, -0.1))
+        .unwrap();
+    let place = Placement::translation(Vector3::new(0.5, 0.0, 0.7));
+    world
+        .add("crate", Shape::cuboid([0.4; 3]).unwrap(), place)
+        .unwrap();
+    let beside = Vector3::new(-1.0, 0.0, 5.0);
+    let over = Vector3::new(0.5, 0.1, 5.0);
+    let top = |world: &World, at| world.top(at, up).unwrap();
+    assert!((top(&world, over) - 0.9).abs() < TO);
+    world.attach("crate", "hand", place).unwrap();
+    for at in [over, beside] {
+        assert!(top(&world, at).abs() < TO, "{at:?}");
+    }
+    world.detach("crate", place).unwrap();
+    assert!((top(&world, over) - 0.9).abs() < TO);
+    // Alone in the world it is no ground either.
+    let mut held = World::new();
+    held.add("crate", Shape::cuboid([0.4; 3]).unwrap(), place)
+        .unwrap();
+    held.attach("crate", "hand", place).unwrap();
+    assert_eq!(held.top(over, up), None);
+}

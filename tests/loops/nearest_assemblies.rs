@@ -4,7 +4,8 @@
 use std::f64::consts::{PI, TAU};
 
 use kinopt::ik::LoopClosure;
-use kinopt::model::{Limits, Model, ModelBuilder, ParameterMap};
+use kinopt::model::{Limits, Loop, Model, ModelBuilder, ParameterMap};
+use kinopt::spatial::{Placement, Vector3};
 use support::random::Random;
 use support::sample::cases;
 
@@ -107,4 +108,55 @@ fn whole_turns_stay_as_they_were() {
             "{wound} {plain}"
         );
     }
+}
+
+/// Crank, rod and slider, all lengths times `unit`: the crank at the origin, the slider's line along x at a height.
+fn slider_crank(unit: f64) -> Model {
+    let along = |length: f64| Placement::translation(Vector3::new(length * unit, 0.0, 0.0));
+    let [x, y, z] = Vector3::UNITS;
+    let mut builder = Model::builder("slider-crank");
+    let crank = builder.revolute("crank", None, along(0.0), z, TURNS);
+    let rod = builder.revolute("rod", Some(crank), along(0.3), z, TURNS);
+    let line = Placement::translation(y * (0.2 * unit));
+    let slide = builder.prismatic("slide", None, line, x, Limits::new(-2.0 * unit, 2.0 * unit));
+    let ends = [
+        builder.frame("rod end", Some(rod), along(0.8)),
+        builder.frame("slider", Some(slide), along(0.0)),
+    ];
+    builder.close(Loop::connect("pin", ends));
+    builder.build().unwrap()
+}
+
+/// Which of two assemblies is nearer, where the one asks less of the hinge and the other less of the slide, is no matter of
+/// the unit of length.
+#[test]
+fn the_nearer_assembly_is_the_same_in_millimetres() {
+    const MM: f64 = 1000.0;
+    let models = [1.0, MM].map(slider_crank);
+    let [metres, millimetres] = models.each_ref().map(|model| {
+        let dependent = ["rod", "slide"].map(|name| model.joint(name).unwrap());
+        LoopClosure::new(ParameterMap::builder(model), &dependent).unwrap()
+    });
+    let mut random = Random::new(3);
+    let mut ahead = 0;
+    let wanted = cases(300, 100);
+    for case in 0..wanted {
+        let [crank, rod] = [(); 2].map(|()| random.within(-PI, PI));
+        let slide = random.within(-1.2, 1.2);
+        let (mut small, mut large) = ([crank, rod, slide], [crank, rod, slide * MM]);
+        metres.close(&mut small).unwrap();
+        millimetres.close(&mut large).unwrap();
+        // The two places of the slide, by Pythagoras.
+        let (sin, cos) = crank.sin_cos();
+        let half = (0.64 - (0.3 * sin - 0.2).powi(2)).sqrt();
+        let ends = [0.3 * cos + half, 0.3 * cos - half];
+        let off = ends.map(|end| (small[2] - end).abs());
+        assert!(off[0].min(off[1]) < 1e-5, "{case}: {small:?}");
+        ahead += usize::from(off[0] < off[1]);
+        let scaled = [large[0], large[1], large[2] / MM];
+        for (one, other) in small.iter().zip(scaled) {
+            assert!((one - other).abs() < 1e-5, "{case}: {small:?} {scaled:?}");
+        }
+    }
+    assert!(ahead * 4 > wanted && ahead * 4 < 3 * wanted, "{ahead}");
 }

@@ -300,6 +300,53 @@ fn limbs_of_no_bone_s_length_are_told_of() {
     }
 }
 
+/// Each of the four limbs on either side, in turn of no length, and half as long as the other side's.
+#[test]
+fn the_limb_that_is_short_is_told_with_its_side() {
+    let chains = [("thigh", "shin", "foot"), ("upper_arm", "forearm", "hand")];
+    let mut joints = vec!["hips".to_owned()];
+    for (side, (upper, lower, end)) in ["left", "right"]
+        .into_iter()
+        .flat_map(|side| chains.map(|chain| (side, chain)))
+    {
+        joints.extend([upper, lower, end].map(|part| format!("{side}_{part}")));
+    }
+    let humanoid = model(&HUMANOID);
+    // Each chain goes down from beside the hips: its lengths are those of its two limbs.
+    let told = |lengths: &[[f64; 2]; 4]| {
+        let mut places = vec![[0.0, 0.0, 1.0]];
+        for (chain, [upper, lower]) in lengths.iter().enumerate() {
+            let y = [0.1, 0.3, -0.1, -0.3][chain];
+            places.extend([0.0, *upper, upper + lower].map(|down| [0.0, y, 0.9 - down]));
+        }
+        let capture = Capture::new(joints.clone(), &places.concat(), 30.0).unwrap();
+        BodyMap::guess(&capture, &humanoid).unwrap().notes
+    };
+    let of_limbs = |notes: Vec<String>| -> Vec<String> {
+        let limbs = notes.into_iter().filter(|note| note.starts_with("the "));
+        limbs.collect()
+    };
+    assert_eq!(of_limbs(told(&[[0.4, 0.3]; 4])), [""; 0]);
+    for (chain, side) in ["left", "left", "right", "right"].into_iter().enumerate() {
+        for (limb, name) in [["thigh", "shin"], ["upper arm", "forearm"]][chain % 2]
+            .into_iter()
+            .enumerate()
+        {
+            let mut lengths = [[0.4, 0.3]; 4];
+            lengths[chain][limb] = 0.0;
+            let none = format!("the {side} {name} has no length: its ends are one place");
+            assert_eq!(of_limbs(told(&lengths)), [none]);
+            let whole = [0.4, 0.3][limb];
+            lengths[chain][limb] = 0.5 * whole;
+            let mut by_side = [whole; 2];
+            by_side[chain / 2] = 0.5 * whole;
+            let [left, right] = by_side;
+            let short = format!("the left {name} is {left:.3} long and the right one {right:.3}");
+            assert_eq!(of_limbs(told(&lengths)), [short]);
+        }
+    }
+}
+
 #[test]
 fn names_of_nobody_are_refused_by_name() {
     let humanoid = model(&HUMANOID);

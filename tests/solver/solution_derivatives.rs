@@ -2,10 +2,13 @@
 //! is what solving again shows: limits, cones, misses and preferences included. Where it does not exist that is said.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::Solver;
 use kinopt::ik::{DerivativeWorkspace, SolutionDerivative};
-use kinopt::model::Model;
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::{Limits, Model};
 use kinopt::problem::ParameterVector;
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::FrameVelocity;
+use kinopt::{Problem, Solver};
 use nalgebra as na;
 use support::changed_bodies::{Case, Change, case};
 use support::random::Random;
@@ -192,4 +195,36 @@ fn solving_again_shows_the_same() {
     );
     assert!(seen.missed * 4 > seen.unique, "{seen:?}");
     assert!(seen.same_again * 20 > seen.asked_again * 19, "{seen:?}");
+}
+
+/// A slide and a hinge on it, both along one axis: over a time step dt each goes dt times the velocity that its frame is
+/// asked for along that axis, linear for the one, angular for the other, and nothing for any other component.
+#[test]
+fn what_is_asked_to_move_at_a_velocity_goes_its_time_step_times_that() {
+    let dt = 0.02;
+    for (k, axis) in Vector3::UNITS.into_iter().enumerate() {
+        let mut builder = Model::builder("spindle");
+        let wide = Limits::new(-3.0, 3.0);
+        let slide = builder.prismatic("slide", None, Placement::identity(), axis, wide);
+        let hinge = builder.revolute("hinge", Some(slide), Placement::identity(), axis, wide);
+        let tip = builder.frame("tip", Some(hinge), Placement::identity());
+        let model = builder.build().unwrap();
+        let before = [0.4, -0.7];
+        let place = ForwardKinematics::new(&model).place(&before).unwrap()[tip.index()];
+        let velocity = (axis * 0.5, axis * -1.5);
+        let mut tasks = Problem::builder(&model);
+        tasks.add(FrameVelocity::new(tip, place, dt, velocity));
+        let problem = tasks.build().unwrap();
+        let solution = Solver::default().solve_once(&problem, &before).unwrap();
+        assert!(solution.reached);
+        for (value, expected) in solution.q.iter().zip([0.4 + 0.5 * dt, -0.7 - 1.5 * dt]) {
+            assert!((value - expected).abs() < 1e-6 * dt, "{value} {expected}");
+        }
+        let mut workspace = DerivativeWorkspace::default();
+        let derivative = SolutionDerivative::new(&problem, &solution.q, &mut workspace);
+        let by_target = derivative.unwrap().by_target(0).unwrap();
+        let mut expected = na::DMatrix::zeros(2, 6);
+        (expected[(0, k)], expected[(1, 3 + k)]) = (dt, dt);
+        assert!((&by_target - expected).amax() < 1e-9 * dt, "{by_target}");
+    }
 }

@@ -131,6 +131,55 @@ fn a_stance_bends_the_knees_over_its_feet() {
     assert_eq!(bent_stance(model, &map, &[], &rest, up).unwrap(), rest);
 }
 
+/// With a foot on a step the height is that over the lower one, whichever it is and whichever is named first; and a
+/// mirrored body stands mirrored.
+#[test]
+fn a_stance_over_feet_at_two_heights_is_that_over_the_lower_one() {
+    let body = person();
+    let (model, map, up) = (
+        &body.model,
+        ParameterMap::free(&body.model),
+        Vector3::UNITS[2],
+    );
+    let at = |name: &str| model.coordinate(model.joint(name).unwrap()).unwrap();
+    let stances = ["left", "right"].map(|lifted| {
+        let mut start = model.neutral();
+        for (part, angle) in [("hip", -0.5), ("knee", 1.0), ("ankle", -0.5)] {
+            start[at(&format!("{lifted} {part}"))] = angle;
+        }
+        let heights = body
+            .feet
+            .map(|foot| placed(model, foot, &start).translation.z);
+        assert!((heights[0] - heights[1]).abs() > 0.09, "{heights:?}");
+        let [first, second] = [[0, 1], [1, 0]].map(|order| {
+            let feet = order.map(|foot| body.feet[foot]);
+            bent_stance(model, &map, &feet, &start, up).unwrap()
+        });
+        for q in [&first, &second] {
+            // The straight leg's sole is 0.9 m below the pelvis.
+            assert!((q[2] + 0.9 / 15.0).abs() < 1e-6, "{lifted}: {}", q[2]);
+            for foot in body.feet {
+                let [before, after] = [&start, q].map(|q| placed(model, foot, q).translation);
+                assert!((before - after).norm() < 1e-6);
+            }
+        }
+        let apart = first.iter().zip(&second).map(|(a, b)| (a - b).abs());
+        assert!(apart.fold(0.0, f64::max) < 1e-6, "{first:?} {second:?}");
+        first
+    });
+    for part in ["hip roll", "hip", "knee", "ankle", "ankle roll"] {
+        let of = |q: &[f64], side: &str| q[at(&format!("{side} {part}"))];
+        let mirror = if part.ends_with("roll") { -1.0 } else { 1.0 };
+        for (side, other) in [("left", "right"), ("right", "left")] {
+            let [own, mirrored] = [of(&stances[0], side), of(&stances[1], other)];
+            assert!(
+                (own - mirror * mirrored).abs() < 1e-5,
+                "{side} {part}: {own} {mirrored}"
+            );
+        }
+    }
+}
+
 #[test]
 fn a_hand_dragged_down_is_followed_by_the_legs() {
     let body = person();

@@ -1,0 +1,98 @@
+//! Promise: a window of a clip moves on from the frames that the one before it keeps: what positions, velocities and
+//! accelerations cost over the seam counts in it, as the normal equations of its frames have it.
+
+use kinopt::model::{Limits, Model};
+use kinopt::motion::clip::{MotionProblem, MotionSolver, MotionTermination, RateCost, Windows};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::Point;
+use nalgebra::{DMatrix, DVector};
+
+const FRAMES: usize = 40;
+const TIME_STEP_S: f64 = 0.1;
+
+/// Out for some frames and back for the rest, metres.
+fn target(frame: usize) -> f64 {
+    if (8..13).contains(&frame) { 0.8 } else { 0.0 }
+}
+
+/// A slide that follows it, and pays for the differences of an order.
+fn motion(order: usize, weight: f64) -> MotionProblem {
+    let mut builder = Model::builder("slide");
+    let limits = Limits::new(-5.0, 5.0);
+    let x = Vector3::UNITS[0];
+    let slide = builder.prismatic("slide", None, Placement::identity(), x, limits);
+    let tip = builder.frame("tip", Some(slide), Placement::identity());
+    let model = builder.build().unwrap();
+    let mut motion = MotionProblem::builder(&model, FRAMES, TIME_STEP_S);
+    let point = motion.add(Point::new(tip, Vector3::zero()));
+    motion.follow(point, |frame, point| {
+        point.set_target(Vector3::UNITS[0] * target(frame))
+    });
+    motion.rate_cost(match order {
+        1 => RateCost::velocity(weight),
+        2 => RateCost::acceleration(weight),
+        _ => RateCost::jerk(weight),
+    });
+    motion.build().unwrap()
+}
+
+/// Of ½ Σ (x − target)² + ½ Σ (w Δᵏx / Δtᵏ)² over the frames from `begin` to `end`, those before `begin` being given.
+fn least(x: &[f64], begin: usize, end: usize, order: usize, weight: f64) -> DVector<f64> {
+    let coefficients: &[f64] =
+        [&[-1.0, 1.0][..], &[1.0, -2.0, 1.0], &[-1.0, 3.0, -3.0, 1.0]][order - 1];
+    let w = weight / TIME_STEP_S.powi(order as i32);
+    let n = end - begin;
+    let (mut normal, mut right) = (DMatrix::identity(n, n), DVector::zeros(n));
+    for k in 0..n {
+        right[k] = target(begin + k);
+    }
+    for first in begin.saturating_sub(order)..end - order {
+        let frames = || {
+            coefficients
+                .iter()
+                .enumerate()
+                .map(|(k, by)| (first + k, w * by))
+        };
+        for (frame, by) in frames().filter(|(frame, _)| *frame >= begin) {
+            for (other, with) in frames() {
+                match other.checked_sub(begin) {
+                    Some(free) => normal[(frame - begin, free)] += by * with,
+                    None => right[frame - begin] -= by * with * x[other],
+                }
+            }
+        }
+    }
+    normal.lu().solve(&right).unwrap()
+}
+
+#[test]
+fn each_window_goes_on_from_what_is_kept_of_the_last() {
+    let (frames, ahead) = (10, 4);
+    for (order, weight) in [(1, 0.3), (2, 0.05), (3, 0.01)] {
+        let motion = motion(order, weight);
+        let solver = MotionSolver::default().with_tolerance(1e-12);
+        let whole = solver.solve(&motion, &[0.0]).unwrap();
+        let expected = least(&[], 0, FRAMES, order, weight);
+        let off = |ours: &[f64], theirs: &[f64]| {
+            let apart = ours.iter().zip(theirs).map(|(a, b)| (a - b).abs());
+            apart.fold(0.0, f64::max)
+        };
+        assert!(off(whole.q(), expected.as_slice()) < 1e-6, "order {order}");
+
+        let mut expected = vec![0.0; FRAMES];
+        let mut begin = 0;
+        while begin < FRAMES {
+            let end = (begin + frames + ahead).min(FRAMES);
+            let window = least(&expected, begin, end, order, weight);
+            expected[begin..end].copy_from_slice(window.as_slice());
+            begin = if end == FRAMES { end } else { begin + frames };
+        }
+        // Had the seams not pulled, it would be another motion.
+        assert!(off(&expected, whole.q()) > 1e-3, "order {order}");
+        let cut = solver.with_windows(Some(Windows { frames, ahead }));
+        let cut = cut.solve(&motion, &[0.0]).unwrap();
+        assert_eq!(cut.termination(), MotionTermination::Stationary);
+        let off = off(cut.q(), &expected);
+        assert!(off < 1e-6, "order {order}: off by {off}");
+    }
+}
