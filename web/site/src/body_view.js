@@ -18,6 +18,8 @@ const PINNED = 0x1f6fb2;
 const GRABBED = 0xe08a1e;
 const UNDER_HAND = 0x8fa3b3;
 const LIMITED = 0xc8442f;
+/** How much larger what is grabbed is drawn, as its colour may be that of a pin. */
+const IN_HAND = 1.4;
 
 const solid = (color, more) => new THREE.MeshStandardMaterial({ color, roughness: 0.75, metalness: 0.05, ...more });
 
@@ -40,6 +42,7 @@ export class BodyView {
         if (opened.triangles?.length > 0) this.#skin();
         else if (opened.parents) this.#bones();
         stage.frame(this.#extent(), opened);
+        if (opened.floor !== undefined) this.#ground(SQUARE * stage.size).position.z = opened.floor;
         this.#handles();
         this.show(opened);
     }
@@ -155,12 +158,15 @@ export class BodyView {
         this.mark({ pins: new Set(this.opened.pins) });
     }
 
-    /** Colours the handles. */
+    /** Colours the handles: what is pinned is blue in the hand too, so what is grabbed is larger. */
     mark({ pins, grabbed, hovered, limits = [] }) {
+        this.grabbed = grabbed;
+        this.#spread();
         const color = new THREE.Color();
         this.opened.handles.forEach((name, k) => {
             const limited = limits.some((joint) => joint === name || joint.startsWith(`${name}/`));
-            color.set(name === grabbed ? GRABBED : limited ? LIMITED : pins.has(name) ? PINNED : name === hovered ? UNDER_HAND : FREE);
+            const held = name === grabbed;
+            color.set(limited && !held ? LIMITED : pins.has(name) ? PINNED : held ? GRABBED : name === hovered ? UNDER_HAND : FREE);
             this.balls.setColorAt(k, color);
         });
         if (this.count > 0) this.balls.instanceColor.needsUpdate = true;
@@ -182,14 +188,21 @@ export class BodyView {
             }
         }
         if (links) this.#place(links);
+        this.#spread();
+        if (ground) this.#walk(ground);
+        this.stage.touch();
+    }
+
+    /** Puts the handles where they stand. */
+    #spread() {
+        const { handles, ends } = this.opened;
+        const places = this.places ?? this.opened.places;
         const at = new THREE.Matrix4();
         for (let k = 0; k < this.count; k += 1) {
-            const size = k < this.opened.ends ? END / JOINT : 1;
+            const size = (k < ends ? END / JOINT : 1) * (handles[k] === this.grabbed ? IN_HAND : 1);
             this.balls.setMatrixAt(k, at.makeScale(size, size, size).setPosition(places[3 * k], places[3 * k + 1], places[3 * k + 2]));
         }
         this.balls.instanceMatrix.needsUpdate = true;
-        if (ground) this.#walk(ground);
-        this.stage.touch();
     }
 
     #place(links) {

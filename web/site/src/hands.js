@@ -14,7 +14,7 @@ export function hands({ page, grab, release, mark, tools, say, press }) {
     /** Moves what is grabbed, and where it is kept. */
     function aim(target) {
         page.target = target;
-        page.moved = true;
+        page.moved = page.dragged = true;
         if (page.kept.has(page.grabbed)) page.kept.set(page.grabbed, target);
     }
 

@@ -1,6 +1,7 @@
 // The page: what is open, what is grabbed, what plays, and the loop that has the body follow.
 import { BodyView } from "./body_view.js";
-import { besideNew, bytesOf, dropped } from "./files.js";
+import { dropping } from "./dropping.js";
+import { besideNew, bytesOf } from "./files.js";
 import { hands } from "./hands.js";
 import { hints } from "./hints.js";
 import { Library, STOPPED } from "./library.js";
@@ -35,6 +36,10 @@ const page = {
     grabbed: undefined,
     /** Where what is grabbed should go. */
     target: undefined,
+    /** Whether a hand moved the body since it stood as its file or its clip has it. */
+    dragged: false,
+    /** What is said until something is grabbed, where a frame says nothing. */
+    note: "",
     limits: [],
     method: "lbs",
     playback: new Playback(),
@@ -68,7 +73,7 @@ async function open(wanted, name) {
         const asked = { ...(await wanted), skinning: page.method };
         const opened = await library.ask("open", asked);
         release();
-        page.kept.clear();
+        forget();
         whole.stop();
         page.asked = asked;
         page.whole = page.hovered = undefined;
@@ -102,7 +107,7 @@ async function open(wanted, name) {
 /** A library that was stopped has forgotten what it had: it is opened again, at rest. */
 async function anew() {
     release();
-    page.kept.clear();
+    forget();
     page.limits = [];
     page.whole = undefined;
     page.view.show(await library.ask("open", { ...page.asked, skinning: page.method }));
@@ -155,8 +160,16 @@ function release() {
     page.held = page.nudged = false;
 }
 
+/** What a hand did before is over. */
+function forget() {
+    page.kept.clear();
+    page.dragged = false;
+    page.note = "";
+}
+
 async function grab(name) {
     page.grabbed = name;
+    page.note = "";
     page.nudged = false;
     page.target = page.view.place(name);
     page.moved = true;
@@ -196,7 +209,7 @@ function follow(told) {
     if (page.opened.handles.length === 0) return;
     page.limits = told.limits;
     mark();
-    if (told.words || !element("status").classList.contains("bad")) say(told.words);
+    if (told.words || !element("status").classList.contains("bad")) say(told.words || page.note);
 }
 (function loop() {
     step();
@@ -224,15 +237,19 @@ element("skin").onclick = () => {
 };
 element("play").onclick = () => {
     release();
-    page.kept.clear();
+    // A clip moves every joint, so that nothing of a pose could stay; what a hand did is not lost without a word.
+    const lost = page.dragged && !playback.running;
+    forget();
     page.limits = [];
     playback.toggle();
+    page.note = lost ? "The clip takes over: the pose from before is let go." : "";
+    say(page.note);
     mark();
     tools();
 };
 element("rest").onclick = () => {
     release();
-    page.kept.clear();
+    forget();
     playback.begin(false);
     page.limits = [];
     if (page.view) mark();
@@ -280,22 +297,6 @@ async function openFiles(list) {
     }));
     await open(wanted, files[0].name);
 }
-element("choose").onclick = () => element("file").click();
-element("file").onchange = ({ target }) => {
-    openFiles([...target.files]);
-    // The same file, mended, may be chosen again.
-    target.value = "";
-};
-const main = document.querySelector("main");
-addEventListener("dragover", (event) => {
-    event.preventDefault();
-    main.classList.add("over");
-});
-addEventListener("dragleave", ({ relatedTarget }) => relatedTarget || main.classList.remove("over"));
-addEventListener("drop", (event) => {
-    event.preventDefault();
-    main.classList.remove("over");
-    openFiles(dropped(event.dataTransfer));
-});
+dropping(openFiles);
 
 open(MODELS.humanoid(), "humanoid");

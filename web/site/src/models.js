@@ -7,6 +7,9 @@ const BOXES = [
     { name: "shelf", size: [0.3, 0.3, 0.03], at: [0.55, 0.35, 0.6] },
 ];
 
+/** Where the ground is under it, metres: its base too keeps so far off as all of it does (`MARGIN`, a centimetre). */
+const FLOOR = -0.011;
+
 /** Where the Panda begins, radians: its shoulder is bent too, so that its elbow swings while its tool is held. */
 const BENT = [0, -0.4, 0, -2, 0, 1.6, 0.8];
 
@@ -24,5 +27,5 @@ async function fetched(...names) {
 export const MODELS = {
     humanoid: async () => ({ files: await fetched("humanoid.json", "humanoid.ply", "humanoid.dmat") }),
     capture: async () => ({ files: await fetched("steps.bvh", "aldebaran_nao.urdf") }),
-    panda: async () => ({ files: await fetched("franka_panda.urdf"), world: BOXES, start: BENT }),
+    panda: async () => ({ files: await fetched("franka_panda.urdf"), world: BOXES, floor: FLOOR, start: BENT }),
 };

@@ -14,7 +14,7 @@ export class RobotSession {
     #arms = new Map();
 
     /** `read` reads the robot, on the base that it is told. */
-    constructor(read, files, { world, start }) {
+    constructor(read, files, { world, floor, start }) {
         this.robot = read({});
         this.limbs = new Limbs(this.robot);
         // Who stands is held by its feet, not by the file's first link.
@@ -24,8 +24,9 @@ export class RobotSession {
         this.kinematics = new ForwardKinematics(robot.model);
         this.frames = limbs.handles.map((name) => robot.model.frameNames.indexOf(name));
         this.boxes = world ?? [];
+        this.floor = floor;
         this.start = start;
-        this.surroundings = this.boxes.length > 0 ? surrounded(robot, this.boxes) : undefined;
+        this.surroundings = this.boxes.length > 0 ? surrounded(robot, this.boxes, floor) : undefined;
         this.body = new BodyPull(robot, { soles: soles(robot, limbs), surroundings: this.surroundings });
         this.rest();
     }
@@ -50,6 +51,7 @@ export class RobotSession {
             shapes: this.drawn.shapes,
             sticks: this.drawn.sticks,
             boxes: this.boxes,
+            floor: this.floor,
             seconds: 0,
             notes: [...this.robot.repairs, ...this.drawn.notes],
         };
@@ -92,9 +94,10 @@ export class RobotSession {
     }
 }
 
-/** What is in a robot's way, `{ shapes, world }`. */
-function surrounded(robot, boxes) {
+/** What is in a robot's way, `{ shapes, world }`: boxes, and the ground at a height. */
+function surrounded(robot, boxes, floor) {
     const world = new World();
+    if (floor !== undefined) world.addPlane("floor", [0, 0, floor]);
     for (const { name, size, at } of boxes) world.addBox(name, size, at);
     return { shapes: CollisionModel.ofRobot(robot), world };
 }

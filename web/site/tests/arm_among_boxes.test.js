@@ -27,6 +27,16 @@ test("an arm's tool follows among boxes and touches none", { skip }, async () =>
     assert.ok(low > 0.14, `the flange stops above the table, at ${low} m`);
     const frames = await page.evaluate(() => kinoptPage.frames.map(({ solved }) => solved).sort((a, b) => a - b));
     console.log(`${frames.length} steps: ${frames[frames.length >> 1].toFixed(2)} ms in the median`);
+    // Nor does it go through the ground beside the table.
+    const floor = await page.evaluate(() => kinoptPage.opened.floor);
+    const at = await seen(page, "flange");
+    await page.mouse.move(at.x, at.y);
+    await page.mouse.down();
+    for (const [right, down] of [[-160, -80], [-260, 400]]) await page.mouse.move(at.x + right, at.y + down, { steps: 60 });
+    await page.mouse.up();
+    await settled(page);
+    const [least, most] = await page.evaluate(() => [kinoptPage.view.place("flange").z, kinoptPage.target.z]);
+    assert.ok(most < floor && least > floor, `the hand at ${most} m, the flange at ${least} m`);
     assert.deepEqual(said, []);
     await page.close();
 });

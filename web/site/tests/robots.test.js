@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { join } from "node:path";
 import test, { after, before } from "node:test";
 import { skip } from "./browser.js";
-import { file, models, pictured, seen, settled, status, visiting } from "./visit.js";
+import { colour, file, models, pictured, seen, settled, status, visiting } from "./visit.js";
 
 const { opened, begin, end } = visiting();
 before(begin);
@@ -39,14 +39,6 @@ const placed = (page, name) =>
         return view.links[kinoptPage.opened.names.indexOf(name)].matrix.elements.slice();
     }, name);
 const away = (a, b) => Math.max(...a.map((value, k) => Math.abs(value - b[k])));
-/** The colour of a handle, as on the page. */
-const colour = (page, name) =>
-    page.evaluate((name) => {
-        const { view, opened } = kinoptPage;
-        const color = view.balls.material.color.clone();
-        view.balls.getColorAt(opened.handles.indexOf(name), color);
-        return color.getHex();
-    }, name);
 const [RED, BLUE] = [0xc8442f, 0x1f6fb2];
 
 test("a robot with legs stands on its feet while any of it is pulled, and what is out of reach moves no foot", { skip }, async () => {

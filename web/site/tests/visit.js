@@ -45,3 +45,12 @@ export const settled = (page) => page.waitForFunction(() => !kinoptPage.busy && 
 
 /** A file of text, as it is chosen. */
 export const file = (name, text) => ({ name, mimeType: "text/plain", buffer: Buffer.from(text) });
+
+/** The colour of a handle, as on the page. */
+export const colour = (page, name) =>
+    page.evaluate((name) => {
+        const { view, opened } = kinoptPage;
+        const color = view.balls.material.color.clone();
+        view.balls.getColorAt(opened.handles.indexOf(name), color);
+        return color.getHex();
+    }, name);
