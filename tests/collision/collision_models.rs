@@ -1,7 +1,8 @@
 //! Promise: a collision model has the shapes of the robot's links where they stand, and keeps apart what may touch
 //! and should not.
 
-use kinopt::collision::{CollisionModel, CollisionModelError, MeshUse, ShapeKind};
+use kinopt::collision::{CollisionModel, CollisionModelError, MeshUse, ShapeKind, separation};
+use kinopt::kinematics::ForwardKinematics;
 use kinopt::robot::{Robot, Srdf};
 use support::arms::robot;
 
@@ -215,4 +216,56 @@ fn meshes_are_found_beside_above_and_in_packages() {
             .all(|object| matches!(object.shape.kind(), ShapeKind::Mesh(mesh) if mesh.is_closed()))
     );
     std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// Shapes at most so far apart hang together, metres; shapes leave some room at joints.
+const JOINED: f64 = 0.03;
+
+/// How many pieces the shapes of a robot make that do not touch each other, at a configuration.
+fn pieces(model: &CollisionModel, q: &[f64]) -> usize {
+    let mut kinematics = ForwardKinematics::<f64>::new(model.model());
+    let links = kinematics.place(q).unwrap();
+    let objects = model.objects();
+    let placed = |k: usize| links[objects[k].link.index()] * objects[k].link_from_shape;
+    let mut left: Vec<usize> = (0..objects.len()).collect();
+    let mut pieces = 0;
+    while let Some(first) = left.pop() {
+        let mut edge = vec![first];
+        while let Some(a) = edge.pop() {
+            let near = |b: &usize| {
+                separation(
+                    &objects[a].shape,
+                    &placed(a),
+                    &objects[*b].shape,
+                    &placed(*b),
+                )
+                .distance
+                    <= JOINED
+            };
+            let (touching, others) = left.into_iter().partition(near);
+            left = others;
+            edge.extend::<Vec<usize>>(touching);
+        }
+        pieces += 1;
+    }
+    pieces
+}
+
+#[test]
+fn shipped_arms_hang_together() {
+    for name in [
+        "adept_cobra_s600",
+        "franka_panda",
+        "kuka_iiwa14",
+        "rethink_baxter",
+        "universal_ur10e",
+        "universal_ur5e",
+    ] {
+        let robot = robot(name);
+        let model = CollisionModel::of(&robot).unwrap();
+        for seed in 0..4 {
+            let q = robot.model().random_configuration(seed);
+            assert_eq!(pieces(&model, &q), 1, "{name}, {q:?}");
+        }
+    }
 }
