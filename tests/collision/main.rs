@@ -19,6 +19,7 @@ mod paths_keep_clear;
 mod shapes;
 mod sphere_covers;
 mod sphere_files;
+mod time_limits;
 mod tops;
 mod ways_that_slide;
 mod world_files;

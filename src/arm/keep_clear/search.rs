@@ -123,8 +123,9 @@ impl Arm {
                     cells = self.attempts_about(kept, workspace, room, query, (from, most))?;
                 }
                 None => {
-                    // More at once the longer it takes: lanes that are done take up others.
-                    let count = (first / 2).max(CHECKED as u32).min(wanted - made);
+                    // More at once the longer it takes, as lanes that are done take up others; not where the clock is to be looked at.
+                    let more = query.deadline.map_or(first / 2, |_| 0);
+                    let count = more.max(CHECKED as u32).min(wanted - made);
                     self.run_attempts(workspace, query, first, count);
                     first += count;
                 }

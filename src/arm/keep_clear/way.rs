@@ -1,5 +1,7 @@
 //! Steps of a path that stop before they touch.
 
+use std::time::Instant;
+
 use super::{ClearRoom, KeepClear};
 use crate::arm::QueryError;
 use crate::arm::arm::Arm;
@@ -72,9 +74,14 @@ impl Arm {
         workspace.take_twists(self, from);
         let n = self.joint_count();
         let (mut motion, mut q) = (vec![0.0; n], vec![0.0; n]);
+        // One for all of them, not one each.
+        let deadline = self.deadline();
         let mut best = f64::INFINITY;
         for joint in 0..n {
             for by in DODGES {
+                if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+                    return Ok(best.is_finite());
+                }
                 motion.fill(0.0);
                 motion[joint] = by;
                 workspace.project_to_null(from, &motion, 0.0);
@@ -96,7 +103,7 @@ impl Arm {
                     *trial = moved.max(*lower).min(*upper);
                 }
                 let target = workspace.target();
-                let outcome = lanes.own_attempt(&target, &workspace.trial, self.deadline(), &mut q);
+                let outcome = lanes.own_attempt(&target, &workspace.trial, deadline, &mut q);
                 let (_, distance) = self.longest_move(from, &q);
                 let near = outcome.reached && distance <= LONG_STEP && distance < best;
                 if near && kept.blocked(self, room, from, &q)?.is_none() {

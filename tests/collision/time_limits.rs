@@ -1,0 +1,111 @@
+//! Promise: among obstacles a limit of time ends a search at the next look at the clock, which is never further than a group of
+//! attempts; no time is measured for it.
+
+use std::time::Duration;
+
+use kinopt::arm::{Arm, ArmBuilder, Search};
+use kinopt::collision::{Checker, CollisionModel, Fineness, SphereModel, World};
+use kinopt::robot::Robot;
+use kinopt::solver::{Stopping, Termination};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::Point;
+use kinopt::{Problem, Solver};
+use support::random::Random;
+use support::sample::cases;
+
+/// Lanes of the widest group: iterations in one lock step.
+const LOCK_STEP: usize = 8;
+/// Attempts that are compared between two looks at the clock, and the most iterations of one.
+const COMPARED: (usize, usize) = (16, 100);
+
+/// A ball about the Panda's hand wherever it is: nothing that reaches is free.
+fn all_blocked(robot: &Robot, with_spheres: bool) -> Checker {
+    let bodies = CollisionModel::of(robot).unwrap();
+    let mut world = World::new();
+    world
+        .add_sphere("everywhere", 3.0, Placement::identity())
+        .unwrap();
+    let spheres = SphereModel::of(&bodies, Fineness::Overhang(0.03)).unwrap();
+    let checker = Checker::new(bodies).with_world(&world).unwrap();
+    match with_spheres {
+        true => checker.with_spheres(spheres),
+        false => checker,
+    }
+}
+
+/// A question that is answered where it starts, but for what is in the way, and no time for another.
+fn ends_at_once(search: Search, with_spheres: bool, most: (usize, usize)) {
+    let robot = Robot::read("models/franka_panda.urdf").unwrap();
+    let checker = all_blocked(&robot, with_spheres);
+    let rest = robot.model().neutral();
+    let arm = |change: fn(ArmBuilder<'_>) -> ArmBuilder<'_>| {
+        let builder = Arm::builder(&robot, "base", "flange").with_atlas(false);
+        let arm = change(builder.with_search(search)).build().unwrap();
+        arm.with_checker(&checker, &rest).unwrap()
+    };
+    let hurried = arm(|builder| builder.with_time_limit(Duration::ZERO));
+    let patient = arm(|builder| builder);
+    let mut random = Random::new(71);
+    for _ in 0..cases(6, 2) {
+        let start: Vec<f64> = hurried
+            .limits()
+            .map(|l| random.within(l.lower, l.upper))
+            .collect();
+        let target = hurried.base_from_tool(&start).unwrap();
+        let [cut, whole] = [&hurried, &patient].map(|arm| arm.solve(target, &start).unwrap());
+        assert_eq!(cut.termination, Termination::TimeLimit, "{search:?}");
+        assert!(!cut.reached && !cut.collisions().is_empty());
+        assert!(
+            cut.attempts <= most.0 && cut.iterations <= most.1,
+            "{search:?}: {} attempts, {} iterations",
+            cut.attempts,
+            cut.iterations
+        );
+        // There is much to cut short.
+        assert!(whole.attempts > 2 * cut.attempts, "{}", whole.attempts);
+    }
+}
+
+#[test]
+fn an_arm_with_no_time_begins_no_further_attempt() {
+    for with_spheres in [true, false] {
+        for search in [Search::Start, Search::First] {
+            ends_at_once(search, with_spheres, (1 + LOCK_STEP, LOCK_STEP));
+        }
+        // What is compared with is gathered for the plain answer, and for the free one.
+        let (attempts, iterations) = COMPARED;
+        let twice = (2 * attempts, 2 * attempts * iterations);
+        ends_at_once(Search::Nearest, with_spheres, twice);
+    }
+}
+
+#[test]
+fn a_body_with_no_time_is_led_nowhere() {
+    let robot = Robot::read("models/franka_panda.urdf").unwrap();
+    let checker = all_blocked(&robot, false);
+    let model = robot.model();
+    let start = model.neutral();
+    let tip = model.frame("flange").unwrap();
+    let at = kinopt::kinematics::ForwardKinematics::new(model)
+        .place(&start)
+        .unwrap()[tip.index()]
+    .translation;
+    // Where it stands, so that only what it touches is left to do; and elsewhere.
+    for target in [at, at + Vector3::new(0.1, 0.1, -0.2)] {
+        let mut tasks = Problem::builder(model);
+        tasks.parameters(robot.map().clone());
+        tasks.add(Point::new(tip, target));
+        tasks.keep_clear(&checker);
+        let problem = tasks.build().unwrap();
+        let solve = |stopping: Stopping| {
+            let solver = Solver::default().with_stopping(stopping);
+            solver.solve_once(&problem, &start).unwrap()
+        };
+        let cut = solve(Stopping::default().with_time_limit(Duration::ZERO));
+        assert_eq!(cut.termination, Termination::TimeLimit);
+        assert!(!cut.reached && !cut.collisions().is_empty());
+        assert_eq!((cut.iterations, cut.attempts), (0, 1));
+        let whole = solve(Stopping::default());
+        assert!(whole.attempts > 1 && whole.iterations > 10);
+    }
+}
