@@ -38,9 +38,7 @@ export function coloured(code, language) {
 function block(token) {
     const [language = "text"] = token.info.trim().split(/[\s,]+/);
     const code = language === "rust" ? withoutHidden(token.content) : token.content;
-    const note = token.info.match(/\bnot run\b:?\s*(.*)/);
-    const told = note ? `<figcaption>not run by the tests${note[1] ? `: ${escape(note[1])}` : ""}</figcaption>` : "";
-    return `<figure class="code">${told}<pre tabindex="0"><code class="language-${escape(language)}">${coloured(code.trimEnd(), language)}\n</code></pre></figure>\n`;
+    return `<figure class="code"><pre tabindex="0"><code class="language-${escape(language)}">${coloured(code.trimEnd(), language)}\n</code></pre></figure>\n`;
 }
 
 const named = (token) => LANGUAGES[token.info.trim().split(/[\s,]+/)[0]];
