@@ -20,6 +20,7 @@ mod shapes;
 mod sphere_covers;
 mod sphere_files;
 mod time_limits;
+mod thin_walls;
 mod tops;
 mod ways_that_slide;
 mod world_files;

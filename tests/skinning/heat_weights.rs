@@ -268,6 +268,38 @@ fn heat_flows_over_obtuse_corners_too() {
     }
 }
 
+/// A corner that sinks onto the edge across from it: that edge conducts no more for it, as all the way down the corner is
+/// obtuse, and weights go over smoothly to those of a sliver without area.
+#[test]
+fn weights_go_over_smoothly_to_a_sliver_s() {
+    let mut hot = all();
+    // As much as what flows along the sliver's sides.
+    hot.heat = 300.0;
+    let of_height = |height: f32| -> Vec<DVector<f64>> {
+        let corners = [[0.0, 0.0], [1.0, 0.0], [0.5, height], [0.5, -1.0]];
+        let corners = corners.map(|[x, y]| Vec3::new(x, y, 0.0));
+        let triangles = vec![[0, 1, 2], [1, 0, 3]];
+        let mesh = TriangleMesh::new(corners.to_vec(), vec![], triangles).unwrap();
+        let bones = corners.map(|corner| [corner.as_dvec3() + 0.5 * DVec3::Z; 2]);
+        let weights = hot.for_segments(&mesh, &bones).unwrap();
+        check(&weights);
+        (0..4).map(|vertex| row(&weights, vertex)).collect()
+    };
+    let mut height = 0.1;
+    let mut last = of_height(height);
+    while height > 1e-7 {
+        height *= 0.98;
+        let next = of_height(height);
+        for (vertex, (last, next)) in last.iter().zip(&next).enumerate() {
+            let leap = (last - next).amax();
+            assert!(leap < 0.02, "vertex {vertex} at {height:e}: {leap}");
+        }
+        last = next;
+    }
+    // The ends of the edge keep to their own bones, as heat reaches the one from the other by the corner alone.
+    assert!(last[0][0] > 1.3 * last[0][1], "{}", last[0]);
+}
+
 #[test]
 fn the_unit_of_length_does_not_matter() {
     let mesh = closed_tube(8.0, 0.6, 12, 10);
