@@ -182,6 +182,37 @@ fn ankles_and_toes_stand_together() {
     }
 }
 
+/// An ankle's frame that is of the foot already is the model's own: it stands and is told by its name, as the toe beside it.
+#[test]
+fn an_ankle_on_the_foot_itself_stands_beside_its_toe() {
+    let robot = legs("");
+    let mut map = BodyMap::from_json(MAP, "legs").unwrap();
+    for drive in &mut map.drives {
+        drive.frame = drive.frame.replace("_heel_string", "_foot");
+    }
+    let capture = Capture::new(map.joints.clone(), &person(), RATE).unwrap();
+    let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
+    let names = |frames: Vec<kinopt::model::FrameId>| -> Vec<String> {
+        let mut names: Vec<String> = (frames.iter())
+            .map(|frame| robot.model().frames()[frame.index()].name.clone())
+            .filter(|name| name.ends_with("_foot") || name.ends_with("_toe"))
+            .collect();
+        names.sort();
+        names
+    };
+    let feet = ["left_foot", "left_toe", "right_foot", "right_toe"];
+    assert_eq!(names(retargeting.driven()), feet);
+    let found = retargeting.per_frame().unwrap();
+    let mut standing = found.standing.clone();
+    standing.sort();
+    assert_eq!(standing, feet);
+    for (k, name) in found.standing.iter().enumerate() {
+        let stands = found.contacts.chunks(4).filter(|contacts| contacts[k]);
+        assert!(stands.count() > FRAMES / 2, "{name}");
+    }
+    assert!(found.slip < 1e-3, "{} m", found.slip);
+}
+
 #[test]
 fn limbs_of_targets_are_as_long_as_the_models() {
     let robot = legs("");

@@ -6,6 +6,7 @@ mod error_units;
 mod look_at_from_behind;
 mod mouse_rays;
 mod numeric_residuals;
+mod posture_weights;
 mod room_and_bases;
 mod rooms;
 mod support_points;

@@ -1,0 +1,98 @@
+//! Promise: a posture by range counts each joint in half its range, and an upright one keeps what carries limbs five times as
+//! much, whichever frames a model's parts have besides.
+
+use kinopt::model::{BallLimits, Limits, Model};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::Posture;
+
+fn at(x: f64, y: f64, z: f64) -> Placement<f64> {
+    Placement::translation(Vector3::new(x, y, z))
+}
+
+#[test]
+fn by_range_each_joint_counts_in_half_its_own() {
+    let mut builder = Model::builder("joints");
+    let z = Vector3::UNITS[2];
+    let cone = BallLimits::cone(0.25, Limits::new(-1.5, 1.5));
+    let hinge = builder.revolute("hinge", None, at(0.0, 0.0, 0.0), z, Limits::new(-1.0, 3.0));
+    let endless = builder.continuous("endless", Some(hinge), at(0.5, 0.0, 0.0), z);
+    let short = builder.prismatic(
+        "short",
+        Some(endless),
+        at(0.25, 0.0, 0.0),
+        z,
+        Limits::new(0.0, 0.5),
+    );
+    let long = builder.prismatic("long", Some(short), at(0.0, 0.0, 0.0), z, Limits::UNBOUNDED);
+    let ball = builder.ball("ball", Some(long), at(0.0, 0.0, 0.0), z, Some(cone));
+    builder.frame("tip", Some(ball), at(0.25, 0.0, 0.0));
+    let model = builder.build().unwrap();
+    let rest = model.neutral();
+    let halves = [2.0, std::f64::consts::PI, 0.25, model.reach(), 0.25];
+    let expected = Posture::new(&model, &rest).with_weights(halves.map(|half| 1.0 / half));
+    assert_eq!(Posture::new(&model, &rest).by_range(&model), expected);
+}
+
+/// A back with two arms of a shoulder, an elbow and a hand each, on a base of two legs; with frames for a camera and a bolt in
+/// each elbow, before the hand or after it.
+fn body(before: bool, after: bool) -> Model {
+    let mut builder = Model::builder("body");
+    let [x, y, _] = Vector3::UNITS;
+    let limits = Limits::new(-2.0, 2.0);
+    let pelvis = builder.revolute("pelvis", None, at(0.0, 0.0, 0.0), x, limits);
+    for (name, side) in [("left leg", 0.1), ("right leg", -0.1)] {
+        let hip = builder.revolute(
+            format!("{name} hip"),
+            Some(pelvis),
+            at(0.0, side, 0.0),
+            y,
+            limits,
+        );
+        let knee = builder.revolute(
+            format!("{name} knee"),
+            Some(hip),
+            at(0.0, 0.0, -0.5),
+            y,
+            limits,
+        );
+        builder.frame(format!("{name} foot"), Some(knee), at(0.0, 0.0, -0.5));
+    }
+    let back = builder.revolute("back", Some(pelvis), at(0.0, 0.0, 0.1), y, limits);
+    for (name, side) in [("left arm", 0.05), ("right arm", -0.05)] {
+        let shoulder = builder.revolute(
+            format!("{name} shoulder"),
+            Some(back),
+            at(0.0, side, 0.0),
+            y,
+            limits,
+        );
+        let elbow = builder.revolute(
+            format!("{name} elbow"),
+            Some(shoulder),
+            at(0.0, 0.0, 0.05),
+            y,
+            limits,
+        );
+        if before {
+            builder.frame(format!("{name} camera"), Some(elbow), at(0.01, 0.0, 0.0));
+        }
+        builder.frame(format!("{name} hand"), Some(elbow), at(0.0, 0.0, 0.4));
+        if after {
+            builder.frame(format!("{name} bolt"), Some(elbow), at(0.0, 0.01, 0.0));
+        }
+    }
+    builder.build().unwrap()
+}
+
+#[test]
+fn upright_a_back_is_stiff_whatever_frames_its_limbs_have() {
+    for (before, after) in [(false, false), (true, false), (false, true), (true, true)] {
+        let model = body(before, after);
+        let stiff = ["pelvis", "back"].map(|name| model.joint(name).unwrap());
+        let joints = model.moving_joints().iter();
+        let weights = joints.map(|joint| if stiff.contains(joint) { 5.0 } else { 1.0 });
+        let posture = Posture::new(&model, &model.neutral());
+        let expected = posture.clone().with_weights(weights);
+        assert_eq!(posture.upright(&model), expected, "{before} {after}");
+    }
+}
