@@ -60,3 +60,36 @@ fn the_best_attempt_is_kept() {
     }
     assert!(not_last > 8, "{not_last}");
 }
+
+/// Where all attempts miss by the same, as where the square of the distance overflows, the first of them counts.
+#[test]
+fn of_equal_misses_the_first_is_kept() {
+    let chain = panda();
+    let options = LaneOptions::default().with_atlas(false).with_attempts(7);
+    let solver = PoseSolver::new(&chain, options).unwrap();
+    let mut random = Random(43);
+    for _ in 0..5 {
+        let mut goal = target(&chain, &random.configuration(&chain));
+        goal.translation.x = 1e200;
+        let start = random.configuration(&chain);
+        for search in [Prefer::Start, Prefer::First] {
+            let (mut all, mut each) = (vec![0.0; 49], [PoseOutcome::default(); 7]);
+            solver
+                .run_attempts(&goal, &start, search, 0, &mut all, &mut each)
+                .unwrap();
+            assert!(all.chunks(7).skip(1).any(|q| q != &all[..7]));
+            let (mut q, mut outcome) = ([0.0; 7], [PoseOutcome::default()]);
+            solver
+                .solve_batch(&[goal], &start, search, &mut q, &mut outcome)
+                .unwrap();
+            assert!(!outcome[0].reached);
+            assert_eq!(q, all[..7], "{search:?}");
+            let mut alone = [0.0; 7];
+            let raced = solver
+                .solve(&goal, &start, search, None, &mut alone)
+                .unwrap();
+            assert!(!raced.reached);
+            assert_eq!(alone, all[..7], "{search:?}");
+        }
+    }
+}

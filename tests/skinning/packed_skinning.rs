@@ -159,6 +159,11 @@ fn more_influences_than_places_and_wrong_poses_are_refused() {
     let packed = PackedWeights::new(&six.pruned(4).unwrap().0).unwrap();
     assert_eq!((packed.vertex_count(), packed.bone_count()), (12, BONES));
 
+    // The last bone that has a number of sixteen bits, and the first that has none.
+    let mut builder = SkinWeights::builder(1, 65_536);
+    builder.add(0, 65_535, 1.0).unwrap();
+    let most = PackedWeights::new(&builder.build().unwrap()).unwrap();
+    assert_eq!((most.vertex_count(), most.bone_count()), (1, 65_536));
     let mut builder = SkinWeights::builder(1, 65_537);
     builder.add(0, 65_536, 1.0).unwrap();
     assert_eq!(

@@ -34,6 +34,7 @@ mod step_lengths;
 mod stopping;
 mod strict_levels;
 mod success_rate;
+mod swings;
 mod symmetric_questions;
 mod targets_apart;
 mod tight_bodies;

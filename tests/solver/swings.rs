@@ -1,0 +1,49 @@
+//! Promise: a swing beyond its cone, round or elliptic, is put to the nearest place of it.
+
+use kinopt::Problem;
+use kinopt::model::{BallLimits, Limits, Model};
+use kinopt::problem::Evaluation;
+use kinopt::solver::LeastSquares;
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::Posture;
+use support::random::Random;
+
+#[test]
+fn a_swing_is_put_to_the_nearest_place_of_its_ellipse() {
+    let mut random = Random::new(8);
+    for half in [[0.5, 0.5], [1.2, 0.4], [0.02, 1.5], [0.7, 0.9]] {
+        let limits = BallLimits::elliptic([1.0, 0.0, 0.0], half, Limits::new(-1.0, 1.0));
+        let mut builder = Model::builder("joint");
+        let axis = Vector3::UNITS[2];
+        let ball = builder.ball("ball", None, Placement::identity(), axis, Some(limits));
+        builder.frame("tip", Some(ball), Placement::identity());
+        let model = builder.build().unwrap();
+        let mut tasks = Problem::builder(&model);
+        tasks.add(Posture::new(&model, &model.neutral()));
+        let problem = tasks.build().unwrap();
+        let mut scratch = problem.scratch();
+        let evaluation = Evaluation::new(&problem, &mut scratch);
+        let space = evaluation.space();
+        let share = |[u, v]: [f64; 2]| (u / half[0]).hypot(v / half[1]);
+        for case in 0..200 {
+            let from = half.map(|half| half * random.within(-1.0, 1.0));
+            let mut x = [from[0], from[1], 0.3];
+            space.project(&mut x);
+            let put = [x[0], x[1]];
+            let told = || format!("{half:?}, case {case}: {from:?} to {put:?}");
+            assert_eq!(x[2], 0.3);
+            if share(from) < 1.0 {
+                assert_eq!(put, from, "{}", told());
+                continue;
+            }
+            assert!((share(put) - 1.0).abs() < 1e-12, "{}", told());
+            // The way there is along the edge's normal, inward.
+            let way = [from[0] - put[0], from[1] - put[1]];
+            let normal = [put[0] / (half[0] * half[0]), put[1] / (half[1] * half[1])];
+            let lengths = way[0].hypot(way[1]) * normal[0].hypot(normal[1]);
+            let aside = (way[0] * normal[1] - way[1] * normal[0]) / lengths;
+            assert!(aside.abs() < 1e-9, "{}: {aside:e}", told());
+            assert!(way[0] * normal[0] + way[1] * normal[1] > 0.0, "{}", told());
+        }
+    }
+}
