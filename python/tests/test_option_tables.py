@@ -39,3 +39,21 @@ SECTIONS = {
 @pytest.mark.parametrize(("section", "there"), SECTIONS.items())
 def test_a_table_has_every_keyword(section, there):
     assert named(section) == there
+
+
+def test_the_page_on_choosing_names_what_there_is():
+    page = (Path(__file__).parents[2] / "docs/choosing.md").read_text()
+    dotted = keyword = 0
+    for table in re.findall(r"(?:^\|.*\n)+", page, re.MULTILINE):
+        rows = [line.split("|")[1:-1] for line in table.splitlines()]
+        column = next(k for k, cell in enumerate(rows[0]) if "Python" in cell)
+        for name in (name for row in rows[2:] for name in re.findall(r"`([^`]+)`", row[column])):
+            word = name.split("=")[0]
+            if word in SECTIONS["Arms"]:
+                keyword += 1
+                continue
+            there = kinopt
+            for part in name.split("."):
+                there = getattr(there, part)
+            dotted += 1
+    assert dotted > 20 and keyword > 10

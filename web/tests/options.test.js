@@ -25,3 +25,21 @@ for (const [section, name, besides = []] of [["Arms", "ArmOptions"], ["Problems"
         assert.deepEqual(named(section), [...keys(name), ...besides].sort());
     });
 }
+
+test("the page on choosing names what there is", () => {
+    const types = text("../dist/kinopt.d.ts");
+    const options = keys("ArmOptions");
+    let count = 0;
+    for (const [table] of text("../../docs/choosing.md").matchAll(/(?:^\|.*\n)+/gm)) {
+        const rows = table.trim().split("\n").map((line) => line.split("|").slice(1, -1));
+        const column = rows[0].findIndex((cell) => cell.includes("JavaScript"));
+        for (const [, name] of rows.slice(2).flatMap((row) => [...row[column].matchAll(/`([^`]+)`/g)])) {
+            const [own, member] = name.split(/[.:]/);
+            const body = types.match(new RegExp(`^export class ${own} \\{([\\s\\S]*?)^\\}`, "m"))?.[1];
+            const there = name.includes(".") ? new RegExp(`^    (static )?${member}\\(`, "m").test(body) : options.includes(own) || body || types.includes(`export function ${own}(`);
+            assert.ok(there, name);
+            count += 1;
+        }
+    }
+    assert.ok(count > 25, `${count} names`);
+});
