@@ -122,6 +122,10 @@ impl<'a> ConfigurationSpace<'a> {
     /// Moves x to the nearest place within the bounds; NaN stays NaN.
     #[inline]
     pub fn project(&self, x: &mut [f64]) {
+        // Before its box, whose corners are nearer to other places of an ellipse; and after, as a move's box may lie anywhere.
+        for swing in &self.rotations.swings {
+            swing.project(x);
+        }
         for ((value, &low), &high) in x.iter_mut().zip(self.lower).zip(self.upper) {
             if *value < low {
                 *value = low;

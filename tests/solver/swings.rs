@@ -26,7 +26,7 @@ fn a_swing_is_put_to_the_nearest_place_of_its_ellipse() {
         let space = evaluation.space();
         let share = |[u, v]: [f64; 2]| (u / half[0]).hypot(v / half[1]);
         for case in 0..200 {
-            let from = half.map(|half| half * random.within(-1.0, 1.0));
+            let from = [(); 2].map(|()| random.within(-3.0, 3.0));
             let mut x = [from[0], from[1], 0.3];
             space.project(&mut x);
             let put = [x[0], x[1]];
