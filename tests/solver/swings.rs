@@ -1,4 +1,5 @@
 //! Promise: a swing beyond its cone, round or elliptic, is put to the nearest place of it.
+#![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
 use kinopt::model::{BallLimits, Limits, Model};

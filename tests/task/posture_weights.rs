@@ -1,5 +1,6 @@
 //! Promise: a posture by range counts each joint in half its range, and an upright one keeps what carries limbs five times as
 //! much, whichever frames a model's parts have besides.
+#![allow(clippy::unwrap_used)]
 
 use kinopt::model::{BallLimits, Limits, Model};
 use kinopt::spatial::{Placement, Vector3};
