@@ -66,7 +66,7 @@ fn shapes_masses_speeds_and_soft_limits_are_told() {
     let text = text!("info {file} --lenient");
     says(
         &text,
-        "1 to be seen, 0 to collide, 1 files of meshes | 12.5 | kg",
+        "1 to be seen, 0 to collide, 1 file of meshes | 12.5 | kg",
     );
 }
 
