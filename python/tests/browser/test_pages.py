@@ -68,6 +68,7 @@ def drag(shown, frame, way, points=100, back=False):
         for k in range(1, points + 1):
             mouse.move(*(first + (last - first) * k / points))
         shown.settle(1.0)
+        come_to_rest(shown)
         texts.append(shown.tab.locator(".kinopt-status").inner_text())
 
     mouse.move(*start)
@@ -79,11 +80,15 @@ def drag(shown, frame, way, points=100, back=False):
         go(end, start)
     mouse.up()
     shown.settle(1.0)
-    # A busy machine takes longer to come to rest.
+    come_to_rest(shown)
+    return texts
+
+
+def come_to_rest(shown):
+    """Waits until a page has nothing left to move: a busy machine takes longer."""
     deadline = time.monotonic() + 20.0
     while shown.page.scene.loop._tickers and time.monotonic() < deadline:
         shown.settle(0.1)
-    return texts
 
 
 def along_an_axis(place, way):
