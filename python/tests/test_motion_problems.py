@@ -173,3 +173,28 @@ def test_free_bases_and_balls_keep_their_speeds() -> None:
     assert 1.29 * STEP < turned.max() <= 1.3 * STEP + 1e-7
     with pytest.raises(kinopt.UnknownNameError, match="rot_joint"):
         kinopt.MotionProblem(free, FRAMES, STEP, work, max_speeds={"rot_joint": (0.9, 1.3)})
+
+
+def test_two_hands_hold_one_box_all_the_way() -> None:
+    robot = kinopt.Robot.from_urdf(MODELS / "rethink_baxter.urdf")
+    left, right = (kinopt.placement([0, 0, 0.2], wxyz=[0.5**0.5, side * 0.5**0.5, 0, 0]) for side in (1, -1))
+    robot = robot.with_loop("box", ["left_tool", "right_tool"], "weld", places=[left, right])
+    at = np.array([0.7, 0.2, 0.3])
+    start = kinopt.solve(robot, [tasks.Point("left_tool", at)], start=robot.neutral()).q
+    aims = at + np.linspace(0, 1, FRAMES)[:, None] * np.array([0.0, 0.0, 0.15])
+    motion = kinopt.MotionProblem(
+        robot,
+        FRAMES,
+        STEP,
+        [tasks.Point("left_tool", at, name="hand"), tasks.Posture(start, times=0.01)],
+        targets={"hand": aims},
+        acceleration=1e-4,
+        first=start,
+    )
+    solved = motion.solve(start)
+    assert solved.loop_gap <= 1e-9, solved
+    assert not any("loop" in miss.task for miss in solved.missed)
+    for q in solved.q:
+        one, other = (kinopt.frame_placement(robot, tool, q) @ place for tool, place in (("left_tool", left), ("right_tool", right)))
+        np.testing.assert_allclose(one, other, atol=3e-9)
+    assert pickle.loads(pickle.dumps(solved)).loop_gap == solved.loop_gap

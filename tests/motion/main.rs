@@ -6,6 +6,7 @@ mod bad_motions;
 mod ball_limits;
 mod clip_ik;
 mod clip_minima;
+mod closed_loops;
 mod contacts;
 mod far_from_the_origin;
 mod figure_targets;

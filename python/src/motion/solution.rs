@@ -91,6 +91,10 @@ pub(crate) struct MotionSolution {
     /// How far what stands still is from where its contact began, at most, metres.
     #[pyo3(get)]
     slip: f64,
+    /// How far a loop of the model is open in any frame, at most, in metres and radians: 0 without loops, and above 1e-9 those that
+    /// are open are among what is missed.
+    #[pyo3(get)]
+    loop_gap: f64,
     /// What is missed in which frame, in order.
     #[pyo3(get)]
     missed: Vec<MissedFrame>,
@@ -148,6 +152,7 @@ impl MotionSolution {
             termination: termination.to_owned(),
             iterations: solved.iterations(),
             slip: solved.slip(),
+            loop_gap: solved.loop_gap(),
         }
     }
 }
@@ -155,7 +160,7 @@ impl MotionSolution {
 /// What a solution is made again of.
 type Parts = (
     (Vec<f64>, usize, Vec<f64>, Vec<String>),
-    (f64, f64, String, usize, f64),
+    (f64, f64, String, usize, f64, f64),
     Vec<(usize, String, String, f64)>,
     Vec<(usize, String, String, String, f64)>,
 );
@@ -222,6 +227,7 @@ impl MotionSolution {
                 own.termination.clone(),
                 own.iterations,
                 own.slip,
+                own.loop_gap,
             ),
             missed.collect(),
             limits.collect(),
@@ -232,7 +238,7 @@ impl MotionSolution {
     #[staticmethod]
     fn _rebuild(parts: Parts) -> Self {
         let ((q, width, costs, names), told, missed, limits) = parts;
-        let (cost, cost_of_rates, termination, iterations, slip) = told;
+        let (cost, cost_of_rates, termination, iterations, slip, loop_gap) = told;
         let missed = missed
             .into_iter()
             .map(|(frame, task, quantity, error)| MissedFrame {
@@ -261,6 +267,7 @@ impl MotionSolution {
             termination,
             iterations,
             slip,
+            loop_gap,
             missed: missed.collect(),
             active_limits: limits.collect(),
         }

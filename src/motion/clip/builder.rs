@@ -214,7 +214,7 @@ impl<'m> MotionProblemBuilder<'m> {
     ///
     /// # Errors
     /// The first thing that is wrong, by name: what [`ProblemBuilder::build`] refuses, no frame, weights or settings out
-    /// of range, spans beyond the frames, goals on several levels, loops, fixed frames beyond limits.
+    /// of range, spans beyond the frames, goals on several levels, fixed frames beyond limits.
     pub fn build(self) -> Result<MotionProblem, MotionError> {
         let Self {
             model,
@@ -229,11 +229,6 @@ impl<'m> MotionProblemBuilder<'m> {
             return Err(MotionError::NoFrames);
         }
         BadOption::check("time_step_s", time_step_s, POSITIVE)?;
-        if !model.loops().is_empty() {
-            return Err(MotionError::Loops {
-                model: model.name().to_owned(),
-            });
-        }
         let problem = self.problem.build()?;
         refuse_levels(&problem)?;
         let map = problem.parameters();

@@ -68,12 +68,6 @@ pub enum MotionError {
         /// The joint.
         joint: String,
     },
-    /// A model with loops.
-    #[error("model `{model}` has closed loops, which whole motions do not keep closed")]
-    Loops {
-        /// The model.
-        model: String,
-    },
     /// A contact over frames that there are not, or over less than two.
     #[error(
         "a contact over the frames {start} to {end}, end excluded: it needs two of the motion's {frames} frames"

@@ -97,21 +97,38 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// ½‖r‖² of a frame's tasks.
-    pub(super) fn frame_cost(&mut self, frame: usize, x: &[f64]) -> f64 {
+    /// ½‖r‖² of a frame's tasks, and, beside it, of its loops.
+    pub(super) fn frame_cost(&mut self, frame: usize, x: &[f64]) -> [f64; 2] {
         self.counts.residuals += 1;
         self.residuals.residual(frame, x, &mut self.residual);
-        half_squared(&self.residual)
+        let (tasks, loops) = self.residual.split_at(self.residuals.rows_of_tasks());
+        [half_squared(tasks), half_squared(loops)]
     }
 
-    /// The cost of what the frames' tasks and the differences between frames ask, and, beside it, of what is held.
+    /// Moves the rests of loops by how far they are open in frames that are not fixed; how far that is at most.
+    pub(super) fn tighten_loops(&mut self, at: Stretch, x: &[f64], fixed: &[bool]) -> f64 {
+        let n = self.motion.variables();
+        let frames = x.chunks_exact(n).zip(fixed).enumerate();
+        let mut most = 0.0_f64;
+        for (local, (x, _)) in frames.filter(|(_, (_, fixed))| !**fixed) {
+            let open = self
+                .residuals
+                .tighten(at.first + local, x, &mut self.residual);
+            most = most.max(open);
+        }
+        most
+    }
+
+    /// The cost of what the frames' tasks and the differences between frames ask, and, beside it, of what is held and closed.
     pub(super) fn cost(&mut self, at: Stretch, x: &[f64]) -> [f64; 2] {
         let n = self.motion.variables();
-        let mut tasks = 0.0;
+        let (mut tasks, mut loops) = (0.0, 0.0);
         for (frame, x) in x.chunks_exact(n).enumerate().skip(at.held) {
-            tasks += self.frame_cost(at.first + frame, x);
+            let [own, open] = self.frame_cost(at.first + frame, x);
+            tasks += own;
+            loops += open;
         }
-        [tasks + self.rates(at, x), self.held.cost(at, x)]
+        [tasks + self.rates(at, x), self.held.cost(at, x) + loops]
     }
 
     /// The differences between frames, whose ways are kept.
@@ -143,18 +160,18 @@ impl<'a> Evaluator<'a> {
         let n = self.motion.variables();
         hessian.clear();
         gradient.fill(0.0);
-        let mut tasks = 0.0;
+        let (mut tasks, mut loops) = (0.0, 0.0);
         let mut slopes_of_frame = Vec::with_capacity(n);
         for (local, x) in x.chunks_exact(n).enumerate().skip(at.held) {
             let frame = at.first + local;
-            let cost = self.frame_cost(frame, x);
+            let [cost, open] = self.frame_cost(frame, x);
             self.differentiate(frame, x);
             let own = &mut gradient[local * n..(local + 1) * n];
             let slopes = self.jacobian.column_iter();
             for (slope, column) in own.iter_mut().zip(slopes) {
                 *slope += dot(column.as_slice(), &self.residual);
             }
-            if !(cost.is_finite() && own.iter().all(|slope| slope.is_finite())) {
+            if !((cost + open).is_finite() && own.iter().all(|slope| slope.is_finite())) {
                 return Err(MotionError::NotFinite { frame });
             }
             match self.curved {
@@ -181,6 +198,7 @@ impl<'a> Evaluator<'a> {
                 }
             }
             tasks += cost;
+            loops += open;
         }
         let rates = self.rates(at, x);
         for cost in &self.motion.rate_costs {
@@ -188,7 +206,7 @@ impl<'a> Evaluator<'a> {
             cost.add_to(&self.motion.space, x, &self.ways, first, hessian, gradient);
         }
         let held = self.held.linearise(at, x, hessian, gradient);
-        Ok([tasks + rates, held])
+        Ok([tasks + rates, held + loops])
     }
 
     /// J of a frame's tasks by steps of its variables.

@@ -15,6 +15,10 @@ pub(super) struct FrameResiduals<'a> {
     at: Option<usize>,
     /// Whether derivatives at the edges of balls are by steps that tell those apart, or by the variables.
     edges: bool,
+    /// Where the rows that close loops begin …
+    rows_of_tasks: usize,
+    /// … and, by frame and such row, how far its rest is off zero.
+    rests: Vec<f64>,
 }
 
 impl<'a> FrameResiduals<'a> {
@@ -24,8 +28,15 @@ impl<'a> FrameResiduals<'a> {
             targets: motion.problem.targets(),
             at: None,
             edges: true,
+            rows_of_tasks: motion.rows_of_tasks(),
+            rests: vec![0.0; motion.frames * (motion.problem.rows() - motion.rows_of_tasks())],
             motion,
         }
+    }
+
+    getters! {
+        /// How many rows are of tasks; those of loops come after them.
+        pub(super) fn rows_of_tasks(&self) -> usize = self.rows_of_tasks;
     }
 
     setters! {
@@ -54,6 +65,11 @@ impl<'a> FrameResiduals<'a> {
     /// r of a frame.
     pub(super) fn residual(&mut self, frame: usize, x: &[f64], residual: &mut [f64]) {
         self.unweighed(frame, x, residual);
+        let loops = &mut residual[self.rows_of_tasks..];
+        let rests = &self.rests[frame * loops.len()..];
+        for (row, rest) in loops.iter_mut().zip(rests) {
+            *row += rest;
+        }
         self.weigh(frame, residual);
     }
 
@@ -80,6 +96,17 @@ impl<'a> FrameResiduals<'a> {
         self.weigh(frame, residual);
         self.evaluation(frame)
             .gradient(x, residual, gradient, jacobian);
+    }
+
+    /// Moves the rests of a frame's loops by how far they are open; how far that is at most, in metres and radians.
+    pub(super) fn tighten(&mut self, frame: usize, x: &[f64], residual: &mut [f64]) -> f64 {
+        self.unweighed(frame, x, residual);
+        let loops = &residual[self.rows_of_tasks..];
+        let rests = &mut self.rests[frame * loops.len()..];
+        for (rest, row) in rests.iter_mut().zip(loops) {
+            *rest += row;
+        }
+        self.motion.open_by(residual)
     }
 
     /// Multiplies the rows of each task by its weight in a frame.

@@ -9,6 +9,7 @@ use super::block_banded::BlockBanded;
 use super::bounds::{Frames, Inward};
 use super::evaluator::{Evaluator, Stretch};
 use super::{MotionError, MotionProblem, MotionTermination};
+use crate::model::Loop;
 use crate::solver::dot;
 
 /// Σ s z of the start, as a share of the cost.
@@ -128,7 +129,9 @@ impl<'a> Window<'a, '_> {
             };
             if promised + gap <= limits.tolerance * costs[0] {
                 let slip = self.evaluator.held.tighten(self.at, x);
-                if slip <= limits.slip_m || tightenings == MOST_TIGHTENINGS {
+                let open = self.evaluator.tighten_loops(self.at, x, &self.fixed);
+                let holds = slip <= limits.slip_m && open <= Loop::TOLERANCE;
+                if holds || tightenings == MOST_TIGHTENINGS {
                     termination = MotionTermination::Stationary;
                     break;
                 }

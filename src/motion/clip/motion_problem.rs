@@ -10,7 +10,7 @@ use super::contact::Contact;
 use super::rate_cost::CompiledRateCost;
 use super::space::FrameSpace;
 use crate::model::Model;
-use crate::problem::{Problem, ProblemError, Targets};
+use crate::problem::{Problem, ProblemError, Share, Targets};
 use crate::search::slide_per_radian;
 
 /// What moves the targets of one task to where they are in a frame.
@@ -23,7 +23,7 @@ pub(super) type Follow = Arc<dyn Fn(usize, &mut Targets) -> Result<(), ProblemEr
 /// subject to  q_min ≤ q_t ≤ q_max,   |q_{t+1} − q_t| ≤ v_max Δt,   q_0 and q_{T−1} fixed if asked for,
 ///             balls within their cones, ranges of twist and angles,   ‖log(R_tᵀ R_{t+1})‖ ≤ ω_max Δt,
 ///             places of free joints ‖p_{t+1} − p_t‖ ≤ v_max Δt,
-///             points of frames standing still over their spans
+///             points of frames standing still over their spans, the model's loops closed
 /// ```
 ///
 /// r_t are the tasks of a frame, whose targets and weights change from frame to frame; the k-th difference Δᵏ, of
@@ -75,7 +75,7 @@ pub struct MotionProblem {
     pub(super) contacts: Vec<Contact>,
     /// The points of all contacts, as residuals to the world's origin.
     pub(super) held: Option<Problem>,
-    /// What a metre that they slip costs, as a weight.
+    /// What a metre that they slip costs, or that a loop is open, as a weight.
     pub(super) stiffness: f64,
     /// The first and the last frame, as variables.
     pub(super) ends: [Option<Vec<f64>>; 2],
@@ -127,8 +127,29 @@ impl MotionProblem {
         orders.fold(1, usize::max)
     }
 
-    /// A task's weight in a frame.
+    /// The first of the rows that close the model's loops, which come after the tasks'.
+    pub(super) fn rows_of_tasks(&self) -> usize {
+        let tasks = self.problem.compiled_tasks().iter();
+        let mut loops = tasks.filter(|task| task.is_loop);
+        loops
+            .next()
+            .map_or(self.problem.rows(), |task| task.rows.start)
+    }
+
+    /// How far loops are open at most, in metres and radians, by rows that are not weighed.
+    pub(super) fn open_by(&self, residual: &[f64]) -> f64 {
+        let errors = self.problem.errors(Share::All, residual);
+        let tasks = self.problem.compiled_tasks();
+        let loops = errors.filter(|block| tasks[block.task].is_loop);
+        loops.map(|block| block.error).fold(0.0, f64::max)
+    }
+
+    /// A task's weight in a frame; a loop is stiff.
     pub(super) fn weight(&self, task: usize, frame: usize) -> f64 {
+        let tasks = self.problem.compiled_tasks();
+        if tasks.get(task).is_some_and(|task| task.is_loop) {
+            return self.stiffness;
+        }
         let weights = self
             .weights
             .get(task)
@@ -138,7 +159,7 @@ impl MotionProblem {
 
     /// Whether any task has a weight of its own in some frames.
     pub(super) fn weighs(&self, frame: usize) -> bool {
-        (0..self.weights.len()).any(|task| self.weight(task, frame) != 1.0)
+        (0..self.problem.tasks()).any(|task| self.weight(task, frame) != 1.0)
     }
 
     /// Moves targets to where they are in a frame.

@@ -103,6 +103,7 @@ pub struct MotionSolution {
     iterations: usize,
     counts: MotionCounts,
     slip: f64,
+    loop_gap: f64,
     held: Vec<Held>,
     missed: Vec<Missed>,
     names: Arc<ReportNames>,
@@ -126,6 +127,9 @@ impl MotionSolution {
         pub fn counts(&self) -> MotionCounts = self.counts;
         /// How far a point that is held still is from where its contact began, at most, in metres.
         pub fn slip(&self) -> f64 = self.slip;
+        /// How far a loop of the model is open in any frame, at most, in metres and radians: within
+        /// [`Loop::TOLERANCE`](crate::model::Loop::TOLERANCE), or the frames that leave it open name it among what they miss.
+        pub fn loop_gap(&self) -> f64 = self.loop_gap;
         /// Whether every goal is within its tolerance in every frame.
         pub fn reached(&self) -> bool = self.missed.is_empty();
     }
@@ -253,10 +257,12 @@ impl<'a> Report<'a> {
         let (n, width) = (motion.variables(), motion.configuration_len());
         let mut q = vec![0.0; motion.frames * width];
         let (mut costs, mut missed) = (Vec::with_capacity(motion.frames), Vec::new());
+        let mut loop_gap = 0.0_f64;
         let frames = x.chunks_exact(n).zip(q.chunks_exact_mut(width));
         for (frame, (x, q)) in frames.enumerate() {
             problem.parameters().scatter_within_limits(x, q);
             let residual = evaluator.unweighed(frame, x);
+            loop_gap = loop_gap.max(motion.open_by(residual));
             let errors = problem.errors(Share::All, residual);
             missed.extend(errors.filter_map(|block| {
                 let asked = block.role == Role::Goal && motion.weight(block.task, frame) > 0.0;
@@ -267,7 +273,7 @@ impl<'a> Report<'a> {
                     error: block.error,
                 })
             }));
-            costs.push(evaluator.frame_cost(frame, x));
+            costs.push(evaluator.frame_cost(frame, x)[0]);
         }
         let all = Stretch { first: 0, held: 0 };
         let rates = evaluator.rates(all, x);
@@ -280,6 +286,7 @@ impl<'a> Report<'a> {
             iterations: self.iterations,
             counts,
             slip: self.slip,
+            loop_gap,
             held: self.held,
             missed,
             names: Arc::clone(problem.names()),

@@ -1,0 +1,140 @@
+//! Promise: a motion of a model with loops keeps them closed to 1e-9 in every frame, comes to the minimum of the mechanism
+//! without them where there is one, and says so where it cannot close them.
+
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::{Limits, Loop, Model};
+use kinopt::motion::clip::{
+    MotionProblem, MotionSolution, MotionSolver, MotionTermination, RateCost, Windows,
+};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::Point;
+
+const FRAMES: usize = 40;
+const STEP: f64 = 1.0 / 30.0;
+
+fn along(length: f64) -> Placement<f64> {
+    Placement::translation(Vector3::new(length, 0.0, 0.0))
+}
+
+/// A crank and a rocker of one length, and between them a coupler as long as they are apart: it stays level.
+fn parallelogram(weld: bool, limits: Limits) -> Model {
+    let mut builder = Model::builder("parallelogram");
+    let (z, any) = (Vector3::UNITS[2], Limits::new(-3.2, 3.2));
+    let crank = builder.revolute("crank", None, Placement::identity(), z, limits);
+    let coupler = builder.revolute("coupler", Some(crank), along(0.3), z, any);
+    let rocker = builder.revolute("rocker", None, along(0.4), z, any);
+    let last = builder.revolute("wrist", Some(rocker), along(0.3), z, any);
+    builder.frame("tip", Some(crank), along(0.3));
+    let coupler_end = builder.frame("coupler end", Some(coupler), along(0.4));
+    let ends = [
+        builder.frame("rocker end", Some(rocker), along(0.3)),
+        builder.frame("wrist", Some(last), Placement::identity()),
+    ];
+    builder.close(match weld {
+        true => Loop::weld("pin", [coupler_end, ends[1]]),
+        false => Loop::connect("pin", [coupler_end, ends[0]]),
+    });
+    builder.build().unwrap()
+}
+
+fn crank_alone(limits: Limits) -> Model {
+    let mut builder = Model::builder("crank");
+    let z = Vector3::UNITS[2];
+    let crank = builder.revolute("crank", None, Placement::identity(), z, limits);
+    builder.frame("tip", Some(crank), along(0.3));
+    builder.build().unwrap()
+}
+
+/// The crank's tip follows a leap, no faster than it may.
+fn following(model: &Model, rate: f64) -> MotionProblem {
+    let mut motion = MotionProblem::builder(model, FRAMES, STEP);
+    let point = motion.add(Point::new(model.frame("tip").unwrap(), [0.3, 0.0, 0.0]));
+    motion.follow(point, |frame, point| {
+        let angle = if frame < FRAMES / 2 { 0.8 } else { 2.4_f64 };
+        point.set_target([0.3 * angle.cos(), 0.3 * angle.sin(), 0.0]);
+    });
+    motion.rate_cost(RateCost::acceleration(rate));
+    motion.max_speed("crank", 3.0);
+    motion.build().unwrap()
+}
+
+/// How far apart two frames are at most, and, of a weld, their axes.
+fn gap(model: &Model, solved: &MotionSolution, [a, b]: [&str; 2]) -> f64 {
+    let ends = [a, b].map(|end| model.frame(end).unwrap().index());
+    let mut kinematics = ForwardKinematics::new(model);
+    let mut most = 0.0_f64;
+    for q in solved.q().chunks(model.configuration_len()) {
+        let placed = kinematics.place(q).unwrap();
+        let [one, other] = ends.map(|end| placed[end]);
+        most = most.max((one.translation - other.translation).norm());
+        if b == "wrist" {
+            most = most.max((one.rotation.x - other.rotation.x).norm());
+        }
+    }
+    most
+}
+
+#[test]
+fn a_linkage_stays_closed_and_comes_to_the_minimum_of_its_crank() {
+    let limits = Limits::new(0.5, 2.2);
+    let crank = crank_alone(limits);
+    // Crank, coupler, rocker and wrist move alike, and what each of them moves costs.
+    for (weld, end, moving) in [(false, "rocker end", 3.0_f64), (true, "wrist", 4.0)] {
+        let alone = following(&crank, 1e-4 * moving.sqrt());
+        let alone = MotionSolver::default().solve(&alone, &[0.8]).unwrap();
+        let model = parallelogram(weld, limits);
+        check(&model, &following(&model, 1e-4), end, alone.cost());
+    }
+}
+
+fn check(model: &Model, motion: &MotionProblem, end: &str, cost: f64) {
+    let start = [0.8, -0.8, 0.8, -0.8];
+    let solved = MotionSolver::default().solve(motion, &start).unwrap();
+    assert_eq!(solved.termination(), MotionTermination::Stationary);
+    let gap = gap(model, &solved, ["coupler end", end]);
+    assert!(
+        gap <= 1e-9 && solved.loop_gap() <= 1e-9,
+        "{gap} {}",
+        solved.loop_gap()
+    );
+    assert!(
+        (solved.cost() / cost - 1.0).abs() < 1e-6,
+        "{} and {cost}",
+        solved.cost()
+    );
+    assert!((0..FRAMES).all(|frame| solved.missed(frame).all(|miss| !miss.task.contains("loop"))));
+    for pair in solved.q().chunks(4).collect::<Vec<_>>().windows(2) {
+        assert!((pair[1][0] - pair[0][0]).abs() <= 3.0 * STEP);
+    }
+    assert!(solved.q().chunks(4).all(|q| model.is_within_limits(q)));
+    let windows = Windows {
+        frames: 15,
+        ahead: 10,
+    };
+    let solver = MotionSolver::default().with_windows(Some(windows));
+    assert!(solver.solve(motion, &start).unwrap().loop_gap() <= 1e-9);
+}
+
+#[test]
+fn a_loop_that_cannot_close_is_told() {
+    let mut builder = Model::builder("stiff");
+    let z = Vector3::UNITS[2];
+    let any = Limits::new(-0.3, 0.3);
+    let one = builder.revolute("one", None, Placement::identity(), z, any);
+    // Long enough, but at angles beyond the limits.
+    let other = builder.revolute("other", None, along(0.8), z, any);
+    let ends = [
+        builder.frame("tip", Some(one), along(0.3)),
+        builder.frame("end", Some(other), along(-0.6)),
+    ];
+    builder.close(Loop::connect("pin", ends));
+    let model = builder.build().unwrap();
+    let mut motion = MotionProblem::builder(&model, 5, STEP);
+    motion.add(Point::new(ends[0], [0.3, 0.0, 0.0]));
+    let motion = motion.build().unwrap();
+    let solved = MotionSolver::default().solve(&motion, &[0.1, 0.1]).unwrap();
+    assert!(solved.loop_gap() > 0.01, "{}", solved.loop_gap());
+    assert!(solved.q().chunks(2).all(|q| model.is_within_limits(q)));
+    assert!(!solved.reached());
+    assert!((0..5).all(|frame| solved.missed(frame).any(|miss| miss.task == "loop `pin`")));
+}
