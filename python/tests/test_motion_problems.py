@@ -180,7 +180,7 @@ def test_two_hands_hold_one_box_all_the_way() -> None:
     left, right = (kinopt.placement([0, 0, 0.2], wxyz=[0.5**0.5, side * 0.5**0.5, 0, 0]) for side in (1, -1))
     robot = robot.with_loop("box", ["left_tool", "right_tool"], "weld", places=[left, right])
     at = np.array([0.7, 0.2, 0.3])
-    start = kinopt.solve(robot, [tasks.Point("left_tool", at)], start=robot.neutral()).q
+    start = kinopt.Solver().solve(kinopt.Problem(robot, [tasks.Point("left_tool", at)]), robot.neutral()).q
     aims = at + np.linspace(0, 1, FRAMES)[:, None] * np.array([0.0, 0.0, 0.15])
     motion = kinopt.MotionProblem(
         robot,
@@ -195,6 +195,7 @@ def test_two_hands_hold_one_box_all_the_way() -> None:
     assert solved.loop_gap <= 1e-9, solved
     assert not any("loop" in miss.task for miss in solved.missed)
     for q in solved.q:
-        one, other = (kinopt.frame_placement(robot, tool, q) @ place for tool, place in (("left_tool", left), ("right_tool", right)))
+        one = kinopt.frame_placement(robot, "left_tool", q) @ left
+        other = kinopt.frame_placement(robot, "right_tool", q) @ right
         np.testing.assert_allclose(one, other, atol=3e-9)
     assert pickle.loads(pickle.dumps(solved)).loop_gap == solved.loop_gap

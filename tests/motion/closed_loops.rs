@@ -6,8 +6,11 @@ use kinopt::model::{Limits, Loop, Model};
 use kinopt::motion::clip::{
     MotionProblem, MotionSolution, MotionSolver, MotionTermination, RateCost, Windows,
 };
-use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::Point;
+use kinopt::robot::Robot;
+use kinopt::spatial::{Placement, Vector3, rotation_exp};
+use kinopt::task::{Point, Posture, Task};
+use kinopt::{Problem, Solver, Workspace};
+use std::f64::consts::FRAC_PI_2;
 
 const FRAMES: usize = 40;
 const STEP: f64 = 1.0 / 30.0;
@@ -137,4 +140,60 @@ fn a_loop_that_cannot_close_is_told() {
     assert!(solved.q().chunks(2).all(|q| model.is_within_limits(q)));
     assert!(!solved.reached());
     assert!((0..5).all(|frame| solved.missed(frame).any(|miss| miss.task == "loop `pin`")));
+}
+
+/// Both hands of a Baxter on one box that the left one lifts by 15 cm; `apart`, in metres, is where the right hand is
+/// asked to be beside the left one, which the box does not let it.
+fn lift(rest: f64, apart: Option<f64>) -> (MotionSolution, Robot) {
+    let robot = Robot::read("models/rethink_baxter.urdf").unwrap();
+    let tools = ["left_tool", "right_tool"].map(|tool| robot.model().frame(tool).unwrap());
+    let places = [1.0, -1.0].map(|side| {
+        let turn = rotation_exp(Vector3::new(side * FRAC_PI_2, 0.0, 0.0));
+        Placement::new(turn, Vector3::new(0.0, 0.0, 0.2))
+    });
+    let robot = robot
+        .with_loop(Loop::weld("box", tools).at(places))
+        .unwrap();
+    let model = robot.model();
+    let [x, y, z] = [0.7, 0.2, 0.3];
+    let mut problem = Problem::builder(model);
+    problem.add(Point::new(tools[0], [x, y, z]));
+    let problem = problem.build().unwrap();
+    let mut workspace = Workspace::new();
+    let start = Solver::default().solve(&problem, &model.neutral(), &mut workspace);
+    let start = start.unwrap().q.clone();
+    let mut motion = MotionProblem::builder(model, FRAMES, STEP);
+    let hand = motion.add(Point::new(tools[0], [x, y, z]));
+    motion.follow(hand, move |frame, point| {
+        let share = frame as f64 / (FRAMES - 1) as f64;
+        point.set_target([x, y, z + 0.15 * share]);
+    });
+    motion.add(Task::new(Posture::new(model, &start)).times(rest));
+    if let Some(apart) = apart {
+        motion.add(Point::new(tools[1], [x, y - apart, z]));
+    }
+    motion.rate_cost(RateCost::acceleration(1e-4));
+    motion.first(&start);
+    let motion = motion.build().unwrap();
+    let solved = MotionSolver::default().solve(&motion, &start).unwrap();
+    (solved, robot)
+}
+
+#[test]
+fn two_hands_hold_one_box_all_the_way() {
+    // Light preferences leave the hands a long way to go along the curve of what holds the box.
+    for (rest, apart) in [(0.01, None), (0.001, None), (0.1, None), (0.01, Some(0.8))] {
+        let (solved, robot) = lift(rest, apart);
+        assert_eq!(solved.termination(), MotionTermination::Stationary);
+        assert!(solved.loop_gap() <= 1e-9, "{rest}: {}", solved.loop_gap());
+        let mut kinematics = ForwardKinematics::new(robot.model());
+        let tools = ["left_tool", "right_tool"].map(|tool| robot.model().frame(tool).unwrap());
+        for q in solved.q().chunks(robot.model().configuration_len()) {
+            let placed = kinematics.place(q).unwrap();
+            // The box lies 20 cm along z of both tools, which face each other.
+            let [one, other] = tools.map(|tool| placed[tool.index()].translation);
+            assert!(((one - other).norm() - 0.4).abs() < 1e-8);
+            assert!(robot.model().is_within_limits(q));
+        }
+    }
 }

@@ -116,7 +116,14 @@ impl<'a> Evaluator<'a> {
                 .tighten(at.first + local, x, &mut self.residual);
             most = most.max(open);
         }
+        self.residuals.stiffen(most);
         most
+    }
+
+    /// For frames that were not solved before.
+    pub(super) fn begin(&mut self, frames: usize) {
+        self.held.begin(frames);
+        self.residuals.begin();
     }
 
     /// The cost of what the frames' tasks and the differences between frames ask, and, beside it, of what is held and closed.

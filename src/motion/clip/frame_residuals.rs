@@ -1,4 +1,8 @@
-//! The tasks of one frame of a motion: with its targets, and its weights.
+//! The tasks of one frame of a motion, with its targets and its weights, and the model's loops.
+//!
+//! Loops close by the method of multipliers: springs that start soft, so that steps may leave the curved valley of closed
+//! configurations, whose rests are moved until nothing is open, and that stiffen where this is slow (Nocedal & Wright
+//! 2006, "Numerical optimization", 17.3).
 
 use nalgebra::DMatrix;
 
@@ -19,7 +23,17 @@ pub(super) struct FrameResiduals<'a> {
     rows_of_tasks: usize,
     /// … and, by frame and such row, how far its rest is off zero.
     rests: Vec<f64>,
+    /// What a metre or radian that a loop is open costs, as a weight.
+    stiffness: f64,
+    /// How far loops were open when rests were last moved.
+    open: f64,
 }
+
+/// How stiff a loop's springs are at first, as a share of what they become at most.
+const SOFT: f64 = 0.01;
+/// What is open falls to this share when rests are moved, or springs become so much stiffer.
+const FAST: f64 = 0.25;
+const STIFFEN: f64 = 10.0;
 
 impl<'a> FrameResiduals<'a> {
     pub(super) fn new(motion: &'a MotionProblem) -> Self {
@@ -30,6 +44,8 @@ impl<'a> FrameResiduals<'a> {
             edges: true,
             rows_of_tasks: motion.rows_of_tasks(),
             rests: vec![0.0; motion.frames * (motion.problem.rows() - motion.rows_of_tasks())],
+            stiffness: SOFT * motion.stiffness,
+            open: f64::INFINITY,
             motion,
         }
     }
@@ -77,7 +93,7 @@ impl<'a> FrameResiduals<'a> {
     pub(super) fn jacobian(&mut self, frame: usize, x: &[f64], jacobian: &mut DMatrix<f64>) {
         self.evaluation(frame).jacobian(x, jacobian);
         let rows = jacobian.nrows();
-        if self.motion.weighs(frame) {
+        if self.motion.weighs(frame) || self.rows_of_tasks < rows {
             for column in jacobian.as_mut_slice().chunks_exact_mut(rows) {
                 self.weigh(frame, column);
             }
@@ -98,6 +114,24 @@ impl<'a> FrameResiduals<'a> {
             .gradient(x, residual, gradient, jacobian);
     }
 
+    /// Lets go of how far loops were open: for other frames.
+    pub(super) fn begin(&mut self) {
+        self.open = f64::INFINITY;
+    }
+
+    /// Stiffens the springs of loops, which keep their pull, where these have not closed fast enough since the last time.
+    pub(super) fn stiffen(&mut self, open: f64) {
+        if open > FAST * self.open {
+            let stiffer = (STIFFEN * self.stiffness).min(self.motion.stiffness);
+            let softer = self.stiffness / stiffer;
+            self.rests
+                .iter_mut()
+                .for_each(|rest| *rest *= softer * softer);
+            self.stiffness = stiffer;
+        }
+        self.open = open;
+    }
+
     /// Moves the rests of a frame's loops by how far they are open; how far that is at most, in metres and radians.
     pub(super) fn tighten(&mut self, frame: usize, x: &[f64], residual: &mut [f64]) -> f64 {
         self.unweighed(frame, x, residual);
@@ -112,7 +146,10 @@ impl<'a> FrameResiduals<'a> {
     /// Multiplies the rows of each task by its weight in a frame.
     fn weigh(&self, frame: usize, rows: &mut [f64]) {
         for (index, task) in self.motion.problem.compiled_tasks().iter().enumerate() {
-            let weight = self.motion.weight(index, frame);
+            let weight = match task.is_loop {
+                true => self.stiffness,
+                false => self.motion.weight(index, frame),
+            };
             if weight != 1.0 {
                 let rows = &mut rows[task.rows.clone()];
                 rows.iter_mut().for_each(|row| *row *= weight);

@@ -31,8 +31,9 @@ const LEAST_CENTRING: f64 = 1e-4;
 const LEAST_GAP: f64 = 0.3;
 /// So many steps are Gauss-Newton's at most; then frames bend as they do.
 const PLAIN_STEPS: usize = 10;
-/// The springs of what is held are tightened so often at most.
+/// The springs of what is held are tightened so often at most; those of loops start softer.
 const MOST_TIGHTENINGS: usize = 6;
+const MOST_TIGHTENINGS_OF_LOOPS: usize = 30;
 
 /// When to stop.
 #[derive(Clone, Copy, Debug)]
@@ -92,7 +93,7 @@ impl<'a> Window<'a, '_> {
             .bounds
             .draw_within(&mut Frames { x, fixed }, limits.inward);
         within.map_err(|too_far| self.too_far(too_far.variable))?;
-        self.evaluator.held.begin(frames);
+        self.evaluator.begin(frames);
         let mut barrier = Barrier::new(&self.motion.bounds, &self.fixed);
         if let Some(at) = barrier.look(x) {
             return Err(self.too_far(at % n));
@@ -106,6 +107,10 @@ impl<'a> Window<'a, '_> {
             room: Vec::new(),
             damping: 0.0,
             was_cut: false,
+        };
+        let most_tightenings = match self.motion.has_loops() {
+            true => MOST_TIGHTENINGS_OF_LOOPS,
+            false => MOST_TIGHTENINGS,
         };
         let (mut iterations, mut tightenings) = (0, 0);
         let mut termination = MotionTermination::IterationLimit;
@@ -131,7 +136,7 @@ impl<'a> Window<'a, '_> {
                 let slip = self.evaluator.held.tighten(self.at, x);
                 let open = self.evaluator.tighten_loops(self.at, x, &self.fixed);
                 let holds = slip <= limits.slip_m && open <= Loop::TOLERANCE;
-                if holds || tightenings == MOST_TIGHTENINGS {
+                if holds || tightenings == most_tightenings {
                     termination = MotionTermination::Stationary;
                     break;
                 }

@@ -136,6 +136,10 @@ impl MotionProblem {
             .map_or(self.problem.rows(), |task| task.rows.start)
     }
 
+    pub(super) fn has_loops(&self) -> bool {
+        self.rows_of_tasks() < self.problem.rows()
+    }
+
     /// How far loops are open at most, in metres and radians, by rows that are not weighed.
     pub(super) fn open_by(&self, residual: &[f64]) -> f64 {
         let errors = self.problem.errors(Share::All, residual);
@@ -144,12 +148,8 @@ impl MotionProblem {
         loops.map(|block| block.error).fold(0.0, f64::max)
     }
 
-    /// A task's weight in a frame; a loop is stiff.
+    /// A task's weight in a frame.
     pub(super) fn weight(&self, task: usize, frame: usize) -> f64 {
-        let tasks = self.problem.compiled_tasks();
-        if tasks.get(task).is_some_and(|task| task.is_loop) {
-            return self.stiffness;
-        }
         let weights = self
             .weights
             .get(task)
@@ -159,7 +159,7 @@ impl MotionProblem {
 
     /// Whether any task has a weight of its own in some frames.
     pub(super) fn weighs(&self, frame: usize) -> bool {
-        (0..self.problem.tasks()).any(|task| self.weight(task, frame) != 1.0)
+        (0..self.weights.len()).any(|task| self.weight(task, frame) != 1.0)
     }
 
     /// Moves targets to where they are in a frame.
