@@ -74,7 +74,6 @@ mod bad_option;
 mod buffer;
 #[cfg(feature = "collision")]
 pub mod collision;
-mod counted;
 mod file;
 pub mod geometric;
 pub mod ik;
@@ -84,6 +83,7 @@ pub mod lanes;
 pub mod mesh;
 pub mod model;
 pub mod motion;
+mod plural;
 pub mod prelude;
 pub mod problem;
 mod processor;
@@ -107,10 +107,10 @@ pub use nalgebra;
 pub use arm::Arm;
 pub use bad_option::BadOption;
 pub use buffer::Buffer;
-#[doc(hidden)] // Words, for the command and the Python package.
-pub use counted::counted;
 pub use ik::{Solution, Solver, Workspace};
 pub use model::Model;
+#[doc(hidden)] // Words, for the command and the Python package.
+pub use plural::counted;
 pub use problem::Problem;
 pub use scalar::Scalar;
 pub use size_mismatch::SizeMismatch;

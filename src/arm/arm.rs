@@ -7,7 +7,7 @@ use super::coordinates::Coordinates;
 use super::core_seeds::SeedTable;
 use super::options::Options;
 use super::rate_limits::RateLimits;
-use super::serial::Serial;
+use super::serial_chain::Serial;
 use super::workspace::ArmWorkspace;
 use super::{ArmError, QueryError};
 use crate::ik::Solution;

@@ -1,9 +1,9 @@
 //! What an arm knows of the branch that it follows: where its freedom leads, and its side where it is stretched out.
 
 use super::arm::Arm;
-use super::bend::Bend;
-use super::ease::Easing;
+use super::elbow_side::Bend;
 use super::null_space::Factor;
+use super::redundancy::Easing;
 use super::workspace::ArmWorkspace;
 
 /// What is left of the motion to ease each time that a target stays out of reach: where that motion lowers

@@ -8,7 +8,7 @@ use super::kinematic_path::{self, Part};
 use super::mechanism::Mechanism;
 use super::options::{ATTEMPTS, Options, Search};
 use super::rate_limits::RateLimits;
-use super::serial::{Serial, source_of};
+use super::serial_chain::{Serial, source_of};
 use super::{ArmError, Goal};
 use crate::lanes::{LaneOptions, PoseSolver};
 use crate::model::{FrameId, FrameRef, JointId, JointRef, Model, ParameterMap, UnknownName};

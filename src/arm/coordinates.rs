@@ -1,7 +1,7 @@
 //! Which coordinates of the model an arm moves or holds.
 
 use super::kinematic_path::Part;
-use super::serial::{Serial, source_of};
+use super::serial_chain::{Serial, source_of};
 use crate::model::{FrameId, JointId, Limits, Model, ParameterMap, Source};
 
 /// Where the coordinates of the model that the arm moves or holds come from.

@@ -1,7 +1,7 @@
 //! Where the tool of a chain comes to stand, for configurations all over its limits: seeds near a
 //! target for chains that the lane engine's atlas does not know.
 
-use super::serial::Serial;
+use super::serial_chain::Serial;
 use super::workspace::ArmWorkspace;
 use crate::model::Limits;
 use crate::problem::Question;

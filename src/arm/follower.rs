@@ -3,7 +3,7 @@
 //! A step begins where the last one would go on to: most of the last motion is added once more
 //! (scaled by how far the target went), which takes the arm straight through singular
 //! configurations where branches meet. Of a redundant arm's motion, what leaves the tool where it is
-//! goes to [ease](super::ease) instead. The solver corrects the pose.
+//! goes to [ease](super::redundancy) instead. The solver corrects the pose.
 
 use super::QueryError;
 use super::arm::Arm;

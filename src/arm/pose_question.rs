@@ -1,7 +1,7 @@
 //! One target within bounds, as a question to the core's solver.
 
 use super::options::Options;
-use super::serial::Serial;
+use super::serial_chain::Serial;
 use crate::problem::{Problem, ProblemError, Question, Targets, TaskId};
 use crate::spatial::Placement;
 use crate::task::{Pose, Quantity, Rows, Task};

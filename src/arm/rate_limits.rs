@@ -1,7 +1,7 @@
 //! How fast the joints of an arm may move, and how fast that may change.
 
 use super::mechanism::Mechanism;
-use super::serial::{Serial, source_of};
+use super::serial_chain::{Serial, source_of};
 use crate::model::{Model, ParameterMap};
 
 /// One number a joint of a model.

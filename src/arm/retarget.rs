@@ -3,7 +3,7 @@
 use super::arm::Arm;
 use super::builder::check_tool;
 use super::options::{Options, Search, check_goal};
-use super::serial::Serial;
+use super::serial_chain::Serial;
 use super::{ArmError, Goal};
 use crate::lanes::{LaneOptions, PoseSolver};
 use crate::spatial::Placement;

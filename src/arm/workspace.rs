@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 
 use super::options::Options;
 use super::pose_question::PoseQuestion;
-use super::serial::Serial;
+use super::serial_chain::Serial;
 use crate::ik::{DerivativeWorkspace, Minimiser, Solution};
 use crate::kinematics::ForwardKinematics;
 use crate::lanes::{PoseOutcome, PoseSolver};

@@ -4,7 +4,7 @@ use super::GeometricError;
 use crate::kinematics::FrameSlot;
 use crate::problem::Question;
 use crate::spatial::{Matrix3, Vector3};
-use crate::task::{PlaceAsked, Quantity};
+use crate::task::{FrameGoal, Quantity};
 
 /// Where something should be, and how much it counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,7 +50,7 @@ pub(super) fn goals(
             blocks.next().map_or(0.0, |block| block.weight)
         };
         let residual = question.residual(index).as_any();
-        let Some(asked) = PlaceAsked::by(residual).filter(|asked| asked.whole) else {
+        let Some(asked) = FrameGoal::by(residual).filter(|asked| asked.whole) else {
             return Err(GeometricError::UnsupportedTask {
                 solver,
                 task: task.name().to_owned(),

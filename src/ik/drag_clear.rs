@@ -7,7 +7,7 @@ use super::drag::near;
 use super::keep_clear::ClearRoom;
 use super::levels::Extent;
 use super::solver::Run;
-use super::way_guard::WayGuard;
+use super::step_guard::WayGuard;
 use crate::problem::Fence;
 use crate::search::{Collision, Found};
 use crate::solver::Silent;

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::way_guard::{Guarded, StepGuard};
+use super::step_guard::{Guarded, StepGuard};
 use crate::problem::{Evaluation, Question, Scratch, Share};
 use crate::search::{Attempt, Engine};
 use crate::solver::{AnyMethod, LeastSquares, Observer, SolverState, Stopping};

@@ -4,7 +4,7 @@ mod clear_engine;
 mod drag;
 mod drag_clear;
 mod drag_to_rest;
-mod holding;
+mod hold_postures;
 mod keep_clear;
 mod levels;
 mod loop_closure;
@@ -14,7 +14,7 @@ mod nearest_closing;
 mod solution_derivative;
 mod solver;
 mod stance;
-mod way_guard;
+mod step_guard;
 mod workspace;
 
 pub use crate::search::{

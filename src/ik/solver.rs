@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::clear_engine::{ClearEngine, EngineRoom};
 use super::levels::{ByRank, Extent, Ranked};
 use super::minimiser::Minimiser;
-use super::way_guard::{StepGuard, reborrowed};
+use super::step_guard::{StepGuard, reborrowed};
 use super::{Restarts, Solution, SolveError, Workspace};
 use crate::bad_option::BadOption;
 use crate::problem::{Evaluation, Fence, Question, Share};

@@ -10,7 +10,7 @@ use super::prepared::Prepared;
 use super::query::Query;
 use super::seeds::QuerySeeds;
 use super::stages::Stages;
-use super::turns::unwrap_towards;
+use super::whole_turns::unwrap_towards;
 use crate::spatial::Placement;
 
 /// What a batch is given.

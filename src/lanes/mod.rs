@@ -35,8 +35,8 @@ mod settings;
 mod single_query;
 mod stages;
 pub mod trigonometry;
-mod turns;
 mod twists;
+mod whole_turns;
 
 pub use crate::model::JointKind;
 pub use axis_goal::AxisGoal;
@@ -47,4 +47,4 @@ pub(crate) use links::Links;
 pub use options::{LaneError, LaneOptions, PoseOutcome, Prefer};
 pub use pose_solver::PoseSolver;
 pub(crate) use query::{Answer, Query};
-pub(crate) use turns::reduced;
+pub(crate) use whole_turns::reduced;

@@ -269,7 +269,7 @@ impl PoseSolver {
     /// Adds whole turns to the joints that can make them, as near to the start as bounds allow; radians and metres.
     #[cfg(feature = "collision")]
     pub(crate) fn unwrap_towards(&self, start: &[f64], q: &mut [f64]) {
-        super::turns::unwrap_towards(&self.prepared, start, q);
+        super::whole_turns::unwrap_towards(&self.prepared, start, q);
     }
 
     /// Runs a batch that is checked already.

@@ -8,7 +8,7 @@ use super::links::{Link, Links};
 use super::options::Prefer;
 use super::prepared::Prepared;
 use super::query::Query;
-use super::turns::reduced;
+use super::whole_turns::reduced;
 use crate::random::mix;
 use crate::spatial::Placement;
 

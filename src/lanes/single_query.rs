@@ -12,7 +12,7 @@ use super::prepared::Prepared;
 use super::query::{Answer, Query};
 use super::seeds::QuerySeeds;
 use super::stages::Stages;
-use super::turns::unwrap_towards;
+use super::whole_turns::unwrap_towards;
 use crate::spatial::Placement;
 
 /// Most lanes a group can have here.

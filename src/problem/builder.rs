@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use super::anchor::anchor;
 use super::compiled_task::{Block, CompiledTask};
+use super::frame_reach::anchor;
 use super::keep_clear::Asked;
 use super::{
     Derivatives, Preferences, Problem, ProblemError, Ranks, ReportNames, Tangent, Targets, TaskId,

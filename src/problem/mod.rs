@@ -1,25 +1,25 @@
 //! Tasks and bounds put together: r(x), its derivatives, and what the errors mean.
 
-mod anchor;
 mod builder;
 mod by_parameters;
 mod collision;
 mod compiled_task;
-mod depths;
 mod derivatives;
 mod dual_jacobian;
 mod error;
 mod evaluation;
 mod finite_differences;
+mod frame_reach;
+mod inequality_depths;
 mod keep_clear;
 mod loops;
 mod names;
 mod normal_equations;
 mod parameter_vector;
 mod preferences;
+mod problem_parameters;
 mod question;
 mod ranks;
-mod restated;
 mod tangent;
 mod targets;
 
@@ -49,8 +49,8 @@ use crate::kinematics::Tree;
 use crate::model::{Model, ParameterMap};
 use crate::solver::{RotationSets, Swing};
 use crate::task::{Quantity, Role};
-pub(crate) use anchor::Anchor;
 pub(crate) use compiled_task::CompiledTask;
+pub(crate) use frame_reach::Anchor;
 
 /// A task of one problem, with the type of its residual.
 #[derive(Debug)]

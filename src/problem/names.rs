@@ -1,6 +1,6 @@
 //! The names that reports need, shared with every solution.
 
-use super::anchor::Anchor;
+use super::frame_reach::Anchor;
 use crate::model::LengthUnit;
 
 /// Names of a problem's parts, by index.

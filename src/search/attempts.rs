@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use super::attempt::{Attempt, Found};
-use super::hops::Hops;
-use super::keeper::Keeper;
+use super::basin_hopping::Hops;
+use super::best_attempt::Keeper;
 use super::schedule::{Schedule, Trial};
 use crate::problem::{Question, Share};
 use crate::solver::{Stopping, Termination};

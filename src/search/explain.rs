@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use super::{ActiveLimit, BoundKind, Collision, Side, Solution};
-use crate::counted::counted;
 use crate::model::LengthUnit;
+use crate::plural::counted;
 use crate::scalar::elementary;
 use crate::solver::Termination;
 use crate::task::Role;

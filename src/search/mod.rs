@@ -2,25 +2,25 @@
 //! where it ended.
 //!
 //! An [`Engine`] searches from one start. [`run`] hands it the starts of a [`Schedule`], the
-//! [`Keeper`](keeper::Keeper)
+//! [`Keeper`](best_attempt::Keeper)
 //! says which attempt counts and how many agree, and [`Solution::measure`] and
 //! [`explain`](Solution::explain) tell what is true of its end.
 
 mod attempt;
 mod attempts;
-mod beyond;
+mod basin_hopping;
+mod best_attempt;
 mod check_start;
 mod collisions;
 mod error;
 mod explain;
-mod hops;
-mod keeper;
 mod measure;
 mod move_limits;
 #[cfg(feature = "serde")]
 mod non_finite;
 mod open_loops;
-mod pulling;
+mod out_of_reach;
+mod preference_conflicts;
 mod restarts;
 mod schedule;
 mod solution;
@@ -35,7 +35,7 @@ pub(crate) use measure::End;
 pub use move_limits::MoveLimits;
 pub(crate) use move_limits::{slide_per_radian, within};
 pub use open_loops::OpenLoop;
-pub(crate) use pulling::Pulls;
+pub(crate) use preference_conflicts::Pulls;
 pub use restarts::Restarts;
 pub(crate) use schedule::Schedule;
 pub use solution::{ActiveLimit, BoundKind, RowsReport, Solution, TaskReport};

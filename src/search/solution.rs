@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::Collision;
 use super::attempt::Found;
-use super::beyond::Beyond;
+use super::out_of_reach::Beyond;
 use crate::problem::ReportNames;
 use crate::scalar::elementary;
 use crate::solver::{Counts, Side, Termination};

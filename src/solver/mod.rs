@@ -3,10 +3,10 @@
 //! Solvers know no robots: they see a [`LeastSquares`]. A [`Method`] is one step; the loop around
 //! it ([`minimise`]) counts, observes and stops for all of them.
 
+mod active_set;
+mod ball_joints;
 mod configuration_space;
 mod curvature;
-mod edge_frame;
-mod edges;
 mod gauss_newton;
 mod iterate;
 mod least_squares;
@@ -18,15 +18,13 @@ mod minimise;
 mod observer;
 mod progress;
 mod projected_gradient;
-mod rotation_sets;
 #[cfg(feature = "argmin")]
 mod snapshot;
 mod state;
 mod stopping;
-mod turn_limit;
 
+pub(crate) use ball_joints::{Edge, RotationSets, Swing, TurnLimit};
 pub use configuration_space::{ConfigurationSpace, Side};
-pub(crate) use edge_frame::Edge;
 pub use gauss_newton::{GaussNewton, GaussNewtonState};
 pub use iterate::Iterate;
 pub use least_squares::LeastSquares;
@@ -42,10 +40,8 @@ pub use observer::{Iteration, Observer, Silent};
 pub(crate) use progress::Progress;
 pub(crate) use progress::negligible_slope;
 pub use projected_gradient::{FirstStep, ProjectedGradient, ProjectedGradientState};
-pub(crate) use rotation_sets::{RotationSets, Swing};
 #[cfg(feature = "argmin")]
 pub(crate) use snapshot::Snapshot;
 pub(crate) use state::half_squared;
 pub use state::{Counts, SolverState};
 pub use stopping::{Stopping, Termination};
-pub(crate) use turn_limit::TurnLimit;

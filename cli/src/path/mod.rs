@@ -20,8 +20,8 @@ use crate::joint_columns::JointColumns;
 use crate::loaded_model::LoadedModel;
 use crate::number_list::Numbers;
 use crate::output;
+use crate::solve::axis_intervals::Room;
 use crate::solve::held;
-use crate::solve::room::Room;
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let mut loaded = LoadedModel::read(&arguments.robot, &arguments.model_options)?;

@@ -9,11 +9,11 @@ use kinopt::solver::Observer;
 use kinopt::spatial::Placement;
 
 use super::arguments::Arguments;
+use super::axis_intervals::Room;
 use super::backend::{QueryBackend, microseconds};
 use super::derivative::of_arm;
 use super::goals::Goals;
 use super::query::{Answer, LongStep, Path, Query};
-use super::room::Room;
 use super::task_name::TaskName;
 use crate::failure::Outcome;
 use crate::frame_name::BareName;

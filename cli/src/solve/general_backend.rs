@@ -11,16 +11,16 @@ use kinopt::task::{Quantity, Ray, Task};
 use kinopt::{Problem, Workspace};
 
 use super::arguments::Arguments;
+use super::axis_intervals::Room;
 use super::backend::{QueryBackend, microseconds};
 use super::balance::Balance;
 use super::base::{Base, TargetTask};
 use super::derivative;
 use super::goals::Goals;
-use super::held::Held;
+use super::held_frames::Held;
 use super::levels::{BALANCE, GOALS, HELD, Unless};
 use super::pose_finder::{Aim, PoseFinder};
 use super::query::{Answer, LongStep, Path, Query};
-use super::room::Room;
 use super::task_file::TaskFile;
 use super::task_name::TaskName;
 use super::weights::Weights;

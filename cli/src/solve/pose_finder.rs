@@ -8,7 +8,7 @@ use kinopt::{Problem, Solution, Solver, Workspace};
 
 use super::arguments::Arguments;
 use super::backend::microseconds;
-use super::moves;
+use super::max_move;
 use super::query::{Answer, Settled, Way};
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
@@ -47,7 +47,7 @@ impl PoseFinder {
     /// A wrong number of moves.
     pub(super) fn new(loaded: &LoadedModel, arguments: &Arguments, stands: bool) -> Outcome<Self> {
         Ok(Self {
-            moves: moves::asked(loaded, arguments)?,
+            moves: max_move::asked(loaded, arguments)?,
             solver: arguments.general_solver(),
             stopping: arguments.stopping(),
             settles: (loaded.rig.is_some() || stands) && arguments.settles(),

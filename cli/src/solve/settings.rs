@@ -10,7 +10,7 @@ use kinopt::spatial::Vector3;
 
 use super::arguments::Arguments;
 use super::goals::Goals;
-use super::held;
+use super::held_frames;
 use crate::failure::{Failure, Outcome};
 use crate::frame_name::BareName;
 use crate::joint_columns::JointColumns;
@@ -153,7 +153,10 @@ impl Arguments {
                 "--start bent is for bodies on a free base (--base-joint free), which stand on what --hold names"
             ));
         }
-        let named = self.hold.iter().filter(|name| *name != held::NOTHING);
+        let named = self
+            .hold
+            .iter()
+            .filter(|name| *name != held_frames::NOTHING);
         let feet = named.map(|name| loaded.frame(name, BareName::Tip));
         let feet = feet.collect::<Result<Vec<_>, _>>()?;
         let (parameters, up) = (loaded.parameters(), Vector3::UNITS[self.balance.up(loaded)]);

@@ -2,8 +2,8 @@
 
 mod baked;
 mod fewer_keys;
+mod loop_seam;
 mod root_motion;
-mod seam;
 
 pub use fewer_keys::KeyTolerance;
 pub use root_motion::RootMotion;

@@ -2,7 +2,7 @@
 
 use glam::{DQuat, Quat, Vec3A};
 
-use super::placed::{Placed, set_rotation};
+use super::bone_placement::{Placed, set_rotation};
 use crate::animation::blend::{finite_or_0, within};
 use crate::animation::rotation::exponential::turn_about;
 use crate::animation::rotation::slerp;

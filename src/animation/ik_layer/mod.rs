@@ -3,9 +3,9 @@
 
 mod aim;
 mod armature_skeleton;
-mod held;
+mod bone_placement;
+mod held_rotation;
 mod limb;
-mod placed;
 mod pose_angles;
 mod pose_turns;
 mod reach;

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use super::held::Held;
+use super::held_rotation::Held;
 use super::pose_angles::PoseAngles;
 use super::reach_error::ReachError;
 use super::stance::Stances;

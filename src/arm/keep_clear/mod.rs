@@ -2,9 +2,9 @@
 
 mod by_spheres;
 mod least_deep;
+mod many_configurations;
+mod path_steps;
 mod search;
-mod several;
-mod way;
 
 use super::arm::Arm;
 use super::{ArmError, QueryError};
@@ -153,7 +153,7 @@ impl KeepClear {
         Ok(Self {
             cautious: checker
                 .clone()
-                .with_margin(way::cautious(checker.margin()))?,
+                .with_margin(path_steps::cautious(checker.margin()))?,
             checker: checker.clone(),
             rest,
             lanes,

@@ -3,8 +3,8 @@
 use super::{ClearRoom, KeepClear};
 use crate::arm::QueryError;
 use crate::arm::arm::Arm;
-use crate::arm::compare::spent;
 use crate::arm::lanes_or_core::Query;
+use crate::arm::nearest_and_distinct::spent;
 use crate::arm::workspace::{ArmWorkspace, Errors};
 use crate::collision::in_lanes::CHECKED;
 use crate::ik::Solution;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::Checker;
 use super::parts::{Pair, Scene};
-use super::rooms::Rooms;
+use super::workspace_pool::Rooms;
 use crate::collision::Separation;
 use crate::model::FrameId;
 use crate::scalar::Scalar;

@@ -1,25 +1,25 @@
 //! Whether a robot keeps clear of a world and of itself.
 
 mod clearance;
-mod cover;
+mod continuous_check;
 mod error;
 mod keep_clear;
 mod motion_bound;
 mod of_robot;
 mod parts;
-mod placed;
-mod rooms;
-mod scene_room;
-mod slide;
-mod way;
+mod placed_shapes;
+mod scene_placements;
+mod sliding_bound;
+mod sphere_cover;
 mod workspace;
+mod workspace_pool;
 
 use std::sync::Arc;
 
 pub use clearance::Clearance;
+pub use continuous_check::Way;
 pub use error::CheckerError;
 pub use keep_clear::WayChecker;
-pub use way::Way;
 pub use workspace::CheckerWorkspace;
 
 use super::{CollisionModel, SphereModel, World};

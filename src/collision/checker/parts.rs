@@ -1,10 +1,10 @@
 //! The parts of a robot and the obstacles of a world, put together.
 
 use super::CheckerError;
-use super::cover::Cover;
 use super::motion_bound::MotionBound;
-use super::placed::{PartShape, PlacedShapes, part_to_part};
-use super::scene_room::SceneRoom;
+use super::placed_shapes::{PartShape, PlacedShapes, part_to_part};
+use super::scene_placements::SceneRoom;
+use super::sphere_cover::Cover;
 use crate::collision::box_tree::BoxTree;
 use crate::collision::model::pairs_apart;
 use crate::collision::{

@@ -1,8 +1,8 @@
 //! Memory for checks.
 
+use super::continuous_check::{Slow, Watched};
 use super::motion_bound::BoundRoom;
-use super::scene_room::SceneRoom;
-use super::way::{Slow, Watched};
+use super::scene_placements::SceneRoom;
 use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::{FrameId, Model};
 use crate::spatial::Placement;

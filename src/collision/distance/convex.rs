@@ -1,7 +1,7 @@
 //! Two convex bodies: cores and the radii around them.
 
-use super::core::{Core, Corner, Gap, Pair};
-use super::{epa, gjk, round};
+use super::core_and_radius::{Core, Corner, Gap, Pair};
+use super::{cylinder_refinement, epa, gjk};
 use crate::collision::shape::{Nearest, nearest_on_cuboid, nearest_on_cylinder};
 use crate::spatial::Vector3;
 
@@ -27,7 +27,7 @@ fn searched(pair: &Pair<'_>, within: f64) -> Option<Gap> {
     let cylinder = |core: &Core<'_>| matches!(core, Core::Cylinder { .. });
     let round = cylinder(&pair.a) || cylinder(&pair.b);
     let refined = |gap: Gap| match round {
-        true => round::refined(pair, gap),
+        true => cylinder_refinement::refined(pair, gap),
         false => gap,
     };
     let apart = match gjk::distance(pair, within) {

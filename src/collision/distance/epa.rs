@@ -9,7 +9,7 @@ use std::collections::BinaryHeap;
 use crate::collision::convex_surface::ConvexSurface;
 use crate::spatial::Vector3;
 
-use super::core::{Corner, Gap, Pair};
+use super::core_and_radius::{Corner, Gap, Pair};
 
 /// Round bodies about one axis would take all there are; what is left then is far below their offset.
 const ITERATIONS: usize = 400;

@@ -2,7 +2,7 @@
 
 use crate::spatial::Vector3;
 
-use super::core::{Corner, Gap, Pair};
+use super::core_and_radius::{Corner, Gap, Pair};
 use super::simplex::Simplex;
 
 /// Of both, round ones included: flat ones need a dozen.

@@ -3,7 +3,7 @@
 use crate::collision::shape::ShapeKind;
 use crate::spatial::{Placement, Vector3};
 
-use super::core::{Core, Gap};
+use super::core_and_radius::{Core, Gap};
 
 /// How far a shape is above z = 0.
 pub(super) fn gap(other: &ShapeKind, half_from_other: &Placement<f64>) -> Option<Gap> {

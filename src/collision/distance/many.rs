@@ -6,7 +6,7 @@ use crate::collision::shape::{HeightField, PointCloud, Shape, ShapeKind, Triangl
 use crate::spatial::{Placement, Vector3};
 
 use super::convex;
-use super::core::{Core, Gap, Pair};
+use super::core_and_radius::{Core, Gap, Pair};
 
 /// A shape as convex parts.
 pub(super) enum Parts<'a> {

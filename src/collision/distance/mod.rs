@@ -1,22 +1,22 @@
 //! How far two shapes are apart, or how deep one is in the other.
 
 mod convex;
-mod core;
+mod core_and_radius;
+mod cylinder_refinement;
 mod epa;
 mod gjk;
 mod half_space;
 mod many;
+mod nearest_features;
 mod reach;
-mod round;
 mod simplex;
-mod stationary;
 
-use self::core::Gap;
+use self::core_and_radius::Gap;
 use super::shape::{Shape, ShapeKind};
 use crate::spatial::{Placement, Vector3};
 use many::Parts;
 
-pub(crate) use self::core::{Core, Pair};
+pub(crate) use self::core_and_radius::{Core, Pair};
 pub(crate) use convex::gap as convex_gap;
 
 /// How far two shapes are apart, in world coordinates.

@@ -1,6 +1,6 @@
 //! How far a shape reaches along a direction.
 
-use super::core::Core;
+use super::core_and_radius::Core;
 use crate::collision::{Shape, ShapeKind};
 use crate::spatial::{Placement, Vector3};
 

@@ -2,7 +2,7 @@
 
 use crate::spatial::Vector3;
 
-use super::core::Corner;
+use super::core_and_radius::Corner;
 
 /// Up to four corners and the weights of the point of their hull that is nearest to the origin.
 #[derive(Clone, Copy, Debug)]

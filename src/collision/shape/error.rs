@@ -1,6 +1,6 @@
 //! What can be wrong with a shape, and what is only told.
 
-use crate::counted::counted;
+use crate::plural::counted;
 use crate::spatial::Vector3;
 
 /// Lengths of shapes, so that no square of one over- or underflows.

@@ -3,10 +3,10 @@
 mod add;
 mod error;
 mod file;
+mod ground_height;
 mod json;
 mod moveit;
 mod pose;
-mod top;
 
 use std::sync::Arc;
 

@@ -1,9 +1,9 @@
 //! A preference's descent: Gauss-Newton's steps, each conjugate to the last one (Polak & Ribière 1969), as what is
 //! held bends what a preference sees.
 
-use super::asked::Asked;
 use super::descent::{Descended, Descent, multiply};
-use super::extent::Steps;
+use super::descent_problem::DescentProblem;
+use super::step_limits::Steps;
 use crate::problem::{Question, Share};
 use crate::solver::{Iteration, Observer, StepBounds, Termination};
 
@@ -16,15 +16,15 @@ impl Descent {
     /// Goes from where it stands to where the rank gains nothing more.
     pub(super) fn by_conjugate_steps(
         &mut self,
-        asked: &mut Asked<'_, '_>,
+        descent: &mut DescentProblem<'_, '_>,
         Steps { steps, halvings }: Steps,
         observer: &mut dyn Observer,
     ) -> Descended {
-        let question = asked.question;
-        let mut cost = self.cost_at_x(asked);
-        asked.counts.residuals += 1;
+        let question = descent.question;
+        let mut cost = self.cost_at_x(descent);
+        descent.counts.residuals += 1;
         let worthwhile = self.held.worthwhile();
-        let limit = steps.min(asked.stopping.max_iterations());
+        let limit = steps.min(descent.stopping.max_iterations());
         self.newton.has_stepped = false;
         let (mut iterations, mut bend, mut moved, mut last_falls) = (0, 1.0, 0.0, None);
         loop {
@@ -48,7 +48,7 @@ impl Descent {
                     cut: Some(Termination::Cancelled),
                 };
             }
-            if asked.is_late() {
+            if descent.is_late() {
                 return Descended {
                     iterations,
                     cut: Some(Termination::TimeLimit),
@@ -60,7 +60,7 @@ impl Descent {
                     cut: Some(Termination::IterationLimit),
                 };
             }
-            let Some(falls) = self.aim(asked) else {
+            let Some(falls) = self.aim(descent) else {
                 return Descended {
                     iterations,
                     cut: None,
@@ -95,12 +95,12 @@ impl Descent {
                     fixed,
                     ..
                 } = self;
-                let back = held.bring_back(asked, trial, step, fixed);
+                let back = held.bring_back(descent, trial, step, fixed);
                 let now = match back {
-                    true => self.cost_at_trial(asked),
+                    true => self.cost_at_trial(descent),
                     false => f64::INFINITY,
                 };
-                asked.counts.residuals += usize::from(back);
+                descent.counts.residuals += usize::from(back);
                 if back && now.is_finite() {
                     let bent = 2.0 * (now - cost + share * slope) / (share * share * stiffness);
                     bend = bent.clamp(BENDS.0, BENDS.1);
@@ -132,27 +132,27 @@ impl Descent {
     }
 
     /// Puts the best step into `best`; how fast the rank's cost falls along it, if it does.
-    fn aim(&mut self, asked: &mut Asked<'_, '_>) -> Option<f64> {
-        self.cost_at_x(asked);
-        asked.jacobian(Share::rank(self.rank), &self.x, &mut self.jacobian);
+    fn aim(&mut self, descent: &mut DescentProblem<'_, '_>) -> Option<f64> {
+        self.cost_at_x(descent);
+        descent.jacobian(Share::rank(self.rank), &self.x, &mut self.jacobian);
         if !self.step.take_pulls(&self.jacobian, &self.pulls) {
             return None;
         }
         if self.held.rooms.any() {
-            let space = asked.question.space();
+            let space = descent.question.space();
             let fixed = self.fixed.iter().enumerate();
             let pinned = fixed.map(|(j, fixed)| *fixed || !space.is_between_bounds(&self.x, j));
             self.newton.pinned.clear();
             self.newton.pinned.extend(pinned);
-            self.take_lagrangian(asked);
+            self.take_lagrangian(descent);
             self.held.rooms.stand_where_they_work();
         } else {
-            self.held.take_rows(asked, &self.x, &self.fixed, false);
+            self.held.take_rows(descent, &self.x, &self.fixed, false);
         }
         let held = self.held.rows();
         let within = StepBounds {
             x: &self.x,
-            space: asked.question.space(),
+            space: descent.question.space(),
             fixed: &self.fixed,
         };
         self.step

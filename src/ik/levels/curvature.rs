@@ -6,9 +6,9 @@
 
 use nalgebra::DMatrix;
 
-use super::asked::Asked;
-use super::held::{HeldRank, is_of_reached};
-use super::rooms::Rooms;
+use super::descent_problem::DescentProblem;
+use super::held_ranks::{HeldRank, is_of_reached};
+use super::inequalities::Rooms;
 use super::slope_differences::{SlopeDifferences, Weighted};
 use crate::problem::{Problem, Share};
 use crate::solver::{RowSpan, dot};
@@ -72,7 +72,12 @@ impl Curvature {
     }
 
     /// The second derivative of a lone rank's cost at x.
-    pub(super) fn of_first(&mut self, asked: &mut Asked<'_, '_>, x: &[f64], fixed: &[bool]) {
+    pub(super) fn of_first(
+        &mut self,
+        descent: &mut DescentProblem<'_, '_>,
+        x: &[f64],
+        fixed: &[bool],
+    ) {
         let n = x.len();
         let Self {
             rows, differences, ..
@@ -83,7 +88,7 @@ impl Curvature {
             edges: &[],
             own: 0..0,
         };
-        differences.columns(asked, &of, x, fixed, |j, column| {
+        differences.columns(descent, &of, x, fixed, |j, column| {
             rows.as_mut_slice()[j * n..(j + 1) * n].copy_from_slice(column);
         });
     }
@@ -91,7 +96,7 @@ impl Curvature {
     /// The rows of all ranks at x, by their Jacobian and residual there.
     pub(super) fn of_all(
         &mut self,
-        asked: &mut Asked<'_, '_>,
+        descent: &mut DescentProblem<'_, '_>,
         (ranks, rooms): (&[HeldRank], &Rooms),
         x: &[f64],
         (jacobian, residual): (&DMatrix<f64>, &[f64]),
@@ -102,7 +107,7 @@ impl Curvature {
         let mut above = std::mem::take(&mut self.running);
         above.clear();
         for held in ranks {
-            let own = asked.question.problem.ranks().rows_of(held.rank);
+            let own = descent.question.problem.ranks().rows_of(held.rank);
             if held.reached {
                 self.copy_rows(jacobian, own.clone());
                 add_rows(&mut above, jacobian, own, fixed, NEW);
@@ -112,9 +117,9 @@ impl Curvature {
                 }
                 continue;
             }
-            self.take_multipliers(asked, ranks, held, &mut above, (jacobian, residual));
+            self.take_multipliers(descent, ranks, held, &mut above, (jacobian, residual));
             self.above[held.rank].clone_from(&above);
-            self.differentiate_slope(asked, (ranks, held), x, fixed);
+            self.differentiate_slope(descent, (ranks, held), x, fixed);
             let first = self.first + held.rank * x.len();
             let own = first..first + x.len();
             add_rows(&mut above, &self.rows, own, fixed, NEW_CURVATURE);
@@ -125,14 +130,14 @@ impl Curvature {
     /// λ of a missed rank, with its own residual where its rows are: what multiplies all rows' gradients in ∇L.
     pub(super) fn take_multipliers(
         &mut self,
-        asked: &Asked<'_, '_>,
+        descent: &DescentProblem<'_, '_>,
         ranks: &[HeldRank],
         missed: &HeldRank,
         above: &mut RowSpan,
         (jacobian, residual): (&DMatrix<f64>, &[f64]),
     ) {
         let (rows, first) = (self.first, self.residual);
-        let own = asked.question.problem.ranks().rows_of(missed.rank);
+        let own = descent.question.problem.ranks().rows_of(missed.rank);
         let slope = &mut self.slope;
         let columns = jacobian.as_slice().chunks_exact(rows.max(1));
         for (slope, column) in slope.iter_mut().zip(columns) {
@@ -142,7 +147,7 @@ impl Curvature {
         multipliers.fill(0.0);
         for (row, multiplier) in above.multipliers(slope) {
             let is_edge = (first..rows).contains(&row);
-            if is_edge || is_of_reached(asked.question.problem, ranks, row) {
+            if is_edge || is_of_reached(descent.question.problem, ranks, row) {
                 multipliers[row] = multiplier;
             }
         }
@@ -152,7 +157,7 @@ impl Curvature {
     /// P ∇L of every missed rank at a trial.
     pub(super) fn slopes(
         &mut self,
-        asked: &mut Asked<'_, '_>,
+        descent: &mut DescentProblem<'_, '_>,
         ranks: &[HeldRank],
         trial: &[f64],
         fixed: &[bool],
@@ -166,8 +171,8 @@ impl Curvature {
                 above,
                 ..
             } = self;
-            let of = lagrangian(asked, ranks, missed, multipliers, rows);
-            let slope = differences.slope(asked, &of, trial, fixed);
+            let of = lagrangian(descent, ranks, missed, multipliers, rows);
+            let slope = differences.slope(descent, &of, trial, fixed);
             above[missed.rank].project_out(slope);
             let first = rows.1 + missed.rank * n;
             change[first..first + n].copy_from_slice(slope);
@@ -177,7 +182,7 @@ impl Curvature {
     /// P ∇²L of a missed rank.
     fn differentiate_slope(
         &mut self,
-        asked: &mut Asked<'_, '_>,
+        descent: &mut DescentProblem<'_, '_>,
         (ranks, missed): (&[HeldRank], &HeldRank),
         x: &[f64],
         fixed: &[bool],
@@ -193,8 +198,8 @@ impl Curvature {
             ..
         } = self;
         let (order, rows) = (to.nrows(), (*residual, *first));
-        let of = lagrangian(asked, ranks, missed, multipliers, rows);
-        differences.columns(asked, &of, x, fixed, |j, column| {
+        let of = lagrangian(descent, ranks, missed, multipliers, rows);
+        differences.columns(descent, &of, x, fixed, |j, column| {
             above[missed.rank].project_out(column);
             let first = j * order + rows.1 + missed.rank * n;
             to.as_mut_slice()[first..first + n].copy_from_slice(column);
@@ -205,13 +210,13 @@ impl Curvature {
     /// were taken, and what has changed, of reached ranks their residual.
     pub(super) fn system(
         &mut self,
-        asked: &Asked<'_, '_>,
+        descent: &DescentProblem<'_, '_>,
         ranks: &[HeldRank],
         jacobian: &DMatrix<f64>,
         residual_change: &[f64],
     ) -> (&DMatrix<f64>, &[f64]) {
         for held in ranks {
-            let own = asked.question.problem.ranks().rows_of(held.rank);
+            let own = descent.question.problem.ranks().rows_of(held.rank);
             match held.reached {
                 true => {
                     self.change[own.clone()].copy_from_slice(&residual_change[own.clone()]);
@@ -258,7 +263,7 @@ pub(super) fn add_rows(
 
 /// A missed rank's L: its own residual, and the multipliers of the others.
 fn lagrangian<'a>(
-    asked: &Asked<'_, '_>,
+    descent: &DescentProblem<'_, '_>,
     ranks: &[HeldRank],
     missed: &HeldRank,
     multipliers: &'a [f64],
@@ -269,6 +274,6 @@ fn lagrangian<'a>(
         share: Share::above(ranks.len()),
         multipliers,
         edges,
-        own: asked.question.problem.ranks().rows_of(missed.rank),
+        own: descent.question.problem.ranks().rows_of(missed.rank),
     }
 }

@@ -2,15 +2,15 @@
 //!
 //! Minimise ½‖r‖² of one rank over the configurations at which the ranks above are what they were when their
 //! own searches ended, by successive projection: a step that is best for a model of the rank and leaves what is
-//! [held](super::held) alone, then the shortest steps that bring that back. They go by [Newton's method](super::newton),
+//! [held](super::held_ranks) alone, then the shortest steps that bring that back. They go by [Newton's method](super::newton),
 //! preferences in a frame of a drag by a few cheaper [conjugate steps](super::conjugate_steps).
 
 use nalgebra::DMatrix;
 
-use super::asked::Asked;
-use super::extent::Extent;
-use super::held::Held;
+use super::descent_problem::DescentProblem;
+use super::held_ranks::Held;
 use super::newton::NewtonMemory;
+use super::step_limits::Extent;
 use crate::problem::{Problem, Question, Share};
 use crate::solver::{HeldStep, LeastSquares, Observer, Termination, half_squared};
 
@@ -90,32 +90,32 @@ impl Descent {
     /// preferences in so many by whether the ranks above are reached.
     pub(super) fn run(
         &mut self,
-        asked: &mut Asked<'_, '_>,
+        descent: &mut DescentProblem<'_, '_>,
         from: &Start<'_>,
         extent: Extent,
         observer: &mut dyn Observer,
     ) -> Descended {
-        let is_level = self.rank < asked.question.problem.ranks().levels();
+        let is_level = self.rank < descent.question.problem.ranks().levels();
         self.x.copy_from_slice(from.x);
         let Self { held, fixed, .. } = self;
-        let reached = held.take(asked, self.rank, from.x, from.residual, fixed);
+        let reached = held.take(descent, self.rank, from.x, from.residual, fixed);
         if reached && !from.kept.is_empty() {
-            self.return_to(asked, from.kept);
+            self.return_to(descent, from.kept);
         }
         let steps = match is_level {
             true => extent.of_levels(),
             false => extent.of_preferences(reached),
         };
         match is_level || extent == Extent::Whole {
-            true => self.by_newton(asked, steps, observer),
-            false => self.by_conjugate_steps(asked, steps, observer),
+            true => self.by_newton(descent, steps, observer),
+            false => self.by_conjugate_steps(descent, steps, observer),
         }
     }
 
     /// Moves to where the first held rows are what their own searches left, if that is near.
-    fn return_to(&mut self, asked: &mut Asked<'_, '_>, kept: &[f64]) {
-        self.cost_at_x(asked);
-        asked.jacobian(Share::rank(self.rank), &self.x, &mut self.jacobian);
+    fn return_to(&mut self, descent: &mut DescentProblem<'_, '_>, kept: &[f64]) {
+        self.cost_at_x(descent);
+        descent.jacobian(Share::rank(self.rank), &self.x, &mut self.jacobian);
         if !self.step.take_pulls(&self.jacobian, &self.pulls) {
             return;
         }
@@ -128,7 +128,7 @@ impl Descent {
             ..
         } = self;
         let here = held.keep(kept);
-        match held.bring_back(asked, trial, step, fixed) {
+        match held.bring_back(descent, trial, step, fixed) {
             true => self.x.copy_from_slice(&self.trial),
             false => {
                 self.held.keep(&here);
@@ -144,14 +144,14 @@ impl Descent {
             && problem.is_reached_by(share, &self.pulls)
     }
 
-    pub(super) fn cost_at_x(&mut self, asked: &mut Asked<'_, '_>) -> f64 {
-        let mut pulls = asked.evaluate(Share::rank(self.rank));
+    pub(super) fn cost_at_x(&mut self, descent: &mut DescentProblem<'_, '_>) -> f64 {
+        let mut pulls = descent.evaluate(Share::rank(self.rank));
         pulls.residual(&self.x, &mut self.pulls);
         half_squared(&self.pulls)
     }
 
-    pub(super) fn cost_at_trial(&mut self, asked: &mut Asked<'_, '_>) -> f64 {
-        let mut pulls = asked.evaluate(Share::rank(self.rank));
+    pub(super) fn cost_at_trial(&mut self, descent: &mut DescentProblem<'_, '_>) -> f64 {
+        let mut pulls = descent.evaluate(Share::rank(self.rank));
         pulls.residual(&self.trial, &mut self.pulls);
         half_squared(&self.pulls)
     }

@@ -1,14 +1,14 @@
 //! The slope of a rank's L = ½‖r‖² + λᵀr↑ at a place, with the multipliers λ of what is held.
 
-use super::asked::Asked;
 use super::descent::Descent;
+use super::descent_problem::DescentProblem;
 use super::slope_differences::release;
 use crate::solver::dot;
 
 impl Descent {
     /// Takes what is held at x, then ∇L and what multiplies the gradients of all rows in it, by the rank's residual and
     /// Jacobian there.
-    pub(super) fn take_lagrangian(&mut self, asked: &mut Asked<'_, '_>) {
+    pub(super) fn take_lagrangian(&mut self, descent: &mut DescentProblem<'_, '_>) {
         let Self {
             newton,
             held,
@@ -16,12 +16,12 @@ impl Descent {
             fixed,
             ..
         } = self;
-        held.take_rows(asked, x, fixed, newton.has_stepped);
-        self.take_multipliers(asked);
+        held.take_rows(descent, x, fixed, newton.has_stepped);
+        self.take_multipliers(descent);
     }
 
     /// Takes ∇L anew for what is held and the variables that are pinned, without the edges that it pulls away from.
-    pub(super) fn take_multipliers(&mut self, asked: &Asked<'_, '_>) {
+    pub(super) fn take_multipliers(&mut self, descent: &DescentProblem<'_, '_>) {
         let Self {
             newton,
             held,
@@ -30,7 +30,7 @@ impl Descent {
             fixed,
             ..
         } = self;
-        let problem = asked.question.problem;
+        let problem = descent.question.problem;
         loop {
             let columns = jacobian.as_slice().chunks_exact(pulls.len().max(1));
             for (slope, column) in newton.slope.iter_mut().zip(columns) {

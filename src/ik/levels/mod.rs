@@ -8,31 +8,31 @@
 //! least squares: Escande, Mansard & Wieber 2014, "Hierarchical quadratic programming", section 2, here with
 //! curvature).
 
-mod asked;
+mod active_bounds;
 mod conjugate_steps;
+mod constraint_correction;
 mod curvature;
 mod descent;
-mod extent;
-mod held;
+mod descent_problem;
+mod held_ranks;
+mod inequalities;
 mod lagrangian;
 mod newton;
 mod newton_step;
-mod rooms;
 mod slope_differences;
-mod standing;
-mod trial_edges;
-mod way_back;
+mod step_limits;
+mod trial_inequalities;
 
 use std::time::Instant;
 
-use asked::Asked;
 use curvature::{NEW, add_rows};
 use descent::{Descent, Start};
-pub(super) use extent::Extent;
-use held::SAME_MISS;
+use descent_problem::DescentProblem;
+use held_ranks::SAME_MISS;
+pub(super) use step_limits::Extent;
 
 use super::Minimiser;
-use super::way_guard::{StepGuard, reborrowed};
+use super::step_guard::{StepGuard, reborrowed};
 use crate::problem::{Evaluation, Problem, Question, Scratch, Share};
 use crate::search::{Attempts, Found, Schedule, run};
 use crate::solver::{
@@ -217,7 +217,7 @@ impl Ranked<'_, '_> {
             .question
             .problem
             .rows_of(Share::above((*kept_levels).min(rank)));
-        let mut asked = Asked {
+        let mut problem = DescentProblem {
             question: self.question,
             scratch: &mut *self.scratch,
             memory: &mut *self.solver,
@@ -226,7 +226,7 @@ impl Ranked<'_, '_> {
             counts: Counts::default(),
         };
         let descended = descent.run(
-            &mut asked,
+            &mut problem,
             &Start {
                 x,
                 residual,
@@ -236,7 +236,7 @@ impl Ranked<'_, '_> {
             self.observer,
         );
         found.iterations += descended.iterations;
-        found.counts += asked.counts;
+        found.counts += problem.counts;
         x.copy_from_slice(&descent.x);
         descended.cut
     }

@@ -6,10 +6,10 @@
 //! minimum and the step keeps what it promises. Limits hold what they held last, unless it is pulled inward;
 //! where nothing more is gained so, the next step weighs them all.
 
-use super::asked::Asked;
 use super::descent::{Descended, Descent};
-use super::extent::Steps;
+use super::descent_problem::DescentProblem;
 use super::slope_differences::{SlopeDifferences, release};
+use super::step_limits::Steps;
 use crate::problem::Share;
 use crate::solver::{Iteration, Observer, RowSpan, TangentNewton, Termination, dot};
 
@@ -91,17 +91,17 @@ impl Descent {
     /// Goes from where it stands to where the level gains nothing more, or is reached.
     pub(super) fn by_newton(
         &mut self,
-        asked: &mut Asked<'_, '_>,
+        descent: &mut DescentProblem<'_, '_>,
         Steps { steps, .. }: Steps,
         observer: &mut dyn Observer,
     ) -> Descended {
-        let question = asked.question;
-        let limit = steps.min(asked.stopping.max_iterations());
+        let question = descent.question;
+        let limit = steps.min(descent.stopping.max_iterations());
         let (mut iterations, mut moved, mut dampings) = (0, 0.0, [None; 2]);
         let end = |iterations, cut| Descended { iterations, cut };
         (self.newton.weighs_bounds, self.newton.has_stepped) = (true, false);
         loop {
-            let cost = self.cost_at_x(asked);
+            let cost = self.cost_at_x(descent);
             if !cost.is_finite() {
                 return end(iterations, Some(Termination::NonFinite));
             }
@@ -117,10 +117,10 @@ impl Descent {
             if seen.is_break() {
                 return end(iterations, Some(Termination::Cancelled));
             }
-            if asked.is_late() {
+            if descent.is_late() {
                 return end(iterations, Some(Termination::TimeLimit));
             }
-            if self.is_reached(question.problem) || self.is_level(asked) {
+            if self.is_reached(question.problem) || self.is_level(descent) {
                 return end(iterations, None);
             }
             if iterations >= limit {
@@ -130,7 +130,7 @@ impl Descent {
             if !self.step.take_pulls(&self.jacobian, &self.pulls) {
                 return end(iterations, None);
             }
-            let (tried, damping) = self.go_on(asked, cost, dampings[weighs]);
+            let (tried, damping) = self.go_on(descent, cost, dampings[weighs]);
             dampings[weighs] = Some(damping);
             if tried.moves() {
                 // What was best before is done with.
@@ -150,20 +150,20 @@ impl Descent {
     /// Tries steps by Newton's model at x with more and more damping, until one gains; the damping for the next.
     fn go_on(
         &mut self,
-        asked: &mut Asked<'_, '_>,
+        descent: &mut DescentProblem<'_, '_>,
         cost: f64,
         damping: Option<f64>,
     ) -> (Tried, f64) {
-        self.take_hessian(asked);
+        self.take_hessian(descent);
         let stiffest = self.newton.model.stiffest();
         let more = |damping: f64| FACTOR * damping.max(LEAST_DAMPING * stiffest);
         let mut damping = damping.unwrap_or(FIRST_DAMPING * stiffest);
         for _ in 0..TRIALS {
-            let Some(promised) = self.aim_newton(asked, damping) else {
+            let Some(promised) = self.aim_newton(descent, damping) else {
                 damping = more(damping);
                 continue;
             };
-            let won = cost - self.try_step(asked);
+            let won = cost - self.try_step(descent);
             // What rounding hides is taken at its word.
             if promised <= HIDDEN * cost {
                 let settles = won >= -HIDDEN * cost;
@@ -186,11 +186,11 @@ impl Descent {
     }
 
     /// Takes ∇L and its projection at x; whether it is as good as none.
-    fn is_level(&mut self, asked: &mut Asked<'_, '_>) -> bool {
+    fn is_level(&mut self, descent: &mut DescentProblem<'_, '_>) -> bool {
         let share = Share::rank(self.rank);
-        asked.jacobian(share, &self.x, &mut self.jacobian);
+        descent.jacobian(share, &self.x, &mut self.jacobian);
         let newton = &mut self.newton;
-        let space = asked.question.space();
+        let space = descent.question.space();
         let columns = self
             .jacobian
             .as_slice()
@@ -209,9 +209,9 @@ impl Descent {
             fixed,
             ..
         } = self;
-        held.take_rows(asked, x, fixed, newton.has_stepped);
+        held.take_rows(descent, x, fixed, newton.has_stepped);
         loop {
-            self.take_multipliers(asked);
+            self.take_multipliers(descent);
             // What is pulled inward is let go.
             let newton = &mut self.newton;
             let mut leaves = false;
@@ -223,7 +223,7 @@ impl Descent {
             if leaves {
                 newton.above.clear();
                 self.held
-                    .span(asked.question.problem, &mut newton.above, &newton.pinned);
+                    .span(descent.question.problem, &mut newton.above, &newton.pinned);
                 self.held.span_working(&mut newton.above, &newton.pinned);
             }
             // Edges may be pulled the other way then.
@@ -243,7 +243,7 @@ impl Descent {
         let keeps = newton.pinned != self.fixed || held.rooms.any_works();
         if newton.weighs_bounds && keeps {
             newton.above.clear();
-            held.span(asked.question.problem, &mut newton.above, &self.fixed);
+            held.span(descent.question.problem, &mut newton.above, &self.fixed);
         }
         held.rooms.take_out(&newton.edges, &mut newton.slope);
         let left = dot(&newton.left, &newton.left).sqrt();

@@ -1,7 +1,7 @@
 //! One step of Newton's method on a rank: its model, the best step for that, and what comes of it.
 
-use super::asked::Asked;
 use super::descent::Descent;
+use super::descent_problem::DescentProblem;
 use super::newton::NewtonMemory;
 use super::slope_differences::Weighted;
 use crate::problem::Share;
@@ -9,7 +9,7 @@ use crate::solver::{StepBounds, dot};
 
 impl Descent {
     /// ∇²L along what is free at x.
-    pub(super) fn take_hessian(&mut self, asked: &mut Asked<'_, '_>) {
+    pub(super) fn take_hessian(&mut self, descent: &mut DescentProblem<'_, '_>) {
         let NewtonMemory {
             weights,
             edges,
@@ -32,15 +32,19 @@ impl Descent {
             &*pinned
         };
         above.complement(kept, &mut model.directions);
-        differences.stand(asked, &of, &self.x);
+        differences.stand(descent, &of, &self.x);
         model.take(self.x.len(), |direction, image| {
-            differences.along(asked, &of, (&self.x, direction), image);
+            differences.along(descent, &of, (&self.x, direction), image);
         });
     }
 
     /// Puts the damped step into `best`, no longer than a joint may move; what it promises, if the model has a
     /// minimum.
-    pub(super) fn aim_newton(&mut self, asked: &Asked<'_, '_>, damping: f64) -> Option<f64> {
+    pub(super) fn aim_newton(
+        &mut self,
+        descent: &DescentProblem<'_, '_>,
+        damping: f64,
+    ) -> Option<f64> {
         let NewtonMemory {
             model,
             slope,
@@ -52,7 +56,7 @@ impl Descent {
         } = &mut self.newton;
         let within = StepBounds {
             x: &self.x,
-            space: asked.question.space(),
+            space: descent.question.space(),
             fixed: if *weighs_bounds { &self.fixed } else { pinned },
         };
         let (rooms, keeps) = (&mut self.held.rooms, !*weighs_bounds);
@@ -64,7 +68,7 @@ impl Descent {
         }
         *has_stepped = true;
         self.direction.copy_from_slice(&self.best);
-        let share = self.longest_share(asked.question).min(1.0);
+        let share = self.longest_share(descent.question).min(1.0);
         for entry in &mut self.best {
             *entry *= share;
         }
@@ -78,8 +82,8 @@ impl Descent {
     }
 
     /// The level's cost a step further, where what is held is what it was: elsewhere infinite.
-    pub(super) fn try_step(&mut self, asked: &mut Asked<'_, '_>) -> f64 {
-        let space = asked.question.space();
+    pub(super) fn try_step(&mut self, descent: &mut DescentProblem<'_, '_>) -> f64 {
+        let space = descent.question.space();
         space.integrate(&self.x, &self.best, &mut self.trial);
         space.project(&mut self.trial);
         let Self {
@@ -95,17 +99,17 @@ impl Descent {
         for (j, stopped) in newton.stopped.iter_mut().enumerate() {
             *stopped = fixed[j] || !space.is_between_bounds(trial, j);
         }
-        let mut back = held.bring_back(asked, trial, step, &newton.stopped);
+        let mut back = held.bring_back(descent, trial, step, &newton.stopped);
         if !back && newton.stopped != *fixed {
             space.integrate(&self.x, best, trial);
             space.project(trial);
-            back = held.bring_back(asked, trial, step, fixed);
+            back = held.bring_back(descent, trial, step, fixed);
         }
         if !back {
             return f64::INFINITY;
         }
-        asked.counts.residuals += 1;
-        let now = self.cost_at_trial(asked);
+        descent.counts.residuals += 1;
+        let now = self.cost_at_trial(descent);
         if now.is_finite() { now } else { f64::INFINITY }
     }
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::DMatrix;
 
-use super::asked::Asked;
+use super::descent_problem::DescentProblem;
 use crate::problem::Share;
 use crate::solver::LeastSquares;
 
@@ -45,14 +45,14 @@ impl SlopeDifferences {
     /// Jᵀw at x, without what fixed variables would do; none are where `fixed` is empty.
     pub(super) fn slope(
         &mut self,
-        asked: &mut Asked<'_, '_>,
+        descent: &mut DescentProblem<'_, '_>,
         of: &Weighted<'_>,
         x: &[f64],
         fixed: &[bool],
     ) -> &mut [f64] {
-        asked.counts.residuals += 1;
-        asked.counts.gradients += 1;
-        let mut rows = asked.evaluate(of.share);
+        descent.counts.residuals += 1;
+        descent.counts.gradients += 1;
+        let mut rows = descent.evaluate(of.share);
         rows.residual(x, &mut self.weights);
         for (row, (weight, multiplier)) in self.weights.iter_mut().zip(of.multipliers).enumerate() {
             if !of.own.contains(&row) {
@@ -70,21 +70,21 @@ impl SlopeDifferences {
     /// Hands over the columns of its derivative at x, of the variables that are not fixed.
     pub(super) fn columns(
         &mut self,
-        asked: &mut Asked<'_, '_>,
+        descent: &mut DescentProblem<'_, '_>,
         of: &Weighted<'_>,
         x: &[f64],
         fixed: &[bool],
         mut take: impl FnMut(usize, &mut [f64]),
     ) {
-        let space = asked.question.space();
-        self.slope(asked, of, x, fixed);
+        let space = descent.question.space();
+        self.slope(descent, of, x, fixed);
         std::mem::swap(&mut self.here, &mut self.there);
         let mut trial = std::mem::take(&mut self.trial);
         trial.copy_from_slice(x);
         for j in (0..x.len()).filter(|&j| fixed.get(j) != Some(&true)) {
             let shift = f64::EPSILON.sqrt() * x[j].abs().max(1.0);
             let taken = space.integrate_one(x, j, shift, &mut trial);
-            self.slope(asked, of, &trial, fixed);
+            self.slope(descent, of, &trial, fixed);
             space.return_one(x, j, &mut trial);
             for (there, here) in self.there.iter_mut().zip(&self.here) {
                 *there = (*there - here) / taken;
@@ -95,15 +95,20 @@ impl SlopeDifferences {
     }
 
     /// Takes the slope at x, for its derivatives [along](Self::along) directions.
-    pub(super) fn stand(&mut self, asked: &mut Asked<'_, '_>, of: &Weighted<'_>, x: &[f64]) {
-        self.slope(asked, of, x, &[]);
+    pub(super) fn stand(
+        &mut self,
+        descent: &mut DescentProblem<'_, '_>,
+        of: &Weighted<'_>,
+        x: &[f64],
+    ) {
+        self.slope(descent, of, x, &[]);
         std::mem::swap(&mut self.here, &mut self.there);
     }
 
     /// Writes the derivative of the slope along a direction of length 1, from where it stands at x.
     pub(super) fn along(
         &mut self,
-        asked: &mut Asked<'_, '_>,
+        descent: &mut DescentProblem<'_, '_>,
         of: &Weighted<'_>,
         (x, direction): (&[f64], &[f64]),
         derivative: &mut [f64],
@@ -111,9 +116,9 @@ impl SlopeDifferences {
         let mut trial = std::mem::take(&mut self.trial);
         let largest = x.iter().fold(1.0_f64, |most, value| most.max(value.abs()));
         let share = f64::EPSILON.sqrt() * largest;
-        let space = asked.question.space();
+        let space = descent.question.space();
         space.integrate_share(x, share, direction, &mut trial);
-        self.slope(asked, of, &trial, &[]);
+        self.slope(descent, of, &trial, &[]);
         for ((derivative, there), here) in derivative.iter_mut().zip(&self.there).zip(&self.here) {
             *derivative = (there - here) / share;
         }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::candidates::Candidates;
 use super::table::{PER_CELL, Row};
-use super::tooled::TooledAtlas;
+use super::with_tool::TooledAtlas;
 use crate::lanes::lane::LaneScalar;
 use crate::lanes::links::Links;
 use crate::lanes::trigonometry::{ROUNDER, rough_atan2};

@@ -13,8 +13,8 @@ mod candidates;
 mod key;
 mod look_up;
 mod table;
-mod tooled;
+mod with_tool;
 
 pub(crate) use candidates::Candidates;
 pub(crate) use table::Atlas;
-pub(crate) use tooled::TooledAtlas;
+pub(crate) use with_tool::TooledAtlas;

@@ -4,7 +4,7 @@
 //! [`ClipIk`] says what is asked, its [`solve`](ClipIk::solve) makes an [`EditedClip`]; [`ground_speed`] tells how fast
 //! the ground passes under feet that walk on the spot. A [`KeyframeIk`] solves for a rig's own keys instead.
 
-mod door;
+mod clip_solver;
 mod edited;
 mod effector;
 mod error;
@@ -19,7 +19,7 @@ mod sampling;
 mod solving;
 mod splice;
 
-pub use door::ClipIk;
+pub use clip_solver::ClipIk;
 pub use edited::{EditedClip, Led, Stance};
 pub use effector::Reach;
 pub use error::ClipIkError;

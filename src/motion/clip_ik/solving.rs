@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::{DVec3, Quat, Vec3A};
 
 use super::ClipIkError;
-use super::door::{Asked, ClipIk};
+use super::clip_solver::{ClipIk, ClipRequest};
 use super::edited::{EditedClip, Led, Stance};
 use super::frame_solver::FrameSolver;
 use super::planting::{Planted, plant};
@@ -25,37 +25,37 @@ type Goals = Vec<(DVec3, f64)>;
 
 pub(super) fn solve(
     ik: &ClipIk<'_>,
-    asked: &Asked,
+    request: &ClipRequest,
     clip: &Clip,
 ) -> Result<EditedClip, ClipIkError> {
-    let spans = ik.reaches.iter().flat_map(|reach| reach.span(asked.span));
+    let spans = ik.reaches.iter().flat_map(|reach| reach.span(request.span));
     let (times, rate) = sample_times(clip, ik.rate, spans)?;
-    let mut posed = PosedBones::new(ik.armature, asked.root, &asked.bones, |bone| {
+    let mut posed = PosedBones::new(ik.armature, request.root, &request.bones, |bone| {
         ik.hinges(bone)
     })?;
-    let mut limbs = limb_ways(ik.armature, clip, &times, &asked.bones, &mut posed)?;
+    let mut limbs = limb_ways(ik.armature, clip, &times, &request.bones, &mut posed)?;
     let travelled: Vec<DVec3> = times
         .iter()
-        .map(|time| asked.travel * (f64::from(*time) - asked.span[0]))
+        .map(|time| request.travel * (f64::from(*time) - request.span[0]))
         .collect();
     for limb in &mut limbs {
         limb.move_by(&travelled);
     }
     let feet: Vec<Planted> = limbs[..ik.planted.len()]
         .iter()
-        .map(|limb| foot(ik, asked, limb, rate))
+        .map(|limb| foot(ik, request, limb, rate))
         .collect();
     let goals: Vec<Goals> = (0..limbs.len())
         .map(|k| match feet.get(k) {
             Some(foot) => foot.way.iter().map(|at| (dvec(*at), 1.0)).collect(),
-            None => reached(ik, asked, asked.bones[k], &limbs[k], &times),
+            None => reached(ik, request, request.bones[k], &limbs[k], &times),
         })
         .collect();
-    let runs = match asked.travel == DVec3::ZERO {
+    let runs = match request.travel == DVec3::ZERO {
         true => runs(&goals),
         false => std::iter::once(0..times.len()).collect(),
     };
-    let moved = root_moves(asked, (&limbs, &goals, &feet), &runs, rate)?;
+    let moved = root_moves(request, (&limbs, &goals, &feet), &runs, rate)?;
     let frames = Frames {
         times: &times,
         limbs: &limbs,
@@ -64,8 +64,8 @@ pub(super) fn solve(
         moved: &moved,
         runs: &runs,
     };
-    let (keys, at) = frames.solve(ik, asked, clip, &mut posed)?;
-    let bones = asked.bones.iter().enumerate();
+    let (keys, at) = frames.solve(ik, request, clip, &mut posed)?;
+    let bones = request.bones.iter().enumerate();
     let stances = feet
         .iter()
         .zip(bones.clone())
@@ -103,24 +103,30 @@ pub(super) fn solve(
 }
 
 /// Where a planted foot goes.
-fn foot(ik: &ClipIk<'_>, asked: &Asked, limb: &LimbWay, rate: f64) -> Planted {
+fn foot(ik: &ClipIk<'_>, request: &ClipRequest, limb: &LimbWay, rate: f64) -> Planted {
     let way: Vec<Vector3<f64>> = limb.way.iter().map(|at| at.to_array().into()).collect();
     let height = ik.ground.as_deref();
     let ground = height.map(|height| move |at: Vector3<f64>| height(dvec(at)));
     let detection = ik.detection_of(&way, limb.longest(), rate);
     match &ground {
-        Some(ground) => plant(&detection, &way, asked.up, Some(ground), rate),
-        None => plant(&detection, &way, asked.up, None, rate),
+        Some(ground) => plant(&detection, &way, request.up, Some(ground), rate),
+        None => plant(&detection, &way, request.up, None, rate),
     }
 }
 
 /// Where a bone that reaches should be.
-fn reached(ik: &ClipIk<'_>, asked: &Asked, bone: BoneId, limb: &LimbWay, times: &[f32]) -> Goals {
+fn reached(
+    ik: &ClipIk<'_>,
+    request: &ClipRequest,
+    bone: BoneId,
+    limb: &LimbWay,
+    times: &[f32],
+) -> Goals {
     let moments = times.iter().map(|time| f64::from(*time));
     let goals = moments.zip(&limb.way).map(|(time, free)| {
         let own = ik.reaches.iter().filter(|reach| reach.bone == bone);
-        let asked = own.map(|reach| (reach.target(time), reach.weight(time, asked.span)));
-        asked.fold(
+        let nearest = own.map(|reach| (reach.target(time), reach.weight(time, request.span)));
+        nearest.fold(
             (*free, 0.0),
             |found, goal| if goal.1 > 0.0 { goal } else { found },
         )
@@ -145,17 +151,17 @@ fn runs(goals: &[Goals]) -> Vec<Range<usize>> {
 
 /// How far the root moves in each frame.
 fn root_moves(
-    asked: &Asked,
+    request: &ClipRequest,
     (limbs, goals, feet): (&[LimbWay], &[Goals], &[Planted]),
     runs: &[Range<usize>],
     rate: f64,
 ) -> Result<Vec<DVec3>, ClipIkError> {
     let frames = goals.first().map_or(0, Vec::len);
     let mut moved = vec![DVec3::ZERO; frames];
-    if asked.root.is_none() {
+    if request.root.is_none() {
         return Ok(moved);
     }
-    let up = dvec(asked.up);
+    let up = dvec(request.up);
     for run in runs {
         let lift = |frame: usize| {
             let lifts = feet.iter().map(|foot| foot.ground[frame]);
@@ -205,13 +211,13 @@ impl Frames<'_> {
     fn solve(
         &self,
         ik: &ClipIk<'_>,
-        asked: &Asked,
+        request: &ClipRequest,
         clip: &Clip,
         posed: &mut PosedBones,
     ) -> Result<(NewKeys, Vec<Vec<DVec3>>), ClipIkError> {
         let longest = self.limbs.iter().map(LimbWay::longest).fold(0.0, f64::max);
         let planted = ik.planted.len();
-        let effectors = asked.bones.iter().enumerate();
+        let effectors = request.bones.iter().enumerate();
         let effectors: Vec<(BoneId, bool)> =
             effectors.map(|(k, bone)| (*bone, k < planted)).collect();
         let mut solver = FrameSolver::new(posed, &effectors, longest)?;
@@ -219,7 +225,7 @@ impl Frames<'_> {
         let mut rotations: Vec<Vec<Quat>> = vec![Vec::new(); turning.len()];
         let mut translations: Vec<Vec3A> = Vec::new();
         let mut at: Vec<Vec<DVec3>> = self.limbs.iter().map(|limb| limb.way.clone()).collect();
-        let mut places = vec![DVec3::ZERO; asked.bones.len()];
+        let mut places = vec![DVec3::ZERO; request.bones.len()];
         let mut poses = Poses::new(ik.armature, clip);
         for frame in self.runs.iter().cloned().flatten() {
             let pose = poses.at(self.times[frame])?;
@@ -232,17 +238,17 @@ impl Frames<'_> {
                 }
                 solver.solve((ik.armature, posed), &places, moved, pose)?;
                 posed.take(ik.armature, pose)?;
-                for (at, &bone) in at.iter_mut().zip(&asked.bones) {
+                for (at, &bone) in at.iter_mut().zip(&request.bones) {
                     at[frame] = posed.place(bone);
                 }
             }
             for (keys, bone) in rotations.iter_mut().zip(&turning) {
                 keys.push(pose.rotations()[bone.index()]);
             }
-            translations.extend(asked.root.map(|root| pose.translations()[root.index()]));
+            translations.extend(request.root.map(|root| pose.translations()[root.index()]));
         }
         let stays = |frame: usize| self.travelled[frame] + self.moved[frame] == DVec3::ZERO;
-        let root = asked.root.filter(|_| !(0..self.times.len()).all(stays));
+        let root = request.root.filter(|_| !(0..self.times.len()).all(stays));
         let keys = NewKeys {
             rotations: turning.into_iter().zip(rotations).collect(),
             translations: root.map(|root| (root, translations)).into_iter().collect(),

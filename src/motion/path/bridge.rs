@@ -2,7 +2,7 @@
 //! was a leap in one step is a move that the knots around it share.
 
 use super::PathError;
-use super::fill::Way;
+use super::knot_configurations::Way;
 use super::layers::Growth;
 use crate::arm::Ends;
 

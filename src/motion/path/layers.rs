@@ -6,7 +6,7 @@
 use std::f64::consts::TAU;
 
 use super::PathError;
-use super::carry::{Carrier, FEW};
+use super::branch_continuation::{Carrier, FEW};
 use super::knots::Knots;
 use super::step_bounds::StepBounds;
 use super::tools::Tools;

@@ -27,24 +27,24 @@
 //! ```
 
 mod basis;
+mod branch_continuation;
 mod bridge;
-mod carry;
 mod cartesian_path;
 mod closing;
 mod csv;
 mod deviation;
 mod error;
-mod fill;
 mod graph;
+mod knot_configurations;
 mod knots;
 mod layers;
 mod option_checks;
+mod report;
 mod shorten;
 mod solution;
 mod solver;
 mod spline;
 mod step_bounds;
-mod telling;
 mod timing;
 mod tools;
 mod tridiagonal;

@@ -7,7 +7,7 @@
 
 use super::PathError;
 use super::basis::NullSpace;
-use super::fill::Way;
+use super::knot_configurations::Way;
 use super::layers::Growth;
 use super::tridiagonal::Tridiagonal;
 use crate::arm::Ends;

@@ -3,8 +3,8 @@
 use super::bridge::bridge;
 use super::cartesian_path::{CartesianPath, Course};
 use super::error::PathError;
-use super::fill::{self, Way, fill};
 use super::graph::{Between, Chosen, fewest_reconfigurations};
+use super::knot_configurations::{self, Way, fill};
 use super::knots::Knots;
 use super::layers::{Growth, Layer};
 use super::shorten::Shortening;
@@ -188,7 +188,10 @@ impl<'a> PathSolver<'a> {
         let weights = self.weights();
         let mut way = fill(growth, layers, &chosen)?;
         // Stations are some way apart, and what is near at both may be of two branches: then it is chosen again without that step.
-        let (mut apart, mut last) = (Vec::new(), fill::false_edges(growth, &chosen, &way));
+        let (mut apart, mut last) = (
+            Vec::new(),
+            knot_configurations::false_edges(growth, &chosen, &way),
+        );
         for _ in 0..CHOICES {
             if last.is_empty() {
                 break;
@@ -196,7 +199,7 @@ impl<'a> PathSolver<'a> {
             apart.append(&mut last);
             chosen = fewest_reconfigurations(growth, layers, &weights, between, &apart);
             let other = fill(growth, layers, &chosen)?;
-            last = fill::false_edges(growth, &chosen, &other);
+            last = knot_configurations::false_edges(growth, &chosen, &other);
             if other.rank() < way.rank() {
                 way = other;
             }
@@ -213,8 +216,8 @@ impl<'a> PathSolver<'a> {
             // It has drawn the branches together.
             bridge(growth, &mut way)?;
         }
-        fill::keep_ends(growth, &mut way);
-        fill::rejoin(growth, &mut way);
+        knot_configurations::keep_ends(growth, &mut way);
+        knot_configurations::rejoin(growth, &mut way);
         Ok(way)
     }
 

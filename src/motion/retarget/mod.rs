@@ -36,8 +36,8 @@ mod proportions;
 mod retargeted;
 mod retargeting;
 mod sole;
-mod sometimes;
-mod whole;
+mod switchable_residual;
+mod whole_movement;
 
 pub use super::ContactDetection;
 pub use body_map::{BodyMap, Drive, UpAxis};

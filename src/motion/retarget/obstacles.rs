@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::sometimes::Sometimes;
+use super::switchable_residual::Switchable;
 use crate::motion::clip::MotionProblemBuilder;
 use crate::problem::{AnyClearanceCheck, KeepClear, ProblemBuilder};
 use crate::task::Task;
@@ -38,7 +38,7 @@ impl Obstacles {
                 tasks.keep_clear(&of_frame);
             }),
             of_motion: Arc::new(move |motion, near| {
-                let clearance = Sometimes::new(of_motion.clearance().residual);
+                let clearance = Switchable::new(of_motion.clearance().residual);
                 let task = motion.add(Task::new(clearance).times(HOLDING));
                 motion.follow(task, move |frame, own| own.set(near[frame]));
             }),

@@ -3,9 +3,9 @@
 use glam::DVec3;
 
 use super::AutomaticWeightsError;
-use super::cut::Strongest;
 use super::neighbours::Neighbours;
 use super::segments::{self, Segment, distance};
+use super::smooth_pruning::Strongest;
 use crate::mesh::TriangleMesh;
 use crate::scalar::elementary;
 use crate::skeleton::Skeleton;

@@ -5,7 +5,7 @@ use glam::{Mat3A, Quat, Vec3A};
 use super::plane::Plane;
 use super::{End, EndRotation, Limb, LimbGoal};
 use crate::animation::blend::{finite_or_0, within};
-use crate::animation::ik_layer::placed::{Placed, set_rotation};
+use crate::animation::ik_layer::bone_placement::{Placed, set_rotation};
 use crate::animation::rotation::slerp;
 use crate::animation::{Armature, Pose, SizeMismatch};
 use crate::geometric::triangle;

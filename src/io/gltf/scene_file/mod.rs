@@ -1,15 +1,15 @@
 //! A file that keeps what it holds while clips are added to it and its bones are posed.
 
-mod added;
-mod beside;
-mod members;
+mod appended_clip;
+mod external_files;
+mod json_edit;
 
 use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use serde_json::value::RawValue;
 
-use self::members::Members;
+use self::json_edit::Members;
 use super::glb::{self, Chunks};
 use super::write::{UnwritableScene, WriteOptions, clip_document};
 use super::{LENGTH_LIMIT, Parsed, Scene, parse};
@@ -129,7 +129,7 @@ impl SceneFile {
         }
         let added = clip_document(&self.scene, clip, options)?;
         let (mut document, mut container) = (self.document.clone(), self.container.clone());
-        added::join(added, &self.bone_of, &mut document, &mut container)?;
+        appended_clip::join(added, &self.bone_of, &mut document, &mut container)?;
         (self.document, self.container) = (document, container);
         self.scene.clips.push(clip.clone());
         Ok(())
@@ -204,15 +204,15 @@ impl SceneFile {
                 };
             }
             (Some("gltf"), Container::Binary { buffer, .. }) => {
-                let moved = added::move_to_text(buffer, &mut document);
+                let moved = appended_clip::move_to_text(buffer, &mut document);
                 moved.map_err(|error| fail(error.to_string()))?;
                 container = Container::Text;
             }
             _ => return Err(fail("scenes are written as .glb or .gltf".into())),
         }
         let folder = path.parent().unwrap_or(Path::new(""));
-        if !beside::is_same_folder(folder, &self.folder) {
-            beside::take_in(&mut document, &self.folder).map_err(&fail)?;
+        if !external_files::is_same_folder(folder, &self.folder) {
+            external_files::take_in(&mut document, &self.folder).map_err(&fail)?;
         }
         let bytes = bytes_of(&document, &container).map_err(|error| fail(error.to_string()))?;
         write_bytes(path, &bytes)

@@ -2,7 +2,7 @@
 
 mod basis;
 mod cost;
-mod door;
 mod interior;
+mod keyframe_ik;
 
-pub use door::{EditedKeys, KeyframeIk};
+pub use keyframe_ik::{EditedKeys, KeyframeIk};

@@ -20,10 +20,10 @@ pub(crate) enum Edge {
 
 /// An edge that is near: which, whether x stands on it, and its outward normal.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Near {
-    pub(super) edge: Edge,
-    pub(super) is_on: bool,
-    pub(super) normal: Vector3<f64>,
+pub(in crate::solver) struct Near {
+    pub(in crate::solver) edge: Edge,
+    pub(in crate::solver) is_on: bool,
+    pub(in crate::solver) normal: Vector3<f64>,
 }
 
 /// Normals whose part across the others is shorter than this say nothing of their own.
@@ -32,7 +32,7 @@ const DEPENDENT: f64 = 1e-6;
 /// The steps of two or three variables in a row: one component leads across each edge that is near and along the
 /// others, so that every edge holds one component as a bound does, and the rest are free.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct EdgeFrame {
+pub(in crate::solver) struct EdgeFrame {
     first: usize,
     width: usize,
     /// Where a component of 1 leads.
@@ -44,7 +44,7 @@ pub(super) struct EdgeFrame {
 
 impl EdgeFrame {
     /// Two variables at the edge of a swing.
-    pub(super) fn of_swing(first: usize, near: Near) -> Self {
+    pub(in crate::solver) fn of_swing(first: usize, near: Near) -> Self {
         let across = near.normal;
         let along = Vector3::new(-across.y, across.x, 0.0);
         let ways = [across, along, Vector3::zero()];
@@ -59,7 +59,7 @@ impl EdgeFrame {
 
     /// Three variables at edges. That of a swing has the first component and that of a twist the last, as away
     /// from edges; others have what is left.
-    pub(super) fn of_ball(first: usize, edges: impl Iterator<Item = Near>) -> Self {
+    pub(in crate::solver) fn of_ball(first: usize, edges: impl Iterator<Item = Near>) -> Self {
         let mut near: [Option<Near>; 3] = [None; 3];
         let mut normals = [Vector3::zero(); 3];
         // What the normals span, made orthonormal.
@@ -93,12 +93,12 @@ impl EdgeFrame {
     }
 
     /// The variables that it is about.
-    pub(super) fn variables(&self) -> std::ops::Range<usize> {
+    pub(in crate::solver) fn variables(&self) -> std::ops::Range<usize> {
         self.first..self.first + self.width
     }
 
     /// The edge that a component leads across.
-    pub(super) fn near(&self, component: usize) -> Option<&Near> {
+    pub(in crate::solver) fn near(&self, component: usize) -> Option<&Near> {
         self.near[component - self.first].as_ref()
     }
 
@@ -118,7 +118,7 @@ impl EdgeFrame {
     }
 
     /// Writes x moved by a share of a step.
-    pub(super) fn integrate(&self, x: &[f64], share: f64, step: &[f64], to: &mut [f64]) {
+    pub(in crate::solver) fn integrate(&self, x: &[f64], share: f64, step: &[f64], to: &mut [f64]) {
         let step = self.own(step).to_array();
         let ways = self.ways.iter().zip(step).take(self.width);
         let moved = ways.fold(self.own(x), |at, (way, step)| at + *way * (share * step));
@@ -126,20 +126,26 @@ impl EdgeFrame {
     }
 
     /// Writes x moved by a step of one component.
-    pub(super) fn integrate_one(&self, x: &[f64], component: usize, step: f64, to: &mut [f64]) {
+    pub(in crate::solver) fn integrate_one(
+        &self,
+        x: &[f64],
+        component: usize,
+        step: f64,
+        to: &mut [f64],
+    ) {
         let way = self.ways[component - self.first];
         self.put(self.own(x) + way * step, to);
     }
 
     /// Turns the difference of two x into the components of a step.
-    pub(super) fn components(&self, difference: &mut [f64]) {
+    pub(in crate::solver) fn components(&self, difference: &mut [f64]) {
         let whole = self.own(difference);
         let [a, b, c] = self.normals.map(|normal| normal.dot(whole));
         self.put(Vector3::new(a, b, c), difference);
     }
 
     /// Turns derivatives by the variables, of so many rows each, into those by components.
-    pub(super) fn by_steps(&self, rows: usize, derivatives: &mut [f64]) {
+    pub(in crate::solver) fn by_steps(&self, rows: usize, derivatives: &mut [f64]) {
         let Some(own) = derivatives.get_mut(self.first * rows..(self.first + self.width) * rows)
         else {
             return;

@@ -1,9 +1,9 @@
-//! The edges of [rooms](super::rooms) at a trial: which of them it is brought back onto.
+//! The edges of [rooms](super::inequalities) at a trial: which of them it is brought back onto.
 
 use nalgebra::DMatrix;
 
-use super::asked::Asked;
-use super::rooms::{Edge, Rooms};
+use super::descent_problem::DescentProblem;
+use super::inequalities::{Edge, Rooms};
 use crate::problem::Share;
 
 impl Edge {
@@ -44,12 +44,12 @@ impl Rooms {
     /// stood on from then on; none is yet in the first round.
     pub(super) fn change(
         &mut self,
-        asked: &mut Asked<'_, '_>,
+        descent: &mut DescentProblem<'_, '_>,
         (rank, trial): (usize, &[f64]),
         is_first: bool,
         (residual, change): (&mut [f64], &mut [f64]),
     ) {
-        asked.depths(Share::above(rank), trial, &mut self.depths_there);
+        descent.depths(Share::above(rank), trial, &mut self.depths_there);
         for (residual, replaced) in residual.iter_mut().zip(&self.replaced) {
             if *replaced {
                 *residual = 0.0;
@@ -70,13 +70,13 @@ impl Rooms {
     /// Completes the rows that bring a trial back.
     pub(super) fn complete_there(
         &mut self,
-        asked: &mut Asked<'_, '_>,
+        descent: &mut DescentProblem<'_, '_>,
         (rank, trial): (usize, &[f64]),
         residual: &DMatrix<f64>,
         whole: &mut DMatrix<f64>,
     ) {
         let mut there = std::mem::take(&mut self.jacobian_there);
-        asked.depth_jacobian(Share::above(rank), trial, &mut there);
+        descent.depth_jacobian(Share::above(rank), trial, &mut there);
         self.write(residual, &there, Edge::brings_back, whole);
         self.jacobian_there = there;
     }

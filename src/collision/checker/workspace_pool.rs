@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use super::scene_room::SceneRoom;
+use super::scene_placements::SceneRoom;
 
 /// Room for as many visits as there were at once.
 #[derive(Debug, Default)]

@@ -8,8 +8,8 @@
 
 use crate::spatial::{Placement, Vector3};
 
-use super::core::{Core, Gap, Pair};
-use super::stationary::{Candidate, Feature, across, stationary, unit};
+use super::core_and_radius::{Core, Gap, Pair};
+use super::nearest_features::{Candidate, Feature, across, stationary, unit};
 
 /// Corners within this share of the size are at hand.
 const AT_HAND: f64 = 1e-4;

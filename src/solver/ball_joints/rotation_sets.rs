@@ -65,7 +65,7 @@ impl Swing {
     }
 
     /// Whether it stands on the edge.
-    pub(super) fn is_on(&self, x: &[f64]) -> bool {
+    pub(in crate::solver) fn is_on(&self, x: &[f64]) -> bool {
         self.share(self.of(x)) >= 1.0 - ON
     }
 
@@ -76,7 +76,7 @@ impl Swing {
     }
 
     /// The outward normal of the edge where it is near; the way along the edge is a quarter turn on.
-    pub(super) fn normal(&self, x: &[f64]) -> Option<[f64; 2]> {
+    pub(in crate::solver) fn normal(&self, x: &[f64]) -> Option<[f64; 2]> {
         let [first, second] = self.of(x);
         let near = self.share([first, second]) >= 1.0 - NEAR;
         let [a, b] = self.half_angles;
@@ -101,7 +101,7 @@ impl Swing {
     }
 
     /// Its edge, where that is near.
-    pub(super) fn near(&self, x: &[f64]) -> Option<Near> {
+    pub(in crate::solver) fn near(&self, x: &[f64]) -> Option<Near> {
         let [first, second] = self.normal(x)?;
         Some(Near {
             edge: Edge::Swing,
@@ -111,12 +111,12 @@ impl Swing {
     }
 
     /// Whether two angles are within the ellipse.
-    pub(super) fn holds(&self, pair: [f64; 2]) -> bool {
+    pub(in crate::solver) fn holds(&self, pair: [f64; 2]) -> bool {
         self.share(pair) <= 1.0
     }
 
     /// Puts it into the ellipse, to the nearest point of that.
-    pub(super) fn project(&self, x: &mut [f64]) {
+    pub(in crate::solver) fn project(&self, x: &mut [f64]) {
         let place = self.of(x);
         let share = self.share(place);
         if share <= 1.0 - WITHIN || !share.is_finite() {
@@ -152,7 +152,7 @@ impl Swing {
 }
 
 /// The shortest rotation vector of the same rotation.
-pub(super) fn shortest(vector: &mut [f64]) {
+pub(in crate::solver) fn shortest(vector: &mut [f64]) {
     let length = vector.iter().map(|v| v * v).sum::<f64>().sqrt();
     if length > PI && length.is_finite() {
         let turns = (length / TAU).round();
@@ -162,7 +162,7 @@ pub(super) fn shortest(vector: &mut [f64]) {
 }
 
 /// Moves a step between rotation vectors, to − from, by a whole turn of `to` where that is shorter.
-pub(super) fn shorten(step: &mut [f64], to: &[f64]) {
+pub(in crate::solver) fn shorten(step: &mut [f64], to: &[f64]) {
     let squared = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>();
     let length = squared(to).sqrt();
     if length > 0.0 {

@@ -1,7 +1,7 @@
 //! Whether the way between two configurations is free, by a bound on how far anything moves: not by samples and hope.
 
 use super::parts::Pair;
-use super::scene_room::SceneRoom;
+use super::scene_placements::SceneRoom;
 use super::{Checker, CheckerWorkspace};
 use crate::collision::Separation;
 use crate::kinematics::KinematicsError;

@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use gltf_json::validation::USize64;
 use gltf_json::{Index, Root};
 
-use super::members::Members;
+use super::json_edit::Members;
 use super::{Container, place};
 use crate::animation::LocalTransform;
 use crate::io::gltf::write::{ClipDocument, UnwritableScene};

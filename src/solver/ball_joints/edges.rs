@@ -1,33 +1,33 @@
 //! Where balls stand at the edges of their sets, and how steps are told there.
 
-use super::ConfigurationSpace;
 use super::edge_frame::{Edge, EdgeFrame, Near};
 use super::turn_limit::TurnLimit;
+use crate::solver::ConfigurationSpace;
 use crate::spatial::Vector3;
 
 impl<'a> ConfigurationSpace<'a> {
     /// Whether anything but bounds can hold a variable.
     #[inline]
-    pub(super) fn has_edges(&self) -> bool {
+    pub(in crate::solver) fn has_edges(&self) -> bool {
         let sets = self.rotations;
         !(sets.swings.is_empty() && sets.turns.is_empty() && self.moves.is_empty())
     }
 
     /// The angles that balls turn within, those of moves last.
-    pub(super) fn turns(&self) -> impl Iterator<Item = (&'a TurnLimit, bool)> {
+    pub(in crate::solver) fn turns(&self) -> impl Iterator<Item = (&'a TurnLimit, bool)> {
         let whole = self.rotations.turns.iter().map(|turn| (turn, false));
         whole.chain(self.moves.iter().map(|turn| (turn, true)))
     }
 
     /// The frames of steps where edges are near.
     #[inline]
-    pub(super) fn frames(&self, x: &[f64]) -> impl Iterator<Item = EdgeFrame> {
+    pub(in crate::solver) fn frames(&self, x: &[f64]) -> impl Iterator<Item = EdgeFrame> {
         // Asked of every step, and most models have no balls.
         let edged = self.has_edges().then(|| self.frames_of_sets(x));
         edged.into_iter().flatten()
     }
 
-    fn frames_of_sets(&self, x: &[f64]) -> impl Iterator<Item = EdgeFrame> {
+    pub(in crate::solver) fn frames_of_sets(&self, x: &[f64]) -> impl Iterator<Item = EdgeFrame> {
         let turned = self.turns().enumerate().filter_map(|(k, (turn, _))| {
             turn.near_edge(x)?;
             let mut before = self
@@ -82,7 +82,7 @@ impl<'a> ConfigurationSpace<'a> {
 
     /// The frame that a component belongs to, where edges are near.
     #[inline]
-    pub(super) fn frame_of(&self, x: &[f64], component: usize) -> Option<EdgeFrame> {
+    pub(in crate::solver) fn frame_of(&self, x: &[f64], component: usize) -> Option<EdgeFrame> {
         let sets = self.rotations;
         let is_swung = sets.swing_of(component).is_some();
         if !is_swung
@@ -106,7 +106,7 @@ impl<'a> ConfigurationSpace<'a> {
 
     /// How far a component of a ball at an edge may go up: nowhere across it.
     #[inline]
-    pub(super) fn room_on_edge(&self, x: &[f64], component: usize) -> Option<f64> {
+    pub(in crate::solver) fn room_on_edge(&self, x: &[f64], component: usize) -> Option<f64> {
         // What does not move at all is held by its bounds.
         let moves = self.lower[component] < self.upper[component];
         let frame = self.frame_of(x, component).filter(|_| moves)?;
@@ -128,7 +128,12 @@ impl<'a> ConfigurationSpace<'a> {
     }
 
     /// Whether a ball's three variables are within its bounds, its cone and, if that is asked too, its whole angle.
-    pub(super) fn keeps(&self, first: usize, own: [f64; 3], whole_angle_too: bool) -> bool {
+    pub(in crate::solver) fn keeps(
+        &self,
+        first: usize,
+        own: [f64; 3],
+        whole_angle_too: bool,
+    ) -> bool {
         let bounds = self.lower[first..].iter().zip(&self.upper[first..]);
         let mut swings = self.rotations.swings.iter();
         let mut turns = self.rotations.turns.iter();

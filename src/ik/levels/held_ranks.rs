@@ -7,9 +7,9 @@
 
 use nalgebra::DMatrix;
 
-use super::asked::Asked;
 use super::curvature::{Curvature, NEW, NEW_CURVATURE, add_rows};
-use super::rooms::Rooms;
+use super::descent_problem::DescentProblem;
+use super::inequalities::Rooms;
 use crate::problem::{Evaluation, Problem, Share};
 use crate::solver::{RowSpan, half_squared, negligible_slope};
 
@@ -106,13 +106,13 @@ impl Held {
     /// stand on a bound for a missed one's sake. Whether all are reached.
     pub(super) fn take(
         &mut self,
-        asked: &mut Asked<'_, '_>,
+        descent: &mut DescentProblem<'_, '_>,
         rank: usize,
         x: &[f64],
         residual: &[f64],
         fixed: &mut [bool],
     ) -> bool {
-        let problem = asked.question.problem;
+        let problem = descent.question.problem;
         self.kept.copy_from_slice(residual);
         self.ranks.clear();
         self.ranks.extend((0..rank).map(|rank| {
@@ -130,16 +130,16 @@ impl Held {
             1 if rank == 1 => Above::FirstMissed,
             _ => Above::Mixed,
         };
-        self.rooms.take(asked, &self.ranks, x);
+        self.rooms.take(descent, &self.ranks, x);
         fixed.fill(false);
         match self.above {
             Above::Reached => {}
-            Above::FirstMissed => self.fix_for_a_missed_first(asked, x, fixed),
+            Above::FirstMissed => self.fix_for_a_missed_first(descent, x, fixed),
             Above::Mixed => {
-                self.take_jacobian(asked, x, false);
+                self.take_jacobian(descent, x, false);
                 let here = (&self.jacobian, &self.kept[..]);
                 let (ranks, rooms) = (&self.ranks, &mut self.rooms);
-                self.curvature.fix(asked, (ranks, rooms), x, here, fixed);
+                self.curvature.fix(descent, (ranks, rooms), x, here, fixed);
             }
         }
         self.above == Above::Reached
@@ -153,46 +153,57 @@ impl Held {
         before
     }
 
-    fn fix_for_a_missed_first(&mut self, asked: &mut Asked<'_, '_>, x: &[f64], fixed: &mut [bool]) {
+    fn fix_for_a_missed_first(
+        &mut self,
+        descent: &mut DescentProblem<'_, '_>,
+        x: &[f64],
+        fixed: &mut [bool],
+    ) {
         let share = self.share();
-        let mut goals = Evaluation::of(share, asked.question, asked.scratch);
-        let (slope, column_norm) = asked.memory.slope_at(&mut goals, x, &self.kept);
+        let mut goals = Evaluation::of(share, descent.question, descent.scratch);
+        let (slope, column_norm) = descent.memory.slope_at(&mut goals, x, &self.kept);
         let cost = half_squared(&self.kept);
-        let negligible = negligible_slope(column_norm, cost, &asked.stopping);
+        let negligible = negligible_slope(column_norm, cost, &descent.stopping);
         for (j, fixed) in fixed.iter_mut().enumerate() {
-            *fixed = asked.question.space().holds(x, j, slope[j], negligible);
+            *fixed = descent.question.space().holds(x, j, slope[j], negligible);
         }
     }
 
     /// Takes C, for steps from x with C Δ = 0, with the edges that it stands on and, where a step has led there, rests on.
     pub(super) fn take_rows(
         &mut self,
-        asked: &mut Asked<'_, '_>,
+        descent: &mut DescentProblem<'_, '_>,
         x: &[f64],
         fixed: &[bool],
         has_stepped: bool,
     ) {
         if self.above == Above::FirstMissed {
-            return self.curvature.of_first(asked, x, &[]);
+            return self.curvature.of_first(descent, x, &[]);
         }
-        self.take_jacobian(asked, x, has_stepped);
+        self.take_jacobian(descent, x, has_stepped);
         if self.above == Above::Mixed {
             let rows = self.kept.len();
-            asked.residual(self.share(), x, &mut self.now[..rows]);
+            descent.residual(self.share(), x, &mut self.now[..rows]);
             let here = (&self.jacobian, &self.now[..rows]);
             let (ranks, rooms) = (&self.ranks, &self.rooms);
-            self.curvature.of_all(asked, (ranks, rooms), x, here, fixed);
+            self.curvature
+                .of_all(descent, (ranks, rooms), x, here, fixed);
         }
     }
 
     /// Takes the rows of reached ranks, and the edges that hold.
-    fn take_jacobian(&mut self, asked: &mut Asked<'_, '_>, x: &[f64], has_stepped: bool) {
+    fn take_jacobian(
+        &mut self,
+        descent: &mut DescentProblem<'_, '_>,
+        x: &[f64],
+        has_stepped: bool,
+    ) {
         let share = self.share();
         if self.rooms.len() == 0 {
-            return asked.held_jacobian(share, x, &mut self.jacobian);
+            return descent.held_jacobian(share, x, &mut self.jacobian);
         }
-        asked.held_jacobian(share, x, &mut self.of_residual);
-        self.rooms.stand(asked, self.ranks.len(), x);
+        descent.held_jacobian(share, x, &mut self.of_residual);
+        self.rooms.stand(descent, self.ranks.len(), x);
         self.rooms.work(has_stepped);
         self.rooms.complete(&self.of_residual, &mut self.jacobian);
     }

@@ -8,7 +8,7 @@
 //! multibody mechanisms"). So where an arm stands depends on its target and not on the way that it came.
 
 use super::arm::Arm;
-use super::bend::Bend;
+use super::elbow_side::Bend;
 use super::null_space::Factor;
 use super::workspace::ArmWorkspace;
 

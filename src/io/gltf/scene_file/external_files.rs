@@ -5,7 +5,7 @@ use std::path::Path;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-use super::members::Members;
+use super::json_edit::Members;
 use super::text;
 use crate::io::gltf::LENGTH_LIMIT;
 use crate::io::gltf::buffers::{is_data, path};

@@ -1,6 +1,6 @@
 //! Where two features of bodies, corners, lines and circles, are nearest to each other or deepest in each other.
 
-use super::core::Gap;
+use super::core_and_radius::Gap;
 use crate::spatial::Vector3;
 
 const NEWTON: usize = 12;

@@ -1,7 +1,7 @@
 //! The way back after a step, to where what is held is what it was.
 
-use super::asked::Asked;
-use super::held::{Above, Held, SAME_MISS};
+use super::descent_problem::DescentProblem;
+use super::held_ranks::{Above, Held, SAME_MISS};
 use crate::problem::{Evaluation, Problem, Share};
 use crate::solver::{AnyMethod, HeldStep, LevenbergMarquardt, Silent, StepBounds, half_squared};
 
@@ -14,38 +14,39 @@ impl Held {
     /// Moves a trial to where the held ranks are what they were; whether it came there.
     pub(super) fn bring_back(
         &mut self,
-        asked: &mut Asked<'_, '_>,
+        descent: &mut DescentProblem<'_, '_>,
         trial: &mut [f64],
         step: &mut HeldStep,
         fixed: &[bool],
     ) -> bool {
         match self.above {
-            Above::Reached | Above::Mixed => self.correct(asked, trial, step, fixed),
-            Above::FirstMissed => self.settle(asked, trial),
+            Above::Reached | Above::Mixed => self.correct(descent, trial, step, fixed),
+            Above::FirstMissed => self.settle(descent, trial),
         }
     }
 
     /// Newton's method on what has changed: the residuals of reached ranks, and the slopes of missed ones.
     fn correct(
         &mut self,
-        asked: &mut Asked<'_, '_>,
+        descent: &mut DescentProblem<'_, '_>,
         trial: &mut [f64],
         step: &mut HeldStep,
         fixed: &[bool],
     ) -> bool {
-        let question = asked.question;
+        let question = descent.question;
         let (share, rows, rank) = (self.share(), self.kept.len(), self.ranks.len());
         for round in 0..=CORRECTIONS {
-            asked.residual(share, trial, &mut self.now[..rows]);
+            descent.residual(share, trial, &mut self.now[..rows]);
             let stands = self.stand(question.problem);
             if self.above == Above::Mixed && round < CORRECTIONS {
-                self.curvature.slopes(asked, &self.ranks, trial, fixed);
+                self.curvature.slopes(descent, &self.ranks, trial, fixed);
             }
             for (now, kept) in self.now.iter_mut().zip(&self.kept) {
                 *now -= kept;
             }
             let change = self.now.split_at_mut(rows);
-            self.rooms.change(asked, (rank, trial), round == 0, change);
+            self.rooms
+                .change(descent, (rank, trial), round == 0, change);
             // One correction at least: what is left of a step's square would drown what it gains.
             if round > 0 && stands && self.is_kept(question.problem) {
                 return true;
@@ -53,11 +54,11 @@ impl Held {
             if round == CORRECTIONS || !self.now.iter().all(|v| v.is_finite()) {
                 break;
             }
-            self.take_jacobian_there(asked, trial);
+            self.take_jacobian_there(descent, trial);
             let (held, miss) = match self.above {
                 Above::Mixed => {
                     self.curvature
-                        .system(asked, &self.ranks, &self.jacobian, &self.now)
+                        .system(descent, &self.ranks, &self.jacobian, &self.now)
                 }
                 _ => (&self.jacobian, &self.now[..]),
             };
@@ -76,15 +77,15 @@ impl Held {
     }
 
     /// Takes the rows of reached ranks at a trial, and the edges that bring it back.
-    fn take_jacobian_there(&mut self, asked: &mut Asked<'_, '_>, trial: &[f64]) {
+    fn take_jacobian_there(&mut self, descent: &mut DescentProblem<'_, '_>, trial: &[f64]) {
         let share = self.share();
         if self.rooms.len() == 0 {
-            return asked.held_jacobian(share, trial, &mut self.jacobian);
+            return descent.held_jacobian(share, trial, &mut self.jacobian);
         }
-        asked.held_jacobian(share, trial, &mut self.of_residual);
+        descent.held_jacobian(share, trial, &mut self.of_residual);
         let at = (self.ranks.len(), trial);
         self.rooms
-            .complete_there(asked, at, &self.of_residual, &mut self.jacobian);
+            .complete_there(descent, at, &self.of_residual, &mut self.jacobian);
     }
 
     /// Whether, by the residual now, every rank is as good as it was: reached, or missed by no more.
@@ -110,19 +111,19 @@ impl Held {
     }
 
     /// A missed first rank's own search from the trial; whether its cost is as low as it was.
-    fn settle(&mut self, asked: &mut Asked<'_, '_>, trial: &mut [f64]) -> bool {
-        let stopping = asked.stopping.with_max_iterations(SETTLING);
+    fn settle(&mut self, descent: &mut DescentProblem<'_, '_>, trial: &mut [f64]) -> bool {
+        let stopping = descent.stopping.with_max_iterations(SETTLING);
         let share = self.share();
-        let memory = &mut *asked.memory;
+        let memory = &mut *descent.memory;
         LevenbergMarquardt::default().minimise(
-            &mut Evaluation::of(share, asked.question, asked.scratch),
+            &mut Evaluation::of(share, descent.question, descent.scratch),
             trial,
             &stopping,
-            asked.deadline,
+            descent.deadline,
             &mut Silent,
             memory,
         );
-        asked.counts += memory.counts();
+        descent.counts += memory.counts();
         trial.copy_from_slice(memory.x());
         memory.cost() <= half_squared(&self.kept) * (1.0 + SAME_MISS)
     }

@@ -93,12 +93,12 @@ impl TurnLimit {
     }
 
     /// Whether it is as far as it may be.
-    pub(super) fn is_within(&self, own: [f64; 3]) -> bool {
+    pub(in crate::solver) fn is_within(&self, own: [f64; 3]) -> bool {
         self.is_well_within(own, 0.0) || self.angle(own) <= self.most
     }
 
     /// Whether it stands on the edge, where it is near: with the outward normal there.
-    pub(super) fn near_edge(&self, x: &[f64]) -> Option<(bool, Vector3<f64>)> {
+    pub(in crate::solver) fn near_edge(&self, x: &[f64]) -> Option<(bool, Vector3<f64>)> {
         let own = self.of(x);
         if self.is_well_within(own, NEAR) {
             return None;
@@ -118,7 +118,11 @@ impl TurnLimit {
 
     /// Puts x within the angle: straight back towards the centre, or where that would leave the joint's other limits,
     /// by the variables' way to a place within all.
-    pub(super) fn project(&self, x: &mut [f64], keeps_others: impl Fn([f64; 3]) -> bool) {
+    pub(in crate::solver) fn project(
+        &self,
+        x: &mut [f64],
+        keeps_others: impl Fn([f64; 3]) -> bool,
+    ) {
         let own = self.of(x);
         let most = self.most * (1.0 - WITHIN) - ROUNDING;
         if self.is_well_within(own, WITHIN) {

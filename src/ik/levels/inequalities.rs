@@ -7,8 +7,8 @@
 
 use nalgebra::DMatrix;
 
-use super::asked::Asked;
-use super::held::HeldRank;
+use super::descent_problem::DescentProblem;
+use super::held_ranks::HeldRank;
 use crate::problem::Share;
 use crate::solver::Inequalities;
 
@@ -78,14 +78,19 @@ impl Rooms {
     }
 
     /// Learns which edges count from x on.
-    pub(super) fn take(&mut self, asked: &mut Asked<'_, '_>, ranks: &[HeldRank], x: &[f64]) {
+    pub(super) fn take(
+        &mut self,
+        descent: &mut DescentProblem<'_, '_>,
+        ranks: &[HeldRank],
+        x: &[f64],
+    ) {
         self.edges.fill(Edge::default());
         self.replaced.fill(false);
         if self.edges.is_empty() {
             return;
         }
-        asked.depths(Share::above(ranks.len()), x, &mut self.depths);
-        for room in asked.question.problem.rooms_above(ranks.len()) {
+        descent.depths(Share::above(ranks.len()), x, &mut self.depths);
+        for room in descent.question.problem.rooms_above(ranks.len()) {
             let reached = ranks
                 .iter()
                 .any(|held| held.rank == room.rank && held.reached);
@@ -110,10 +115,10 @@ impl Rooms {
     }
 
     /// Takes the depths and their slopes at x, where the rank stands.
-    pub(super) fn stand(&mut self, asked: &mut Asked<'_, '_>, rank: usize, x: &[f64]) {
+    pub(super) fn stand(&mut self, descent: &mut DescentProblem<'_, '_>, rank: usize, x: &[f64]) {
         let share = Share::above(rank);
-        asked.depths(share, x, &mut self.depths);
-        asked.depth_jacobian(share, x, &mut self.jacobian);
+        descent.depths(share, x, &mut self.depths);
+        descent.depth_jacobian(share, x, &mut self.jacobian);
     }
 
     /// How far from its least depth it is.

@@ -5,10 +5,10 @@
 //! the ends by more than that, however far the bodies go across n. Where conservative advancement alone creeps by a hair's breadth a step along a
 //! table, this goes by the square root of it.
 
+use super::continuous_check::Slow;
 use super::motion_bound::BoundRoom;
 use super::parts::{Pair, Scene};
-use super::scene_room::SceneRoom;
-use super::way::Slow;
+use super::scene_placements::SceneRoom;
 use super::{Checker, CheckerWorkspace};
 use crate::kinematics::KinematicsError;
 use crate::spatial::{Placement, Vector3};

@@ -3,7 +3,7 @@
 use super::cartesian_path::CartesianPath;
 use super::deviation::{self, LedStep};
 use super::error::PathError;
-use super::fill::Way;
+use super::knot_configurations::Way;
 use super::knots::Knots;
 use super::shorten::step_length;
 use super::solution::{MissReason, Missed, PathSolution, Reconfiguration};

@@ -2,7 +2,7 @@
 
 use super::Solution;
 use crate::problem::{CompiledTask, Question};
-use crate::task::{PlaceAsked, Quantity, Role};
+use crate::task::{FrameGoal, Quantity, Role};
 
 /// A goal whose place is farther from where its chain begins than the chain is long.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +28,7 @@ fn beyond(question: Question<'_>, index: usize, task: &CompiledTask) -> Option<B
     // Anchors are where the problem was built.
     let problem = (!question.places_moved()).then_some(question.problem)?;
     let residual = question.residual(index).as_any();
-    let PlaceAsked { place, offset, .. } = PlaceAsked::by(residual)?;
+    let FrameGoal { place, offset, .. } = FrameGoal::by(residual)?;
     let target = place?;
     let mut asked = task.blocks().filter(|block| block.can_miss());
     let place = asked.find(|block| block.measure.quantity == Quantity::Metres)?;

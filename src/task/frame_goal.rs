@@ -7,7 +7,7 @@ use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// Where in the world a frame should be, exactly.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct PlaceAsked {
+pub(crate) struct FrameGoal {
     /// The point of the frame that has a place, in frame coordinates.
     pub(crate) offset: Vector3<f64>,
     pub(crate) place: Option<Vector3<f64>>,
@@ -17,7 +17,7 @@ pub(crate) struct PlaceAsked {
     pub(crate) whole: bool,
 }
 
-impl PlaceAsked {
+impl FrameGoal {
     /// What a residual asks, if that is a place or axes in the world.
     pub(crate) fn by(residual: &dyn Any) -> Option<Self> {
         if let Some(point) = residual.downcast_ref::<Point>() {

@@ -2,30 +2,30 @@
 
 use nalgebra::DMatrix;
 
-use super::asked::Asked;
 use super::curvature::{Curvature, NEW, add_rows};
-use super::held::HeldRank;
-use super::rooms::Rooms;
+use super::descent_problem::DescentProblem;
+use super::held_ranks::HeldRank;
+use super::inequalities::Rooms;
 use crate::solver::{dot, half_squared, negligible_slope};
 
 impl Curvature {
     /// Fixes the variables that stand on a bound for a missed rank's sake, and locks the edges that do.
     pub(super) fn fix(
         &mut self,
-        asked: &mut Asked<'_, '_>,
+        descent: &mut DescentProblem<'_, '_>,
         (ranks, rooms): (&[HeldRank], &mut Rooms),
         x: &[f64],
         (jacobian, residual): (&DMatrix<f64>, &[f64]),
         fixed: &mut [bool],
     ) {
-        let space = asked.question.space();
+        let space = descent.question.space();
         // Multipliers are sought with what may go both ways.
         let bound: Vec<bool> = (0..x.len())
             .map(|j| !space.is_between_bounds(x, j))
             .collect();
         for held in ranks.iter().filter(|held| !held.reached) {
-            let own = asked.question.problem.ranks().rows_of(held.rank);
-            self.take_pushes(asked, (ranks, rooms), held, (jacobian, residual), &bound);
+            let own = descent.question.problem.ranks().rows_of(held.rank);
+            self.take_pushes(descent, (ranks, rooms), held, (jacobian, residual), &bound);
             let multipliers = &self.multipliers[held.rank * self.first..][..self.first];
             let columns = jacobian.as_slice().chunks_exact(self.first.max(1));
             let mut steepest = 0.0_f64;
@@ -35,7 +35,7 @@ impl Curvature {
                 steepest = steepest.max(dot(own, own).sqrt());
             }
             let cost = half_squared(&residual[own]);
-            let negligible = negligible_slope(steepest, cost, &asked.stopping);
+            let negligible = negligible_slope(steepest, cost, &descent.stopping);
             for (j, fixed) in fixed.iter_mut().enumerate() {
                 *fixed |= space.holds(x, j, self.slope[j], negligible);
             }
@@ -52,7 +52,7 @@ impl Curvature {
     /// λ of a missed rank, with those edges of the ones that hold which it pushes against.
     fn take_pushes(
         &mut self,
-        asked: &Asked<'_, '_>,
+        descent: &DescentProblem<'_, '_>,
         (ranks, rooms): (&[HeldRank], &Rooms),
         missed: &HeldRank,
         (jacobian, residual): (&DMatrix<f64>, &[f64]),
@@ -66,7 +66,7 @@ impl Curvature {
                 .iter()
                 .filter(|held| held.rank < missed.rank && held.reached);
             for held in higher {
-                let own = asked.question.problem.ranks().rows_of(held.rank);
+                let own = descent.question.problem.ranks().rows_of(held.rank);
                 add_rows(&mut above, jacobian, own, bound, NEW);
                 let edges = rooms.holding_of(held.rank);
                 for edge in edges.filter(|edge| !let_go.contains(edge)) {
@@ -74,7 +74,7 @@ impl Curvature {
                     add_rows(&mut above, jacobian, row..row + 1, bound, NEW);
                 }
             }
-            self.take_multipliers(asked, ranks, missed, &mut above, (jacobian, residual));
+            self.take_multipliers(descent, ranks, missed, &mut above, (jacobian, residual));
             let pushes = &self.multipliers[missed.rank * self.first..][self.residual..self.first];
             let hardest = (0..pushes.len()).max_by(|&a, &b| pushes[a].total_cmp(&pushes[b]));
             match hardest.filter(|&edge| pushes[edge] > 0.0) {

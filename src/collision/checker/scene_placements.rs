@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use super::cover::PlacedCover;
 use super::parts::Scene;
-use super::placed::{Placed, PlacedShapes};
+use super::placed_shapes::{Placed, PlacedShapes};
+use super::sphere_cover::PlacedCover;
 use crate::collision::Separation;
 use crate::spatial::Placement;
 

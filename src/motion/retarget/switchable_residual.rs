@@ -6,12 +6,12 @@ use crate::task::{LocalJacobian, Residual};
 
 /// The same residual, or 0.
 #[derive(Clone, Debug)]
-pub(super) struct Sometimes<R> {
+pub(super) struct Switchable<R> {
     of: R,
     counts: bool,
 }
 
-impl<R> Sometimes<R> {
+impl<R> Switchable<R> {
     pub(super) fn new(of: R) -> Self {
         Self { of, counts: true }
     }
@@ -22,7 +22,7 @@ impl<R> Sometimes<R> {
     }
 }
 
-impl<R: Residual> Residual for Sometimes<R> {
+impl<R: Residual> Residual for Switchable<R> {
     as_inner!(of: kind, is_of_body, frames, joints, joint_values, rows, rooms, validate);
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {

@@ -1,12 +1,12 @@
-//! What a descent asks, and how often it did.
+//! The problem that a descent solves, its memory, and how often it was evaluated.
 
 use nalgebra::DMatrix;
 
 use crate::problem::{Evaluation, Question, Scratch, Share};
 use crate::solver::{Counts, LeastSquares, SolverState, Stopping};
 
-/// What is asked, the memory to evaluate it, and how often that was done.
-pub(super) struct Asked<'q, 'm> {
+/// What a descent is of, the memory to evaluate it, and how often that was done.
+pub(super) struct DescentProblem<'q, 'm> {
     pub(super) question: Question<'q>,
     pub(super) scratch: &'m mut Scratch,
     pub(super) memory: &'m mut SolverState,
@@ -15,7 +15,7 @@ pub(super) struct Asked<'q, 'm> {
     pub(super) counts: Counts,
 }
 
-impl Asked<'_, '_> {
+impl DescentProblem<'_, '_> {
     pub(super) fn evaluate(&mut self, share: Share) -> Evaluation<'_> {
         Evaluation::of(share, self.question, self.scratch)
     }

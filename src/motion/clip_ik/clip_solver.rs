@@ -74,8 +74,8 @@ const RAISED: f64 = 0.125;
 /// What stands moves at no more than this share of the foot's mean speed: clips of games hardly stop a foot.
 const SLOW: f64 = 0.5;
 
-/// What is asked of a clip, checked.
-pub(super) struct Asked {
+/// What a clip is to do, checked.
+pub(super) struct ClipRequest {
     /// Those that are planted first, in their order.
     pub(super) bones: Vec<BoneId>,
     pub(super) root: Option<BoneId>,
@@ -141,12 +141,12 @@ impl<'a> ClipIk<'a> {
     /// is not within the clip; settings out of range; a bone whose scale shears what hangs on it. What cannot be reached is no
     /// error: [`EditedClip::led`] says by how much.
     pub fn solve(&self, clip: &Clip) -> Result<EditedClip, ClipIkError> {
-        let asked = self.check(clip)?;
-        solve(self, &asked, clip)
+        let request = self.check(clip)?;
+        solve(self, &request, clip)
     }
 
     /// Checks what is asked of a clip.
-    fn check(&self, clip: &Clip) -> Result<Asked, ClipIkError> {
+    fn check(&self, clip: &Clip) -> Result<ClipRequest, ClipIkError> {
         SizeMismatch::check("bones in the clip", clip.bones(), self.armature.bones())?;
         for (index, bone) in self
             .skeleton
@@ -208,7 +208,7 @@ impl<'a> ClipIk<'a> {
                 travel: self.travel.to_array(),
             });
         }
-        Ok(Asked {
+        Ok(ClipRequest {
             bones,
             root,
             travel: self.travel.as_dvec3(),

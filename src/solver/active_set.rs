@@ -1,0 +1,99 @@
+//! The active set: which limits hold x, which variables are free to move, and when x is stationary within its limits.
+
+use super::{ConfigurationSpace, Side};
+
+impl ConfigurationSpace<'_> {
+    /// Which bound holds one component of x, if one does: it stands there, and a slope of more than
+    /// `negligible` pushes it outward.
+    #[inline]
+    #[must_use]
+    pub fn held_at(
+        &self,
+        x: &[f64],
+        component: usize,
+        slope: f64,
+        negligible: f64,
+    ) -> Option<Side> {
+        if let Some(out) = self.room_on_edge(x, component) {
+            return (out == 0.0 && slope < -negligible).then_some(Side::Upper);
+        }
+        self.bound_holding(x[component], component, slope, negligible)
+    }
+
+    /// Which bound holds a variable of its own.
+    #[inline(always)]
+    fn bound_holding(
+        &self,
+        value: f64,
+        variable: usize,
+        slope: f64,
+        negligible: f64,
+    ) -> Option<Side> {
+        if value <= self.lower[variable] && slope > negligible {
+            Some(Side::Lower)
+        } else if value >= self.upper[variable] && slope < -negligible {
+            Some(Side::Upper)
+        } else {
+            None
+        }
+    }
+
+    /// Whether a bound holds one component of x: as [`held_at`](Self::held_at).
+    #[inline]
+    #[must_use]
+    pub fn holds(&self, x: &[f64], component: usize, slope: f64, negligible: f64) -> bool {
+        self.held_at(x, component, slope, negligible).is_some()
+    }
+
+    /// Lists the variables that are free to move: all but those on a bound whose gradient pushes
+    /// outward. A full step over all variables, clamped, is no descent method (Bertsekas 1982,
+    /// "Projected Newton methods for optimization problems with simple constraints").
+    pub(super) fn list_free(&self, x: &[f64], gradient: &[f64], free: &mut Vec<usize>) {
+        let moves = |j: &usize| self.lower[*j] < self.upper[*j];
+        free.clear();
+        // What no edge can hold, a bound can: most models have no swings.
+        match !self.has_edges() {
+            true => {
+                free.extend((0..x.len()).filter(|&j| {
+                    moves(&j) && self.bound_holding(x[j], j, gradient[j], 0.0).is_none()
+                }))
+            }
+            false => free
+                .extend((0..x.len()).filter(|&j| moves(&j) && !self.holds(x, j, gradient[j], 0.0))),
+        }
+    }
+
+    /// ‖proj(x − g/c) − x‖∞ for a curvature c: zero exactly at the stationary points of the bounded
+    /// problem, NaN where the gradient is not finite.
+    #[must_use]
+    pub fn projected_gradient_norm(&self, x: &[f64], gradient: &[f64], curvature: f64) -> f64 {
+        let bounds = self.lower.iter().zip(self.upper);
+        let mut largest = 0.0_f64;
+        for ((&value, &slope), (&lower, &upper)) in x.iter().zip(gradient).zip(bounds) {
+            if !slope.is_finite() {
+                // `min` and `max` would drop a NaN.
+                return f64::NAN;
+            }
+            let room = if slope > 0.0 {
+                value - lower
+            } else {
+                upper - value
+            };
+            largest = largest.max((slope.abs() / curvature).min(room));
+        }
+        // What the box has said of a ball at an edge was of other components.
+        match self.frames(x).next() {
+            Some(_) => self.projected_gradient_norm_at_edges(x, gradient, curvature),
+            None => largest,
+        }
+    }
+
+    fn projected_gradient_norm_at_edges(&self, x: &[f64], gradient: &[f64], curvature: f64) -> f64 {
+        let lengths = gradient.iter().enumerate().map(|(j, slope)| {
+            let (down, up) = self.room(x, j);
+            let room = if *slope > 0.0 { down } else { up };
+            (slope.abs() / curvature).min(room)
+        });
+        lengths.fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,11 @@
+//! Variables that turn ball joints: the sets that they stay in, cones of swing and whole angles, and steps on the edge of one.
+
+mod edge_frame;
+mod edges;
+mod rotation_sets;
+mod turn_limit;
+
+pub(crate) use edge_frame::Edge;
+pub(crate) use rotation_sets::{RotationSets, Swing};
+pub(super) use rotation_sets::{shorten, shortest};
+pub(crate) use turn_limit::TurnLimit;
