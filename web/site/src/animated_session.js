@@ -1,15 +1,17 @@
-// A glTF scene or a capture: dragged from where its clip has it, on its feet.
+// A glTF scene or a capture: dragged from where its clip has it, on its feet; of several clips one is chosen.
 import { Drag, Problem } from "kinopt";
 import { CharacterSession } from "./character_session.js";
+import { HeldOverClip } from "./held_over_clip.js";
 
 /** What of a scene the library leaves out and the page draws. */
 const DRAWN = /^(images|materials|textures|samplers)\b|TEXCOORD/;
 
 export class AnimatedSession extends CharacterSession {
-    constructor(thing, { skinning = "lbs" }) {
+    constructor(thing, { skinning = "lbs", clip = 0 }) {
         super();
         this.thing = thing;
-        this.clip = thing.clips ? thing.clips[0] : thing.clip;
+        this.clips = thing.clips ?? [thing.clip];
+        this.clip = this.clips[clip];
         this.stand(this.thing.armature.rest);
         this.skin(skinning);
     }
@@ -17,8 +19,17 @@ export class AnimatedSession extends CharacterSession {
     describe() {
         const triangles = this.posing?.triangles ?? new Uint32Array();
         const seconds = this.clip?.duration ?? 0;
+        const clips = this.clips.map(({ name }) => name);
         const notes = this.thing.notes.filter((note) => !DRAWN.test(note));
-        return this.described({ up: "y", from: [0.55, 0.3, 1], pins: [], triangles, seconds, notes });
+        return this.described({ up: "y", from: [0.55, 0.3, 1], pins: [], triangles, seconds, clips, notes });
+    }
+
+    /** Another of its clips, from its beginning. */
+    choose(clip) {
+        this.clip = this.clips[clip];
+        this.held = new HeldOverClip();
+        this.stand(this.clip.sample(0, "hold"));
+        return { ...this.show(), seconds: this.clip.duration };
     }
 
     /** Has it stand in a pose; its angles count from there. */

@@ -24,13 +24,16 @@ export class Handles {
     }
 }
 
+/** A bone turns in three parts, which a hand does not know. */
+const PART = /`([^`]+)\/(?:twist|bend)\d*`/g;
+
 /** Of what a solution explains, that which a hand can do something about: how far out of reach it is, else what misses and why. */
 function shortly(solution) {
     const [, ...all] = solution.explain().split("\n").map((line) => line.trim());
     // Other starts are nothing that a hand has.
     const heard = all.filter((line) => !/attempt|More time/.test(line));
     // Of strict levels a hand knows what is pinned, and nothing of their numbers.
-    const lines = heard.map((line) => (/^Level \d/.test(line) ? "What is pinned, and the balance, leave it no more." : line));
+    const lines = heard.map((line) => (/^Levels? \d/.test(line) ? "What is pinned, and the balance, leave it no more." : line.replace(PART, "`$1`")));
     const far = solution.isOutOfReach ? lines.filter((line) => line.startsWith("Out of reach")) : [];
     return [...far, ...lines].slice(0, far.length || 3).join(" ");
 }

@@ -61,6 +61,8 @@ function say(words, bad = false) {
     element("status").classList.toggle("bad", bad);
 }
 
+const isBad = () => element("status").classList.contains("bad");
+
 /** Whether the page moves by itself: not where the visitor's system says that nothing should. */
 const begins = ({ kind }) => kind === "movement" && !matchMedia("(prefers-reduced-motion: reduce)").matches;
 
@@ -84,6 +86,7 @@ async function open(wanted, name) {
         page.view = new BodyView(stage, opened, asked.files);
         page.frames.length = 0;
         playback.begin(begins(opened));
+        element("clip").replaceChildren(...(opened.clips ?? []).map((clip) => new Option(clip)));
         element("choose").setAttribute("aria-pressed", String(!(name in MODELS)));
         element("choose").textContent = name in MODELS ? "Your file" : `Your file: ${name}`;
         for (const button of document.querySelectorAll("[data-open]")) {
@@ -117,7 +120,7 @@ async function anew() {
 
 /** What the tools say and do of what is open. */
 function tools() {
-    const { kind, triangles, seconds } = page.opened ?? {};
+    const { kind, triangles, seconds, clips } = page.opened ?? {};
     const [toDo, toDrop] = hints(page.opened, playback.running);
     element("to-do").textContent = toDo && `${toDo} Beside it the view turns.`;
     element("to-drop").textContent = toDrop;
@@ -129,6 +132,7 @@ function tools() {
     element("skin").textContent = page.method === "lbs" ? "Skin: linear" : "Skin: dual quaternions";
     element("play").disabled = !(seconds > 0);
     element("play").textContent = playback.running ? "Pause" : "Play";
+    element("clip").hidden = !(clips?.length > 1);
     element("rest").hidden = kind === "movement";
     element("whole").hidden = kind !== "movement";
     element("whole").disabled = whole.goesOn;
@@ -168,6 +172,8 @@ function forget() {
 }
 
 async function grab(name) {
+    // What went wrong was read by who goes on.
+    if (isBad()) say("");
     page.grabbed = name;
     page.note = "";
     page.nudged = false;
@@ -209,7 +215,7 @@ function follow(told) {
     if (page.opened.handles.length === 0) return;
     page.limits = told.limits;
     mark();
-    if (told.words || !element("status").classList.contains("bad")) say(told.words || page.note);
+    if (!isBad()) say(told.words || page.note);
 }
 (function loop() {
     step();
@@ -244,6 +250,22 @@ element("play").onclick = () => {
     playback.toggle();
     page.note = lost ? "The clip takes over: the pose from before is let go." : "";
     say(page.note);
+    mark();
+    tools();
+};
+element("clip").onchange = async ({ target }) => {
+    const clip = target.selectedIndex;
+    release();
+    forget();
+    page.limits = [];
+    // A library that is stopped opens it with this one.
+    page.asked.clip = clip;
+    const { view } = page;
+    const told = await shown("choose", { clip });
+    if (!told || view !== page.view) return;
+    page.opened.seconds = told.seconds;
+    playback.begin(told.seconds > 0);
+    say("");
     mark();
     tools();
 };

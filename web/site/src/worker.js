@@ -11,6 +11,7 @@ const answers = {
     grab: ({ handle, pins }) => session.grab(handle, pins),
     drag: ({ target }) => session.drag(target),
     skin: ({ method }) => session.skin(method),
+    choose: ({ clip }) => session.choose(clip),
     play: (frame) => session.play(frame),
     follow: ({ movement }) => session.follow({ movement }),
     rest: () => session.rest(),

@@ -37,6 +37,29 @@ test("a bad file leaves the pose, what is grabbed, and what plays", { skip }, as
     await page.close();
 });
 
+test("what is wrong with a file stays to be read while a hand is out of reach, until something is grabbed", { skip }, async () => {
+    const { page } = await opened();
+    const hand = await seen(page, "left_hand");
+    await page.mouse.move(hand.x, hand.y);
+    await page.mouse.down();
+    await page.mouse.move(hand.x + 300, hand.y - 200, { steps: 20 });
+    await page.waitForFunction(() => /Out of reach/.test(document.querySelector("#status").textContent));
+    assert.match(await status(page), /`pelvis`/, "a bone is told by its own name");
+    await page.locator("#file").setInputFiles([bad]);
+    await page.waitForFunction(() => document.querySelector("#status.bad"));
+    const frames = await page.evaluate(() => kinoptPage.frames.length);
+    await page.waitForFunction((frames) => kinoptPage.frames.length > frames + 5, frames);
+    assert.match(await status(page), /odd\.urdf/);
+    await page.mouse.up();
+    const there = await seen(page, "left_hand");
+    await page.mouse.move(there.x, there.y);
+    await page.mouse.down();
+    await page.mouse.up();
+    await settled(page);
+    assert.doesNotMatch(await status(page), /odd\.urdf/);
+    await page.close();
+});
+
 test("a rig without the files that it names is told to bring them", { skip }, async () => {
     const { page } = await opened();
     const humanoid = await page.evaluate(async () => (await fetch("models/humanoid.json")).text());

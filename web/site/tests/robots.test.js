@@ -62,6 +62,9 @@ test("a robot with legs stands on its feet while any of it is pulled, and what i
     const grabbed = await page.evaluate(() => kinoptPage.grabbed);
     for (const name of red.filter((name) => name !== grabbed)) assert.equal(await colour(page, name), RED, name);
     for (const [k, foot] of feet.entries()) assert.ok(away(await placed(page, foot), stood[k]) < 1e-3, `${foot} stays though the hand is missed`);
+    await pull(page, "left_sole", 200, -300);
+    assert.match(await status(page), /What is pinned, and the balance, leave it no more/);
+    assert.doesNotMatch(await status(page), /[Ll]evels?\b/);
     assert.deepEqual(said, []);
     await page.close();
 });
