@@ -72,6 +72,7 @@ pub mod argmin_bridge;
 pub mod arm;
 mod bad_option;
 mod buffer;
+pub mod clock;
 #[cfg(feature = "collision")]
 pub mod collision;
 mod file;

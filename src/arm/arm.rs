@@ -1,7 +1,6 @@
 //! The arm, and single questions to it.
 
 use std::sync::{Arc, Mutex, OnceLock};
-use std::time::Instant;
 
 use super::coordinates::Coordinates;
 use super::core_seeds::SeedTable;
@@ -10,6 +9,7 @@ use super::rate_limits::RateLimits;
 use super::serial_chain::Serial;
 use super::workspace::ArmWorkspace;
 use super::{ArmError, QueryError};
+use crate::clock::Instant;
 use crate::ik::Solution;
 use crate::lanes::PoseSolver;
 use crate::model::{JointId, Limits};

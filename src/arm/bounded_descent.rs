@@ -10,13 +10,12 @@
 //! The box is kept by the dual: d(y) = clamp(c − Jᵀy / w) with six multipliers y = r + J d, found by
 //! a semismooth Newton iteration (Li & Li 2011, "Projections onto a box and hyperplanes").
 
-use std::time::Instant;
-
 use nalgebra::{Matrix6, Vector6};
 
 use super::null_space::add_square;
 use super::pose_question::PoseQuestion;
 use super::workspace::ArmWorkspace;
+use crate::clock::Instant;
 use crate::solver::Termination;
 
 /// Times that the damping is raised where a step does not lower the cost.

@@ -1,11 +1,10 @@
 //! One question, from the fast way to the slower ones.
 
-use std::time::Instant;
-
 use super::QueryError;
 use super::arm::Arm;
 use super::options::Search;
 use super::workspace::{ArmWorkspace, Errors};
+use crate::clock::Instant;
 use crate::ik::{RowsReport, Solution};
 use crate::lanes::{self, PoseOutcome, PoseSolver};
 use crate::problem::Anchor;

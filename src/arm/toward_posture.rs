@@ -6,12 +6,11 @@
 //! projection of itself. The projection is `z(y) = clamp(z_wanted + Jᵀy)` with six multipliers y,
 //! found by a semismooth Newton iteration (Li & Li 2011, "Projections onto a box and hyperplanes").
 
-use std::time::Instant;
-
 use nalgebra::{Matrix6, Vector6};
 
 use super::arm::Arm;
 use super::workspace::{ArmWorkspace, Errors};
+use crate::clock::Instant;
 
 /// Steps towards the wanted configuration.
 const STEPS: usize = 40;

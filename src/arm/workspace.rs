@@ -1,6 +1,6 @@
 //! Memory for one question at a time: the core's problem for the same chain, and its tools.
 
-use std::time::Instant;
+use crate::clock::Instant;
 
 use nalgebra::DMatrix;
 

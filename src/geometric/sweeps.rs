@@ -1,8 +1,7 @@
 //! The loop that the geometric methods share: sweep, look, stop.
 
-use std::time::Instant;
-
 use super::GeometricError;
+use crate::clock::Instant;
 use crate::ik::{Restarts, Solution};
 use crate::problem::{Evaluation, Question, Scratch, Share};
 use crate::search::{Attempt, Attempts, End, Engine, Schedule, SolveError, run, variables_at};

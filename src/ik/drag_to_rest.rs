@@ -1,9 +1,8 @@
 //! Dragging to where a body rests: for a single pose, and for the steps of a path.
 
-use std::time::Instant;
-
 use super::drag::{BETTER, Drag};
 use super::{Solution, Workspace};
+use crate::clock::Instant;
 use crate::solver::{Counts, Termination};
 
 /// A frame that was cut at its steps creeps where its cost is not below this share of the last one's.

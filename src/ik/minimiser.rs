@@ -1,6 +1,6 @@
 //! A solver's method as an engine of the search.
 
-use std::time::Instant;
+use crate::clock::Instant;
 
 use super::step_guard::{Guarded, StepGuard};
 use crate::problem::{Evaluation, Question, Scratch, Share};

@@ -1,7 +1,6 @@
 //! A method with its limits and restarts: what a user calls.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use super::clear_engine::{ClearEngine, EngineRoom};
 use super::levels::{ByRank, Extent, Ranked};
@@ -9,6 +8,7 @@ use super::minimiser::Minimiser;
 use super::step_guard::{StepGuard, reborrowed};
 use super::{Restarts, Solution, SolveError, Workspace};
 use crate::bad_option::BadOption;
+use crate::clock::Instant;
 use crate::problem::{Evaluation, Fence, Question, Share};
 use crate::search::{self, Engine, Found, Schedule, check_start};
 use crate::solver::{

@@ -1,7 +1,5 @@
 //! A chain and options compiled once; poses solved by them, one at a time or in batches.
 
-use std::time::Instant;
-
 use super::batch::Work;
 use super::chain::{Chain, MAX_JOINTS};
 use super::check;
@@ -9,6 +7,7 @@ use super::instruction_set;
 use super::options::{LaneError, LaneOptions, PoseOutcome, Prefer};
 use super::prepared::Prepared;
 use super::query::{Answer, Query};
+use crate::clock::Instant;
 use crate::spatial::Placement;
 
 /// Solves poses for one chain. It never changes once built, and is `Send` and `Sync`; solving

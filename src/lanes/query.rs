@@ -1,8 +1,7 @@
 //! One target, a start, and what may be spent on it.
 
-use std::time::Instant;
-
 use super::options::Prefer;
+use crate::clock::Instant;
 use crate::spatial::Placement;
 
 /// One query as the drivers see it.

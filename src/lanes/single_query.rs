@@ -1,6 +1,6 @@
 //! One query: its attempts race in the lanes.
 
-use std::time::Instant;
+use crate::clock::Instant;
 
 use super::chain::MAX_JOINTS;
 use super::evaluation::Errors;

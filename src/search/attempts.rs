@@ -1,11 +1,10 @@
 //! Attempts one after the other.
 
-use std::time::Instant;
-
 use super::attempt::{Attempt, Found};
 use super::basin_hopping::Hops;
 use super::best_attempt::Keeper;
 use super::schedule::{Schedule, Trial};
+use crate::clock::Instant;
 use crate::problem::{Question, Share};
 use crate::solver::{Stopping, Termination};
 

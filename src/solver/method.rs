@@ -1,11 +1,11 @@
 //! A solver is one step; everything around the step is shared.
 
 use std::fmt::Debug;
-use std::time::Instant;
 
 use super::minimise::search;
 use super::{Iterate, LeastSquares, Observer, Outcome, SolverState, Stopping};
 use crate::bad_option::BadOption;
+use crate::clock::Instant;
 
 /// What a step did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,13 +1,12 @@
 //! The loop that all methods share: differentiate, look, stop or step.
 
-use std::time::Instant;
-
 use super::progress::Progress;
 use super::{
     AnyMethod, Iterate, Iteration, LeastSquares, Method, Observer, SolverState, Stopping,
     Termination,
 };
 use crate::bad_option::BadOption;
+use crate::clock::Instant;
 
 /// How a search ended; where, is in the state.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,9 +1,10 @@
 //! When to stop, and why it was.
 
 use std::fmt;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use crate::bad_option::{AT_LEAST_0, BadOption};
+use crate::clock::Instant;
 
 /// Limits of one search. What is asked to search refuses values out of their ranges.
 #[derive(Clone, Copy, Debug, PartialEq)]

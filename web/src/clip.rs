@@ -25,13 +25,13 @@ impl Clip {
         }
     }
 
-    #[cfg(any(feature = "gltf", feature = "retargeting"))]
+    #[cfg(any(feature = "clip-ik", feature = "gltf", feature = "retargeting"))]
     pub(crate) fn inner(&self) -> &kinopt::animation::Clip {
         &self.inner
     }
 
-    #[cfg(feature = "retargeting")]
-    pub(crate) fn armature(&self) -> &Bones {
+    #[cfg(any(feature = "clip-ik", feature = "retargeting"))]
+    pub(crate) fn armature(&self) -> &Rc<Bones> {
         &self.armature
     }
 }

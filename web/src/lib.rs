@@ -13,6 +13,9 @@ mod armature;
 mod capture;
 #[cfg(any(feature = "bvh", feature = "gltf"))]
 mod clip;
+#[cfg(feature = "clip-ik")]
+mod clip_ik;
+mod clock;
 mod contents;
 mod drag;
 mod euler_clip;
@@ -25,6 +28,7 @@ mod masses;
 mod model;
 mod names;
 mod object;
+mod parameters;
 #[cfg(feature = "paths")]
 mod path;
 mod placement;

@@ -1,6 +1,9 @@
 //! Models: joints in a tree, with limits.
 
-use kinopt::model::{Limits, ParameterMap};
+use std::rc::Rc;
+
+use kinopt::model::Limits;
+use kinopt::robot::Robot;
 use wasm_bindgen::prelude::*;
 
 /// Joints in a tree, with limits: what problems are stated on.
@@ -8,19 +11,20 @@ use wasm_bindgen::prelude::*;
 #[derive(Clone)]
 pub struct Model {
     pub(crate) inner: kinopt::Model,
-    /// A robot's followers follow.
-    pub(crate) map: Option<ParameterMap>,
+    /// What it is the model of, if that is a robot: its followers follow.
+    pub(crate) robot: Option<Rc<Robot>>,
+    /// Or a rig.
     #[cfg(feature = "bodies")]
-    pub(crate) body: Option<crate::masses::Body>,
+    pub(crate) rig: Option<Rc<kinopt::io::rig::Rig>>,
 }
 
 impl From<kinopt::Model> for Model {
     fn from(inner: kinopt::Model) -> Self {
         Self {
             inner,
-            map: None,
+            robot: None,
             #[cfg(feature = "bodies")]
-            body: None,
+            rig: None,
         }
     }
 }

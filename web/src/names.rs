@@ -26,7 +26,7 @@ pub(crate) fn of_javascript(said: &str) -> String {
 }
 
 /// Options that messages also begin with, as in `joint_weights has 2 numbers`.
-const OPTIONS: [&str; 2] = ["joint_weights", "max_move"];
+const OPTIONS: [&str; 3] = ["joint_weights", "max_move", "velocity_limits"];
 
 fn camel(snake: &str) -> String {
     let mut upper = false;

@@ -2,13 +2,14 @@
 
 use std::rc::Rc;
 
-use kinopt::model::UnknownName;
+use kinopt::model::{Limits, UnknownName};
 use kinopt::problem::{Preferences, Targets};
 use kinopt::task::Quantity;
 use wasm_bindgen::prelude::*;
 
 use crate::given::{self, Given};
 use crate::model::Model;
+use crate::parameters::parameters;
 use crate::raise;
 use crate::skeleton::Skeleton;
 use crate::task::{self, Aimed, BoxedTask};
@@ -65,6 +66,14 @@ export type MassesByFrame = Readonly<Record<string, number | Numbers>>;
 export type Targets = Readonly<Record<string, Numbers | number>>;
 
 export interface ProblemOptions {
+    /** Joints that stay, at values: radians, metres, of a ball joint a quaternion w, x, y, z. */
+    locked?: Readonly<Record<string, number | Numbers>>;
+    /** The joints that alone move … */
+    only?: readonly string[];
+    /** … and where the others stand; without it at 0, or at the limit next to it. */
+    held?: Numbers;
+    /** Narrower limits of joints, `[lower, upper]`. */
+    bounds?: Readonly<Record<string, readonly [number, number]>>;
     /** The tolerance of tasks that set none, metres and radians. */
     tolerance?: number;
     preferences?: "within_goals" | "traded";
@@ -102,15 +111,25 @@ struct Asked<'a> {
 
 impl Asked<'_> {
     fn problem(self, keep_clear: Option<&Fence<'_>>) -> Result<Problem, JsError> {
+        const KNOWN: [&str; 6] = [
+            "tolerance",
+            "preferences",
+            "locked",
+            "only",
+            "held",
+            "bounds",
+        ];
         let options = self.options.map_or(JsValue::UNDEFINED, JsValue::from);
-        let options = Given::new(
-            options,
-            "option of a problem",
-            &["tolerance", "preferences"],
-        )?;
+        let options = Given::new(options, "option of a problem", &KNOWN)?;
         let mut builder = kinopt::Problem::builder(&self.model.inner);
-        if let Some(map) = self.holds.or_else(|| self.model.map.clone()) {
+        let asked = parameters(self.model, &options)?;
+        if let Some(map) = self.holds.or(asked) {
             builder.parameters(map);
+        }
+        for (name, value) in given::entries(options.get("bounds").as_ref(), "bounds")? {
+            let [lower, upper] = given::vector(&value, &format!("bounds.{name}"))?;
+            let joint = self.model.inner.joint(&name).map_err(raise)?;
+            builder.bound(joint, Limits::new(lower, upper));
         }
         let tasks = js_sys::Array::from(&self.tasks);
         let tasks = tasks

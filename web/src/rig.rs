@@ -51,7 +51,7 @@ impl Rig {
     pub fn model(&self) -> Model {
         Model {
             #[cfg(feature = "bodies")]
-            body: Some(crate::masses::Body::Rig(Rc::clone(&self.inner))),
+            rig: Some(Rc::clone(&self.inner)),
             ..self.skeleton.model()
         }
     }

@@ -98,10 +98,8 @@ impl Robot {
     #[wasm_bindgen(getter)]
     pub fn model(&self) -> Model {
         Model {
-            inner: self.inner.model().clone(),
-            map: Some(self.inner.map().clone()),
-            #[cfg(feature = "bodies")]
-            body: Some(crate::masses::Body::Robot(Rc::clone(&self.inner))),
+            robot: Some(Rc::clone(&self.inner)),
+            ..self.inner.model().clone().into()
         }
     }
 

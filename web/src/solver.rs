@@ -5,6 +5,7 @@ use kinopt::ik::Restarts;
 use kinopt::solver::Stopping;
 use wasm_bindgen::prelude::*;
 
+use crate::clock;
 use crate::given::Given;
 use crate::problem::{Problem, TargetsByName};
 use crate::raise;
@@ -17,9 +18,17 @@ export interface SolverOptions {
     maxIterations?: number;
     gradientTolerance?: number;
     stepTolerance?: number;
+    /** Steps in a row that need not halve the cost before an attempt gives up. */
+    patience?: number;
+    /** Seconds for all attempts together. Answers then depend on the machine. */
+    timeLimit?: number;
     /** Searches from different starts. */
     attempts?: number;
     seed?: number;
+    /** Attempts that agree on a miss before it is told. */
+    agreeing?: number;
+    /** Steps of all attempts together after which one more is made. */
+    restartSteps?: number;
 }
 "#;
 
@@ -42,12 +51,16 @@ impl Solver {
     /// A solver; without options, as good ones as the library knows.
     #[wasm_bindgen(constructor)]
     pub fn new(options: Option<SolverOptions>) -> Result<Self, JsError> {
-        const KNOWN: [&str; 5] = [
+        const KNOWN: [&str; 9] = [
             "maxIterations",
             "gradientTolerance",
             "stepTolerance",
+            "patience",
+            "timeLimit",
             "attempts",
             "seed",
+            "agreeing",
+            "restartSteps",
         ];
         let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
         let options = Given::new(options, "option of a solver", &KNOWN)?;
@@ -61,12 +74,24 @@ impl Solver {
         if let Some(tolerance) = options.number("stepTolerance")? {
             stopping = stopping.with_step_tolerance(tolerance);
         }
+        if let Some(steps) = options.whole("patience")? {
+            stopping = stopping.with_patience(Some(steps as usize));
+        }
+        if let Some(limit) = clock::time_limit(&options)? {
+            stopping = stopping.with_time_limit(limit);
+        }
         let mut restarts = Restarts::default();
         if let Some(attempts) = options.whole("attempts")? {
             restarts = restarts.with_attempts(attempts as usize);
         }
         if let Some(seed) = options.whole("seed")? {
             restarts = restarts.with_seed(seed.into());
+        }
+        if let Some(attempts) = options.whole("agreeing")? {
+            restarts = restarts.with_agreeing(attempts as usize);
+        }
+        if let Some(steps) = options.whole("restartSteps")? {
+            restarts = restarts.with_steps(steps as usize);
         }
         Ok(Self {
             inner: kinopt::Solver::default()

@@ -138,6 +138,17 @@ impl World {
     }
 }
 
+/// A copy of the world that a caller's object is.
+#[cfg(feature = "clip-ik")]
+pub(crate) fn copied(given: &JsValue, what: &str) -> Result<collision::World, JsError> {
+    let no = |_| JsError::new(&format!("{what} must be a World"));
+    let told = js_sys::Reflect::get(given, &"toJson".into());
+    let told = told.and_then(|told| told.dyn_into::<js_sys::Function>());
+    let told = told.and_then(|told| told.call0(given)).map_err(no)?;
+    let text = told.as_string().unwrap_or_default();
+    collision::World::from_json(text.as_bytes(), what).map_err(raise)
+}
+
 /// The shapes of a body, the pairs of links that are kept apart, and spheres that cover them. Making one takes a while.
 #[wasm_bindgen]
 pub struct CollisionModel {

@@ -66,6 +66,35 @@ test("a path stays on its branch, target by target too", () => {
     assert.ok(servo.reached, `${servo.positionError} m`);
 });
 
+test("a servo keeps to the speeds that it is told", () => {
+    const arm = pandaArm();
+    const start = [0, -0.4, 0, -2, 0, 1.6, 0.8];
+    const target = arm.baseFromTool(start);
+    target[13] += 0.2;
+    const servo = arm.servo(start, 0.01, { velocityLimits: Array(7).fill(0.3), damping: 0.02 });
+    assert.deepEqual([...servo.velocityLimits], Array(7).fill(0.3));
+    let before = servo.q;
+    for (let tick = 0; tick < 50; tick += 1) {
+        const q = servo.step(target);
+        assert.ok(far([...q], [...before]) <= 0.003 * (1 + 1e-12));
+        before = q;
+    }
+    assert.throws(() => arm.servo(start, 0.01, { velocityLimits: [1] }), /velocityLimits has 1 numbers/);
+    assert.throws(() => arm.servo(start, 0.01, { speed: 1 }), /speed.*velocityLimits/s);
+});
+
+test("a limit of time ends what takes long, and is told", () => {
+    const far = placement([3, 0, 0.5]);
+    const { termination, reached, q } = pandaArm({ timeLimit: 0, search: "first" }).solve(far);
+    assert.deepEqual([termination, reached, q.length], ["time_limit", false, 7]);
+    // Long enough ends nothing.
+    const start = [0, -0.4, 0, -2, 0, 1.6, 0.8];
+    const target = pandaArm().baseFromTool(start.map((value) => value + 0.1));
+    assert.deepEqual(pandaArm({ timeLimit: 60 }).solve(target, start).q, pandaArm().solve(target, start).q);
+    assert.throws(() => pandaArm({ timeLimit: -1 }), /timeLimit is -1 s/);
+    assert.throws(() => pandaArm({ timeLimit: NaN }), /timeLimit is NaN s/);
+});
+
 test("several solutions differ", () => {
     const arm = pandaArm();
     const target = arm.baseFromTool([0.3, -0.4, 0.2, -2, 0.1, 1.6, 0.8]);

@@ -20,7 +20,7 @@ function keys(name) {
     return [...body.matchAll(/^\s+(\w+)\?:/gm)].map(([, key]) => key).sort();
 }
 
-for (const [section, name, besides = []] of [["Arms", "ArmOptions"], ["Problems", "ProblemOptions", ["tasks"]], ["Tasks", "TaskOptions"], ["Solvers", "SolverOptions"]]) {
+for (const [section, name, besides = []] of [["Arms", "ArmOptions"], ["Problems", "ProblemOptions", ["tasks"]], ["Tasks", "TaskOptions"], ["Solvers", "SolverOptions"], ["Followers and servos", "ServoOptions"]]) {
     test(`the table of ${section} is ${name}`, () => {
         assert.deepEqual(named(section), [...keys(name), ...besides].sort());
     });

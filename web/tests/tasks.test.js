@@ -127,3 +127,34 @@ test("a rig on a base that moves is a robot", () => {
     assert.equal(moving.model.configurationLen, rig.model.configurationLen + 7);
     assert.throws(() => Robot.ofModel(rig.model, { baseJoint: "flying" }), /flying.*free/s);
 });
+
+test("of a problem's joints some stay, some alone move, within narrower limits", () => {
+    const target = at("flange", start).map((value, k) => value + 0.02 * (k + 1));
+    const point = tasks.point("flange", target);
+    const [first, second, third] = model.jointNames;
+    const asked = (options) => {
+        const solution = new Solver().solve(new Problem(model, [point], options), start);
+        assert.ok(solution.reached, solution.explain());
+        return solution.q;
+    };
+    const locked = asked({ locked: { [first]: 0.1, [third]: -0.2 } });
+    assert.deepEqual([locked[0], locked[2]], [0.1, -0.2]);
+    const only = new Problem(model, [point], { only: [first, second], held: start });
+    assert.equal(only.variables, 2);
+    assert.deepEqual([...new Solver().solve(only, start).q.slice(2)], start.slice(2));
+    const bounded = asked({ bounds: { [second]: [-0.45, -0.35] } });
+    assert.ok(-0.45 <= bounded[1] && bounded[1] <= -0.35);
+    assert.throws(() => asked({ locked: { elbow: 1 } }), /elbow/);
+    assert.throws(() => asked({ held: start }), /held.*only/);
+    assert.throws(() => asked({ bounds: { [second]: [1] } }), /bounds.* has 1 numbers, expected 2/);
+});
+
+test("a solver gives up and stops as it is told", () => {
+    const far = new Problem(model, [tasks.point("flange", [5, 0, 0])]);
+    assert.equal(new Solver({ timeLimit: 0 }).solve(far, start).termination, "time_limit");
+    const all = new Solver({ attempts: 20 }).solve(far, start);
+    const few = new Solver({ attempts: 20, agreeing: 2 }).solve(far, start);
+    assert.ok(few.attempts < all.attempts, `${few.attempts} of ${all.attempts}`);
+    assert.ok(new Solver({ attempts: 20, restartSteps: 1 }).solve(far, start).attempts < all.attempts);
+    assert.throws(() => new Solver({ patience: -1 }), /patience must be a whole number/);
+});

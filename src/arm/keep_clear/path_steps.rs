@@ -1,12 +1,11 @@
 //! Steps of a path that stop before they touch.
 
-use std::time::Instant;
-
 use super::{ClearRoom, KeepClear};
 use crate::arm::QueryError;
 use crate::arm::arm::Arm;
 use crate::arm::follower::LONG_STEP;
 use crate::arm::workspace::{ArmWorkspace, Errors};
+use crate::clock::Instant;
 use crate::ik::Solution;
 use crate::search::{Collision, Found};
 use crate::solver::Termination;

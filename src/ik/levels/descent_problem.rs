@@ -11,7 +11,7 @@ pub(super) struct DescentProblem<'q, 'm> {
     pub(super) scratch: &'m mut Scratch,
     pub(super) memory: &'m mut SolverState,
     pub(super) stopping: Stopping,
-    pub(super) deadline: Option<std::time::Instant>,
+    pub(super) deadline: Option<crate::clock::Instant>,
     pub(super) counts: Counts,
 }
 
@@ -62,6 +62,6 @@ impl DescentProblem<'_, '_> {
     /// Whether it is too late to go on.
     pub(super) fn is_late(&self) -> bool {
         self.deadline
-            .is_some_and(|at| std::time::Instant::now() >= at)
+            .is_some_and(|at| crate::clock::Instant::now() >= at)
     }
 }

@@ -23,7 +23,7 @@ mod slope_differences;
 mod step_limits;
 mod trial_inequalities;
 
-use std::time::Instant;
+use crate::clock::Instant;
 
 use curvature::{NEW, add_rows};
 use descent::{Descent, Start};

@@ -15,7 +15,7 @@ use crate::robot::Robot;
 use crate::solution::Solution;
 use follower::Follower;
 pub(crate) use options::goal;
-use servo::Servo;
+use servo::{Servo, ServoOptions};
 use track::{Batch, Track};
 
 /// An arm of a robot, from a base to a tip, made ready to be asked.
@@ -155,8 +155,9 @@ impl Arm {
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers")] start: &[f64],
         #[wasm_bindgen(js_name = timeStep)] time_step: f64,
+        options: Option<ServoOptions>,
     ) -> Result<Servo, JsError> {
-        Servo::new(Rc::clone(&self.inner), start, time_step)
+        Servo::new(Rc::clone(&self.inner), start, time_step, options)
     }
 
     /// The arm with another tool on its tip, at once.

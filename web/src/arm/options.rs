@@ -4,13 +4,14 @@ use kinopt::arm::{ArmBuilder, Base, Goal, Search};
 use kinopt::model::UnknownName;
 use wasm_bindgen::prelude::*;
 
+use crate::clock;
 use crate::given::Given;
 use crate::raise;
 use crate::robot::Robot;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** Options of an arm, under the names of the Python package; times are not limited, as a module has no clock. */
+/** Options of an arm, under the names of the Python package. */
 export interface ArmOptions {
     attempts?: number;
     atlas?: boolean;
@@ -31,6 +32,8 @@ export interface ArmOptions {
     posture?: Numbers;
     search?: "start" | "first" | "nearest";
     seed?: number;
+    /** Seconds for a question. Answers then depend on the machine. */
+    timeLimit?: number;
     tool?: Placement;
 }
 "#;
@@ -42,7 +45,7 @@ extern "C" {
     pub type ArmOptions;
 }
 
-const KNOWN: [&str; 18] = [
+const KNOWN: [&str; 19] = [
     "attempts",
     "atlas",
     "globalSearchOnMiss",
@@ -60,6 +63,7 @@ const KNOWN: [&str; 18] = [
     "posture",
     "search",
     "seed",
+    "timeLimit",
     "tool",
 ];
 
@@ -110,6 +114,9 @@ fn apply<'m>(
     }
     if let Some(seed) = given.whole("seed")? {
         builder = builder.with_seed(seed.into());
+    }
+    if let Some(limit) = clock::time_limit(&given)? {
+        builder = builder.with_time_limit(limit);
     }
     if let Some(name) = given.text("search")? {
         builder = builder.with_search(search(&name)?);

@@ -5,6 +5,7 @@ use std::rc::Rc;
 use self_cell::self_cell;
 use wasm_bindgen::prelude::*;
 
+use crate::given::Given;
 use crate::placement::read;
 use crate::raise;
 
@@ -18,6 +19,23 @@ self_cell!(
     }
 );
 
+#[wasm_bindgen(typescript_custom_section)]
+const TYPES: &str = r#"
+export interface ServoOptions {
+    /** How fast each joint may move, radians or metres a second, infinite for no limit; otherwise as the robot's file says. */
+    velocityLimits?: Numbers;
+    /** How much moving is damped near singular places, radians; 0.01 unless told. */
+    damping?: number;
+}
+"#;
+
+#[wasm_bindgen]
+extern "C" {
+    /// Options of a servo.
+    #[wasm_bindgen(typescript_type = "ServoOptions")]
+    pub type ServoOptions;
+}
+
 /// An arm that follows its target tick by tick.
 #[wasm_bindgen]
 pub struct Servo {
@@ -27,8 +45,29 @@ pub struct Servo {
 }
 
 impl Servo {
-    pub(super) fn new(arm: Rc<kinopt::Arm>, start: &[f64], step: f64) -> Result<Self, JsError> {
-        let cell = Cell::try_new(arm, |arm| arm.servo(start, step)).map_err(raise)?;
+    pub(super) fn new(
+        arm: Rc<kinopt::Arm>,
+        start: &[f64],
+        step: f64,
+        options: Option<ServoOptions>,
+    ) -> Result<Self, JsError> {
+        const KNOWN: [&str; 2] = ["velocityLimits", "damping"];
+        let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
+        let options = Given::new(options, "option of a servo", &KNOWN)?;
+        let (limits, damping) = (
+            options.numbers("velocityLimits")?,
+            options.number("damping")?,
+        );
+        let cell = Cell::try_new(arm, |arm| {
+            let mut servo = arm.servo(start, step).map_err(raise)?;
+            if let Some(limits) = limits {
+                servo = servo.with_velocity_limits(&limits).map_err(raise)?;
+            }
+            match damping {
+                Some(radians) => servo.with_damping(radians).map_err(raise),
+                None => Ok(servo),
+            }
+        })?;
         Ok(Self {
             cell,
             reached: false,
@@ -43,6 +82,12 @@ impl Servo {
     #[wasm_bindgen(getter)]
     pub fn q(&self) -> Vec<f64> {
         self.cell.borrow_dependent().q().to_vec()
+    }
+
+    /// The highest speeds, radians or metres a second; infinite for none.
+    #[wasm_bindgen(getter, js_name = velocityLimits)]
+    pub fn velocity_limits(&self) -> Vec<f64> {
+        self.cell.borrow_dependent().velocity_limits().to_vec()
     }
 
     /// How far the tool is from its target, metres.

@@ -1,0 +1,260 @@
+//! Inverse kinematics over clips.
+
+use std::rc::Rc;
+
+use js_sys::Array;
+use kinopt::animation::curve::KeyedCurve;
+use kinopt::animation::{Armature as Bones, Clip as Motion};
+use kinopt::glam::{DVec3, Vec3};
+use kinopt::motion::clip_ik::{ClipIk, EditedClip as Edited, Reach, ground_speed};
+use kinopt::skeleton::BoneId;
+use wasm_bindgen::prelude::*;
+
+use crate::clip::Clip;
+use crate::given::{self, Given};
+use crate::{object, raise};
+
+#[wasm_bindgen(typescript_custom_section)]
+const TYPES: &str = r#"
+/** A bone that goes to a place, or along places, over a span of a clip. */
+export interface Reach {
+    bone: string;
+    /** Three numbers, or three for each point of a curve. */
+    target: Numbers;
+    /** When the bone is at each point of a curve, seconds of the clip; evenly over the span unless told. */
+    times?: Numbers;
+    /** The first and last moment, seconds of the clip; all of it unless told. */
+    span?: readonly [number, number];
+    /** Seconds in which it is led there, and back; 0.2, or half of a shorter span, unless told. */
+    fade?: number;
+}
+
+export interface ClipIkOptions {
+    reach?: readonly Reach[];
+    /** Bones, feet say, that stand still where they hardly move. */
+    plant?: readonly string[];
+    /** The bone that moves where limbs are too short; unless told the first from the top that carries all of these and branches. */
+    root?: string;
+    /** The axis up; y unless told. */
+    up?: Numbers;
+    /** How many frames a second are solved, and keys made; 60 unless told. */
+    keysPerSecond?: number;
+    /** A clip on the spot travels by so much a second, or as its feet say. */
+    travel?: "feet" | Numbers;
+    /** What feet stand on. */
+    ground?: World;
+}
+
+/** A foot that stands over some seconds of a clip. */
+export interface Stance {
+    bone: string;
+    /** The first and last moment, seconds of the clip. */
+    span: [number, number];
+    /** Where it stands in the model. */
+    place: [number, number, number];
+    /** How far it is from there at most. */
+    slide: number;
+}
+
+/** A bone that was led, and how well. */
+export interface Led {
+    bone: string;
+    /** How far it is from where it should be, at most. */
+    miss: number;
+    /** When that is, seconds of the clip. */
+    at: number;
+}
+"#;
+
+#[wasm_bindgen]
+extern "C" {
+    /// What is asked over a clip.
+    #[wasm_bindgen(typescript_type = "ClipIkOptions")]
+    pub type ClipIkOptions;
+    /// Stances as objects.
+    #[wasm_bindgen(typescript_type = "Stance[]")]
+    pub type Stances;
+    /// Led bones as objects.
+    #[wasm_bindgen(typescript_type = "Led[]")]
+    pub type LedBones;
+}
+
+#[wasm_bindgen]
+impl Clip {
+    /// Inverse kinematics over the clip: bones reach for places over spans, and feet stand still where they hardly move. Each frame
+    /// keeps as near to the clip as that allows, and the root moves only where limbs are too short.
+    #[wasm_bindgen(js_name = withIk)]
+    pub fn with_ik(&self, asked: ClipIkOptions) -> Result<EditedClip, JsError> {
+        const KNOWN: [&str; 7] = [
+            "reach",
+            "plant",
+            "root",
+            "up",
+            "keysPerSecond",
+            "travel",
+            "ground",
+        ];
+        let asked = Given::new(asked.into(), "option of withIk", &KNOWN)?;
+        let (armature, motion) = (self.armature(), self.inner());
+        let up = match asked.get("up") {
+            None => Vec3::Y,
+            Some(axis) => vector(&axis, "up")?.as_vec3(),
+        };
+        let rate = asked.number("keysPerSecond")?.unwrap_or(60.0);
+        let mut ik = ClipIk::new(armature).up(up).keys_per_second(rate);
+        let bone = |name: &String| armature.bone(name).map_err(raise);
+        let feet = asked.texts("plant")?.unwrap_or_default();
+        let feet = feet.iter().map(bone).collect::<Result<Vec<_>, _>>()?;
+        for &foot in &feet {
+            ik = ik.plant(foot);
+        }
+        if let Some(reaches) = asked.get("reach") {
+            let no = || JsError::new("reach must be a list");
+            for one in given::list(&reaches).ok_or_else(no)? {
+                ik = ik.reach(reach(one, &bone, motion)?);
+            }
+        }
+        if let Some(root) = asked.text("root")? {
+            ik = ik.root(bone(&root)?);
+        }
+        if let Some(travel) = asked.get("travel") {
+            ik = ik.travel(match travel.as_string().as_deref() {
+                Some("feet") => ground_speed(armature, motion, &feet, up, rate).map_err(raise)?,
+                Some(word) => {
+                    let message =
+                        format!("travel is \"{word}\": \"feet\" or three numbers a second");
+                    return Err(JsError::new(&message));
+                }
+                None => vector(&travel, "travel")?.as_vec3(),
+            });
+        }
+        #[cfg(feature = "collision")]
+        if let Some(world) = asked.get("ground") {
+            let (world, up) = (
+                crate::world::copied(&world, "ground")?,
+                up.as_dvec3().to_array(),
+            );
+            ik = ik.ground(move |at| {
+                let top = world.top(at.to_array().into(), up.into());
+                top.unwrap_or(0.0).max(0.0)
+            });
+        }
+        let inner = ik.solve(motion).map_err(raise)?;
+        let name = |bone: BoneId| armature.names()[bone.index()].clone();
+        Ok(EditedClip {
+            stances: inner.stances.iter().map(|own| name(own.bone)).collect(),
+            led: inner.led.iter().map(|own| name(own.bone)).collect(),
+            armature: Rc::clone(armature),
+            inner,
+        })
+    }
+}
+
+/// A bone with somewhere to go.
+fn reach(
+    asked: JsValue,
+    bone: &impl Fn(&String) -> Result<BoneId, JsError>,
+    clip: &Motion,
+) -> Result<Reach, JsError> {
+    const KNOWN: [&str; 5] = ["bone", "target", "times", "span", "fade"];
+    let asked = Given::new(asked, "part of a reach", &KNOWN)?;
+    let bone = bone(&asked.name("bone")?)?;
+    let span = asked
+        .get("span")
+        .map(|span| given::vector::<2>(&span, "span"));
+    let span = span.transpose()?;
+    let target = given::numbers(&asked.asked("target")?, "target")?;
+    let count = target.len();
+    if count == 0 || count % 3 != 0 {
+        let message = format!("target has {count} numbers: three a point are wanted");
+        return Err(JsError::new(&message));
+    }
+    let points: Vec<DVec3> = target.chunks_exact(3).map(DVec3::from_slice).collect();
+    let mut reach = match points[..] {
+        [point] => Reach::to(bone, point).map_err(raise)?,
+        _ => {
+            let [from, to] = span.unwrap_or_else(|| clip.span().map(f64::from));
+            let steps = points.len().saturating_sub(1).max(1) as f64;
+            let evenly = || (0..points.len()).map(|k| from + (to - from) * k as f64 / steps);
+            let times = asked
+                .numbers("times")?
+                .unwrap_or_else(|| evenly().collect());
+            Reach::along(bone, KeyedCurve::catmull_rom(times, points).map_err(raise)?)
+        }
+    };
+    if let Some([from, to]) = span {
+        reach = reach.over(from..=to);
+    }
+    if let Some(fade) = asked.number("fade")? {
+        reach = reach.fade(fade);
+    }
+    Ok(reach)
+}
+
+fn vector(value: &JsValue, what: &str) -> Result<DVec3, JsError> {
+    given::vector::<3>(value, what).map(DVec3::from)
+}
+
+/// A clip that was solved over.
+#[wasm_bindgen]
+pub struct EditedClip {
+    inner: Edited,
+    armature: Rc<Bones>,
+    /// The names of the bones of each.
+    stances: Vec<String>,
+    led: Vec<String>,
+}
+
+#[wasm_bindgen]
+impl EditedClip {
+    /// The new clip.
+    #[wasm_bindgen(getter)]
+    pub fn clip(&self) -> Clip {
+        Clip::new(self.inner.clip.clone(), &self.armature)
+    }
+
+    /// Where feet stand, foot by foot.
+    #[wasm_bindgen(getter)]
+    pub fn stances(&self) -> Stances {
+        let list = |numbers: &[f64]| {
+            numbers
+                .iter()
+                .copied()
+                .map(JsValue::from)
+                .collect::<Array>()
+        };
+        let told = self
+            .inner
+            .stances
+            .iter()
+            .zip(&self.stances)
+            .map(|(own, bone)| {
+                object::of([
+                    ("bone", bone.into()),
+                    ("span", list(&own.span).into()),
+                    ("place", list(&own.place.to_array()).into()),
+                    ("slide", own.slide.into()),
+                ])
+            });
+        told.collect::<Array>().unchecked_into()
+    }
+
+    /// What was asked for, planted feet first.
+    #[wasm_bindgen(getter)]
+    pub fn led(&self) -> LedBones {
+        let told = self.inner.led.iter().zip(&self.led).map(|(own, bone)| {
+            object::of([
+                ("bone", bone.into()),
+                ("miss", own.miss.into()),
+                ("at", own.at.into()),
+            ])
+        });
+        told.collect::<Array>().unchecked_into()
+    }
+
+    /// How far the root moves at most from where the clip has it.
+    #[wasm_bindgen(getter, js_name = rootMoved)]
+    pub fn root_moved(&self) -> f64 {
+        self.inner.root_moved
+    }
+}

@@ -1,0 +1,38 @@
+//! Which joints of a problem are free.
+
+use kinopt::model::{JointKind, ParameterMap};
+use wasm_bindgen::prelude::*;
+
+use crate::given::{self, Given};
+use crate::model::Model;
+use crate::raise;
+
+/// The map that `locked`, `only` and `held` ask for, or the model's own.
+pub(crate) fn parameters(model: &Model, given: &Given) -> Result<Option<ParameterMap>, JsError> {
+    let (only, held) = (given.texts("only")?, given.numbers("held")?);
+    let locked = given::entries(given.get("locked").as_ref(), "locked")?;
+    if locked.is_empty() && only.is_none() && held.is_none() {
+        return Ok(model.robot.as_ref().map(|robot| robot.map().clone()));
+    }
+    let own = &model.inner;
+    let mut builder = match &model.robot {
+        Some(robot) => robot.parameters(),
+        None => ParameterMap::builder(own),
+    };
+    for (name, value) in locked {
+        let (joint, what) = (own.joint(&name).map_err(raise)?, format!("locked.{name}"));
+        builder = match own.joints()[joint.index()].kind {
+            JointKind::Ball => builder.lock_ball(joint, given::vector(&value, &what)?),
+            _ => builder.lock(joint, given::number(&value, &what)?),
+        };
+    }
+    if let Some(names) = only {
+        let free = names.iter().map(|name| own.joint(name));
+        let free = free.collect::<Result<Vec<_>, _>>().map_err(raise)?;
+        builder = builder.only(&free, &held.unwrap_or_else(|| own.neutral()));
+    } else if held.is_some() {
+        let message = "held says where the joints stand that `only` leaves out";
+        return Err(JsError::new(message));
+    }
+    builder.build().map(Some).map_err(raise)
+}

@@ -1,0 +1,46 @@
+// Over a clip a hand reaches for a place, and feet stand. The capture is in centimetres.
+import assert from "node:assert/strict";
+import test from "node:test";
+import { MotionCapture, World } from "kinopt";
+import { text } from "./panda.js";
+
+const bytes = new TextEncoder().encode(text("captures/steps.bvh"));
+const { armature, clip } = MotionCapture.fromBytes(bytes, "steps.bvh");
+/** Where a bone begins at a moment of a clip. */
+const place = (of, bone, seconds) => {
+    const k = armature.names.indexOf(bone);
+    return [...armature.places(of.sample(seconds)).subarray(3 * k, 3 * k + 3)];
+};
+const away = (a, b) => Math.hypot(...a.map((value, k) => value - b[k]));
+const [HAND, FEET] = ["LeftHand", ["LeftFoot", "RightFoot"]];
+
+test("a bone reaches for a place over its span, and elsewhere the clip is as it was", () => {
+    const target = place(clip, HAND, 1).map((value, k) => value + [5, 10, 5][k]);
+    const edited = clip.withIk({ reach: [{ bone: HAND, target, span: [0.5, 1.5], fade: 0.2 }], keysPerSecond: 30 });
+    assert.deepEqual(edited.led.map(({ bone }) => bone), [HAND]);
+    assert.ok(edited.led[0].miss < 0.01, `${edited.led[0].miss}`);
+    assert.ok(away(place(edited.clip, HAND, 1), target) < 0.05);
+    assert.ok(away(place(edited.clip, HAND, 3), place(clip, HAND, 3)) < 1e-3);
+});
+
+test("feet that are planted stand still, on what the world has there", () => {
+    const edited = clip.withIk({ plant: FEET, keysPerSecond: 30 });
+    assert.ok(edited.stances.length >= 4);
+    for (const { bone, span: [from, to], place: stands, slide } of edited.stances) {
+        assert.ok(slide < 0.05);
+        assert.ok(away(place(edited.clip, bone, 0.5 * (from + to)), stands) < 0.1);
+    }
+    const stage = new World();
+    stage.addBox("stage", [5000, 20, 5000]);
+    const raised = clip.withIk({ plant: FEET, keysPerSecond: 30, ground: stage });
+    assert.ok(Math.abs(raised.stances[0].place[1] - edited.stances[0].place[1] - 10) < 0.1);
+});
+
+test("what is asked wrongly is told", () => {
+    assert.throws(() => clip.withIk({}), /nothing to reach/);
+    assert.throws(() => clip.withIk({ plant: ["LeftPaw"] }), /LeftPaw/);
+    assert.throws(() => clip.withIk({ reach: [{ bone: HAND, target: [1, 2] }] }), /target has 2 numbers/);
+    assert.throws(() => clip.withIk({ reach: [{ bone: HAND, target: [1, 2, 3], from: 1 }] }), /from.*span/s);
+    assert.throws(() => clip.withIk({ plant: FEET, travel: "hands" }), /travel is "hands"/);
+    assert.throws(() => clip.withIk({ plant: FEET, ground: 3 }), /ground must be a World/);
+});
