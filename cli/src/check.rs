@@ -101,7 +101,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
             output::message(&format!("note: obstacle {}: {note}", obstacle.name));
         }
     }
-    let model = arguments.collisions.model(robot)?;
+    let model = (arguments.collisions).model(robot, &arguments.model_options)?;
     let checker = Checker::new(model)
         .with_world(&world)?
         .with_margin(arguments.margin)?;

@@ -4,10 +4,11 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use kinopt::collision::{CollisionModel, MeshUse};
-use kinopt::robot::{Robot, Srdf};
+use kinopt::robot::Robot;
 
 use crate::failure::Outcome;
 use crate::help_headings::COLLISIONS;
+use crate::model_options::ModelOptions;
 use crate::output;
 
 /// Random configurations that decide about pairs, where no file does.
@@ -92,11 +93,11 @@ impl ShapeOptions {
 
 impl CollisionOptions {
     /// The model of a robot's shapes; notes go to standard error.
-    pub(crate) fn model(&self, robot: &Robot) -> Outcome<CollisionModel> {
+    pub(crate) fn model(&self, robot: &Robot, options: &ModelOptions) -> Outcome<CollisionModel> {
         let mut model = self.shapes.model(robot)?;
         let mut samples = SAMPLES;
         if let Some(path) = &self.srdf {
-            model = model.with_srdf(&Srdf::read(path, robot)?);
+            model = model.with_srdf(&options.read_srdf(path, robot)?);
             samples = 0;
         }
         Ok(model.with_pairs_sampled(self.samples.unwrap_or(samples), 0)?)

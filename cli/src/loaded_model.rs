@@ -7,7 +7,7 @@ use kinopt::animation::{Armature, EulerClip, Playback, Pose};
 use kinopt::io::gltf::SceneFile;
 use kinopt::io::rig::Rig;
 use kinopt::model::{FrameId, JointId, JointKind, ParameterMap, Source};
-use kinopt::robot::Robot;
+use kinopt::robot::{Robot, Srdf};
 use kinopt::skeleton::{BallSkeleton, Skeleton};
 
 use crate::animated_armature::{AnimatedArmature, extension};
@@ -45,6 +45,8 @@ pub(crate) struct LoadedModel {
     pub(crate) capture: Option<Box<Capture>>,
     /// A robot with its mimic joints; `None` for a rig.
     pub(crate) robot: Option<Box<Robot>>,
+    /// What an SRDF file says of the robot, where one is given.
+    pub(crate) srdf: Option<Box<Srdf>>,
     /// Joints that the command holds.
     pub(crate) held: Option<Box<HeldJoints>>,
     /// A frame and the tool on it, which targets for the frame are for.
@@ -219,6 +221,7 @@ impl LoadedModel {
             scene: None,
             capture: None,
             robot: None,
+            srdf: None,
             held: None,
             tool: None,
         }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use kinopt::robot::Robot;
+use kinopt::robot::{Robot, Srdf};
 
 use crate::ball_figure::FigureOptions;
 use crate::base_joint::BaseJointOptions;
@@ -19,8 +19,8 @@ pub(crate) struct ModelOptions {
     /// Mend a robot's damaged file where that needs no guess. Default: refuse it.
     ///
     /// Limits out of order are exchanged, a joint without <limit> is held at 0, of an element given
-    /// twice the first counts, and so on. Each repair is told on standard error; `kinopt info --json`
-    /// lists them under "repairs".
+    /// twice the first counts, and so on; of an SRDF file what names what the robot has not is left out.
+    /// Each repair is told on standard error; `kinopt info --json` lists the robot's under "repairs".
     #[arg(long, help_heading = MODEL, hide_short_help = true)]
     lenient: bool,
 
@@ -75,6 +75,25 @@ impl ModelOptions {
         let file = file.to_string();
         let robot = self.base.put_under(robot, &file)?;
         self.loops.close(robot, &file)
+    }
+
+    /// Reads what an SRDF file says of a robot, and tells what was left out.
+    pub(crate) fn read_srdf(&self, path: &Path, robot: &Robot) -> Outcome<Srdf> {
+        let reader = match self.lenient {
+            true => Srdf::reader().lenient(),
+            false => Srdf::reader(),
+        };
+        let srdf = reader.read(path, robot).map_err(|error| {
+            let hint = match reader.lenient().read(path, robot) {
+                Ok(_) if !self.lenient => " (--lenient leaves it out)",
+                _ => "",
+            };
+            failure!("{error}{hint}")
+        })?;
+        for repair in &srdf.repairs {
+            output::message(&format!("note: {}:{repair}", path.display()));
+        }
+        Ok(srdf)
     }
 
     /// Whether a scene or a capture is to be a model with joints.

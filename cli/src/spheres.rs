@@ -98,7 +98,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let format = arguments.format()?;
     let path = &arguments.robot;
     let robot = arguments.model_options.read(path)?;
-    let model = arguments.collisions.model(&robot)?;
+    let model = (arguments.collisions).model(&robot, &arguments.model_options)?;
     let fineness = match (arguments.overhang, arguments.spheres) {
         (Some(overhang), _) => Fineness::Overhang(overhang),
         (_, Some(count)) => Fineness::PerLink(count),

@@ -21,9 +21,26 @@ pub(crate) struct Srdf {
     robot: Py<Robot>,
     text: String,
     file: String,
+    lenient: bool,
 }
 
 impl Srdf {
+    fn of(text: String, robot: Py<Robot>, file: String, lenient: bool) -> PyResult<Self> {
+        let reader = kinopt::robot::Srdf::reader();
+        let reader = match lenient {
+            true => reader.lenient(),
+            false => reader,
+        };
+        let inner = reader.parse(&text, &file, &robot.get().inner).or_raise()?;
+        Ok(Self {
+            inner,
+            robot,
+            text,
+            file,
+            lenient,
+        })
+    }
+
     pub(crate) fn inner(&self) -> &kinopt::robot::Srdf {
         &self.inner
     }
@@ -65,37 +82,45 @@ impl Srdf {
 
 #[pymethods]
 impl Srdf {
-    /// Reads a file that speaks of a robot.
+    /// Reads a file that speaks of a robot. With `lenient` what names a joint, link or group that there is not is
+    /// left out, and listed in `repairs`.
     ///
     /// Raises `FileError` where it cannot be read, `InvalidFileError`, which names the element, for what is wrong in
     /// it: joints, links and groups that there are not, groups that contain themselves, values that are no numbers.
     #[classmethod]
-    fn read(class: &Bound<'_, PyType>, path: PathBuf, robot: Py<Robot>) -> PyResult<Self> {
+    #[pyo3(signature = (path, robot, *, lenient = false))]
+    fn read(
+        _class: &Bound<'_, PyType>,
+        path: PathBuf,
+        robot: Py<Robot>,
+        lenient: bool,
+    ) -> PyResult<Self> {
         let file = path.display().to_string();
         let text = std::fs::read_to_string(&path)
             .map_err(|error| raise(Kind::File, format!("{file}: cannot be read: {error}")))?;
-        Self::parse(class, text, robot, &file)
+        Self::of(text, robot, file, lenient)
     }
 
-    /// Reads a document from a string; `name` is what messages call it.
+    /// Reads a document from a string; `name` is what messages call it, `lenient` as of `read`.
     ///
     /// Raises `InvalidFileError` as `read`.
     #[classmethod]
-    #[pyo3(signature = (text, robot, name = "robot.srdf"))]
+    #[pyo3(signature = (text, robot, name = "robot.srdf", *, lenient = false))]
     fn parse(
         _class: &Bound<'_, PyType>,
         text: String,
         robot: Py<Robot>,
         name: &str,
+        lenient: bool,
     ) -> PyResult<Self> {
-        let inner = kinopt::robot::Srdf::parse(&text, name, &robot.get().inner).or_raise()?;
-        let file = name.to_owned();
-        Ok(Self {
-            inner,
-            robot,
-            text,
-            file,
-        })
+        Self::of(text, robot, name.to_owned(), lenient)
+    }
+
+    /// What a lenient reading left out, one text each.
+    #[getter]
+    fn repairs(&self) -> Vec<String> {
+        let repairs = self.inner.repairs.iter();
+        repairs.map(ToString::to_string).collect()
     }
 
     /// The joints that move of each group, parents before children, by the group's name.
@@ -221,9 +246,19 @@ impl Srdf {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let class = py.get_type::<Self>();
-        let arguments = (&*self.text, self.robot.bind(py), &*self.file);
-        pickling::by_method(class.as_any(), "parse", arguments)
+        let arguments = (&*self.text, self.robot.bind(py), &*self.file, self.lenient);
+        pickling::by_rebuild::<Self>(py, arguments)
+    }
+
+    #[classmethod]
+    fn _rebuild(
+        _class: &Bound<'_, PyType>,
+        text: String,
+        robot: Py<Robot>,
+        file: String,
+        lenient: bool,
+    ) -> PyResult<Self> {
+        Self::of(text, robot, file, lenient)
     }
 
     fn __repr__(&self) -> String {

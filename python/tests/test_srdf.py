@@ -50,6 +50,21 @@ def test_groups_and_passive_joints_are_parameter_maps(door: kinopt.Robot) -> Non
     assert driven.variable_names == ["hinge"] and np.array_equal(driven.expand([0.3]), [0.3, 0.7])
 
 
+def test_what_names_what_there_is_not_is_left_out_on_request(door: kinopt.Robot, tmp_path) -> None:
+    text = SEMANTICS.replace('passive_joint name="latch"', 'passive_joint name="bolt"')
+    with pytest.raises(InvalidFileError, match="bolt"):
+        kinopt.Srdf.parse(text, door)
+    path = tmp_path / "door.srdf"
+    path.write_text(text)
+    read = kinopt.Srdf.read(path, door, lenient=True)
+    parsed = kinopt.Srdf.parse(text, door, lenient=True)
+    for srdf in (read, parsed, pickle.loads(pickle.dumps(read))):
+        assert srdf.passive_joints == [] and list(srdf.groups) == ["opening", "all"]
+        (repair,) = srdf.repairs
+        assert repair.startswith("7: passive_joint `bolt`: left out: ")
+    assert kinopt.Srdf.parse(SEMANTICS, door, lenient=True).repairs == []
+
+
 def test_what_is_wrong_is_named(door: kinopt.Robot, tmp_path) -> None:
     srdf = kinopt.Srdf.parse(SEMANTICS, door)
     with pytest.raises(UnknownNameError, match="opening"):

@@ -21,7 +21,7 @@ pub use link::{Geometry, Inertial, LeftToMeshes, Link, Shape};
 #[cfg(feature = "mjcf")]
 pub use mjcf::mjcf_with_includes;
 #[cfg(feature = "xml")]
-pub use srdf::{DisabledPair, EndEffector, Group, GroupState, Srdf, VirtualJoint};
+pub use srdf::{DisabledPair, EndEffector, Group, GroupState, Srdf, SrdfReader, VirtualJoint};
 #[cfg(feature = "urdf")]
 pub use urdf::UrdfReader;
 #[cfg(feature = "xml")]

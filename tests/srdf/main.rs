@@ -1,5 +1,6 @@
 //! SRDF: groups, states, passive joints and disabled pairs of a robot.
 
+mod lenient;
 mod malformed;
 mod mutations;
 mod semantics;

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use kinopt::robot::{BaseJoint, Robot, RobotFileError, Srdf};
+use kinopt::robot::{BaseJoint, Fault, Robot, RobotFileError, Srdf};
 use support::changed_xml::Element;
 use support::random::Random;
 use support::sample::cases;
@@ -90,9 +90,12 @@ fn a_changed_file_is_a_named_error_or_one_of_the_robot() {
             changed.change(&mut random);
         }
         let text = changed.text();
+        let lenient = Srdf::reader().lenient();
+        let mended = lenient.parse(&text, "changed.srdf", &robot);
         let outcome = match Srdf::parse(&text, "changed.srdf", &robot) {
             Ok(srdf) => {
                 check(&srdf, &robot);
+                assert_eq!(mended.unwrap(), srdf);
                 "read".to_owned()
             }
             Err(error) => {
@@ -105,6 +108,14 @@ fn a_changed_file_is_a_named_error_or_one_of_the_robot() {
                     line > 0 && line as usize <= text.lines().count(),
                     "{message}"
                 );
+                // All but another root is left out by a lenient reader, and told.
+                match mended {
+                    Ok(srdf) => {
+                        check(&srdf, &robot);
+                        assert!(!srdf.repairs.is_empty());
+                    }
+                    Err(error) => assert_eq!(fault, Fault::NotARobot, "{error}"),
+                }
                 let told = format!("{fault:?}");
                 told.split([' ', '(']).next().unwrap().to_owned()
             }

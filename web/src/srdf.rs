@@ -5,6 +5,7 @@ use std::rc::Rc;
 use kinopt::model::{FrameId, JointId};
 use wasm_bindgen::prelude::*;
 
+use crate::given::Given;
 use crate::object;
 use crate::raise;
 use crate::robot::Robot;
@@ -17,6 +18,12 @@ export interface EndEffector {
     group: string;
     /** The link that it is fixed to. */
     parentLink: string;
+}
+
+/** How an SRDF file is read. */
+export interface SrdfOptions {
+    /** Leaves out what names a joint, link or group that there is not, and lists it in `repairs`; false unless set. */
+    lenient?: boolean;
 }
 "#;
 
@@ -31,6 +38,9 @@ extern "C" {
     /// Pairs of links.
     #[wasm_bindgen(typescript_type = "[string, string][]")]
     pub type Pairs;
+    /// How a file is read.
+    #[wasm_bindgen(typescript_type = "SrdfOptions")]
+    pub type SrdfOptions;
 }
 
 /// What an SRDF file says of a robot: groups of joints, states, joints that nothing drives, links that need not be kept apart.
@@ -43,11 +53,29 @@ pub struct Srdf {
 #[wasm_bindgen]
 impl Srdf {
     /// Reads a document that speaks of a robot; `name` is for messages.
-    pub fn parse(text: &str, robot: &Robot, name: Option<String>) -> Result<Self, JsError> {
+    pub fn parse(
+        text: &str,
+        robot: &Robot,
+        name: Option<String>,
+        options: Option<SrdfOptions>,
+    ) -> Result<Self, JsError> {
+        let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
+        let options = Given::new(options, "option of an SRDF file", &["lenient"])?;
+        let mut reader = kinopt::robot::Srdf::reader();
+        if options.switch("lenient")?.unwrap_or(false) {
+            reader = reader.lenient();
+        }
         let name = name.as_deref().unwrap_or("robot.srdf");
         let robot = Rc::clone(&robot.inner);
-        let inner = kinopt::robot::Srdf::parse(text, name, &robot).map_err(raise)?;
+        let inner = reader.parse(text, name, &robot).map_err(raise)?;
         Ok(Self { inner, robot })
+    }
+
+    /// What a lenient reading left out.
+    #[wasm_bindgen(getter)]
+    pub fn repairs(&self) -> Vec<String> {
+        let repairs = self.inner.repairs.iter();
+        repairs.map(ToString::to_string).collect()
     }
 
     /// The joints that move of each group, parents before children, by the group's name: what an arm's `only` takes.

@@ -35,6 +35,10 @@ test("groups, states, ends and pairs of an SRDF", () => {
     assert.deepEqual(srdf.passiveJoints, []);
     assert.throws(() => srdf.state("straight"), /straight.*bent/s);
     assert.throws(() => Srdf.parse('<robot name="x"><group name="g"><joint name="knee"/></group></robot>', robot, "odd.srdf"), /odd\.srdf.*knee/s);
+    const knee = '<robot name="x"><passive_joint name="knee"/></robot>';
+    const mended = Srdf.parse(knee, robot, "odd.srdf", { lenient: true });
+    assert.match(mended.repairs.join(), /^1: passive_joint `knee`: left out: /);
+    assert.throws(() => Srdf.parse(knee, robot, "odd.srdf", { lenien: true }), /lenien/);
     const arm = new Arm(robot, "base", "flange", { only: srdf.groups.arm, held: robot.model.neutral() });
     assert.equal(arm.degreesOfFreedom, 7);
 });

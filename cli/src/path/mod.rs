@@ -28,6 +28,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     if loaded.robot.is_none() {
         return Err(usage!("{}: path is for robots", loaded.file));
     }
+    (arguments.chain).read_srdf(&mut loaded, &arguments.model_options)?;
     if arguments.chain.holds() {
         let rest = loaded.rest();
         let held = arguments.chain.held(&loaded, &rest, arguments.degrees)?;
@@ -152,11 +153,8 @@ fn arm(arguments: &Arguments, loaded: &LoadedModel, room: Room) -> Outcome<(Arm,
     let joints = builder.joints()?;
     let coordinates = joints.iter().filter_map(|&id| loaded.model.coordinate(id));
     let columns = loaded.columns_of(coordinates.collect());
-    let srdf = arguments.chain.srdf.as_ref();
     let arm = builder.build()?;
-    let arm = arguments
-        .obstacles
-        .keep_clear(arm, loaded, srdf, &loaded.rest())?;
+    let arm = (arguments.obstacles).keep_clear(arm, loaded, &loaded.rest())?;
     Ok((arm, columns))
 }
 

@@ -77,10 +77,9 @@ impl<'a> ArmBackend<'a> {
         let coordinates = joints.iter().filter_map(|&id| loaded.model.coordinate(id));
         let columns = loaded.columns_of(coordinates.collect());
         let builder = with_joint_options(builder, loaded, &columns, arguments)?;
-        let srdf = arguments.chain.srdf.as_ref();
         let rest = loaded.rest();
         let arm = builder.build()?;
-        let arm = (arguments.obstacles).keep_clear(arm, loaded, srdf, &rest)?;
+        let arm = (arguments.obstacles).keep_clear(arm, loaded, &rest)?;
         Ok(Self {
             loaded,
             arm,

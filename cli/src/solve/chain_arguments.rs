@@ -1,19 +1,20 @@
 //! Which joints may move, and what is on the tip: for every solver.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use kinopt::model::{
     FrameId, JointId, JointKind, Model, ModelBuilder, ParameterMap, ParameterMapBuilder,
     UnknownName,
 };
-use kinopt::robot::Srdf;
+use kinopt::robot::{Robot, Srdf};
 use kinopt::spatial::Placement;
 
 use crate::failure::Outcome;
 use crate::frame_name::{self, BareName};
 use crate::help_headings::MODEL;
 use crate::loaded_model::{HeldJoints, LoadedModel};
+use crate::model_options::ModelOptions;
 use crate::number_list;
 use crate::target;
 
@@ -36,9 +37,9 @@ pub(crate) struct ChainArguments {
 
     /// A robot's SRDF file: its passive joints are held where --start has them.
     ///
-    /// Its names must be the robot's. Default: none.
+    /// Its names must be the robot's, or with --lenient what has others is left out. Default: none.
     #[arg(long, value_name = "FILE", help_heading = MODEL)]
-    pub(crate) srdf: Option<PathBuf>,
+    srdf: Option<PathBuf>,
 
     /// Let only the joints of a group of the SRDF file move.
     ///
@@ -79,6 +80,22 @@ impl Lock {
 }
 
 impl ChainArguments {
+    /// Reads the SRDF file, if one is given.
+    pub(crate) fn read_srdf(
+        &self,
+        loaded: &mut LoadedModel,
+        options: &ModelOptions,
+    ) -> Outcome<()> {
+        let Some(file) = &self.srdf else {
+            return Ok(());
+        };
+        let Some(robot) = &loaded.robot else {
+            return Err(usage!("{}: --srdf is for robots", loaded.file));
+        };
+        loaded.srdf = Some(Box::new(options.read_srdf(file, robot)?));
+        Ok(())
+    }
+
     /// Whether some joint is to be held.
     pub(crate) fn holds(&self) -> bool {
         !(self.lock.is_empty() && self.only.is_empty() && self.srdf.is_none())
@@ -140,8 +157,8 @@ impl ChainArguments {
             }
         }
 
-        if let Some(file) = &self.srdf {
-            self.take_srdf(file, loaded, start, (&mut locked, &mut only))?;
+        if let (Some(srdf), Some(robot)) = (&loaded.srdf, &loaded.robot) {
+            self.take_srdf(srdf, robot, start, (&mut locked, &mut only))?;
         }
 
         let builder = match &loaded.robot {
@@ -188,19 +205,15 @@ impl ChainArguments {
     /// Holds what nothing drives, and frees a group, as far as neither follows another.
     fn take_srdf(
         &self,
-        file: &Path,
-        loaded: &LoadedModel,
+        srdf: &Srdf,
+        robot: &Robot,
         start: &[f64],
         (locked, only): (&mut Vec<(JointId, f64)>, &mut Vec<JointId>),
     ) -> Outcome<()> {
-        let Some(robot) = &loaded.robot else {
-            return Err(usage!("{}: --srdf is for robots", loaded.file));
-        };
-        let srdf = Srdf::read(file, robot).map_err(|error| failure!("{error}"))?;
         let follows = |joint: JointId| robot.mimics().iter().any(|mimic| mimic.joint == joint);
         for &joint in &srdf.passive_joints {
             let given = locked.iter().any(|(held, _)| *held == joint) || only.contains(&joint);
-            let at = loaded.model.coordinate(joint).and_then(|at| start.get(at));
+            let at = robot.model().coordinate(joint).and_then(|at| start.get(at));
             if let (false, Some(value)) = (given || follows(joint), at) {
                 locked.push((joint, *value));
             }

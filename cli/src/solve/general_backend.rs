@@ -116,7 +116,7 @@ impl<'a> GeneralBackend<'a> {
             held,
             weights,
             balance,
-            checker: (arguments.obstacles).checker(loaded, arguments.chain.srdf.as_ref())?,
+            checker: (arguments.obstacles).checker(loaded)?,
             others,
             tasks,
             levels,

@@ -43,6 +43,7 @@ use crate::progress::Progress;
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let moment = arguments.moment();
     let mut loaded = LoadedModel::read_at(&arguments.model, &arguments.model_options, moment)?;
+    (arguments.chain).read_srdf(&mut loaded, &arguments.model_options)?;
     arguments.hold(&mut loaded)?;
     let goals = Goals::read(&loaded, arguments)?;
     goals.put_tool(&mut loaded)?;

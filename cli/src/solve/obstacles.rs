@@ -46,11 +46,7 @@ impl ObstacleArguments {
     ///
     /// # Errors
     /// A file that is not there or damaged, and a rig without a skin.
-    pub(super) fn checker(
-        &self,
-        loaded: &LoadedModel,
-        srdf: Option<&PathBuf>,
-    ) -> Outcome<Option<Checker>> {
+    pub(super) fn checker(&self, loaded: &LoadedModel) -> Outcome<Option<Checker>> {
         let Some(option) = self.given() else {
             return Ok(None);
         };
@@ -59,7 +55,7 @@ impl ObstacleArguments {
             None => World::new(),
         };
         let checker = match &loaded.robot {
-            Some(robot) => Checker::sampled(self.of_robot(robot, srdf)?),
+            Some(robot) => Checker::sampled(self.of_robot(robot, loaded.srdf.as_deref())?),
             None => Checker::new(of_figure(loaded, option)?),
         };
         let checker = checker.with_world(&world)?;
@@ -70,23 +66,17 @@ impl ObstacleArguments {
     ///
     /// # Errors
     /// As [`checker`](Self::checker).
-    pub(crate) fn keep_clear(
-        &self,
-        arm: Arm,
-        loaded: &LoadedModel,
-        srdf: Option<&PathBuf>,
-        rest: &[f64],
-    ) -> Outcome<Arm> {
-        Ok(match self.checker(loaded, srdf)? {
+    pub(crate) fn keep_clear(&self, arm: Arm, loaded: &LoadedModel, rest: &[f64]) -> Outcome<Arm> {
+        Ok(match self.checker(loaded)? {
             Some(checker) => arm.with_checker(&checker, rest)?,
             None => arm,
         })
     }
 
-    fn of_robot(&self, robot: &Robot, srdf: Option<&PathBuf>) -> Outcome<CollisionModel> {
+    fn of_robot(&self, robot: &Robot, srdf: Option<&Srdf>) -> Outcome<CollisionModel> {
         let model = self.shapes.model(robot)?;
         Ok(match srdf {
-            Some(file) => model.with_srdf(&Srdf::read(file, robot)?),
+            Some(srdf) => model.with_srdf(srdf),
             None => model,
         })
     }

@@ -71,4 +71,12 @@ fn an_srdf_file_holds_passive_joints_and_frees_a_group() {
     assert_eq!(front[..3], start[..3]);
     assert_eq!(front[4], 0.3);
     assert_ne!(front[3], start[3]);
+    // Of another version of the robot.
+    let text = text.replace("</robot>", r#"<passive_joint name="joint9"/></robot>"#);
+    std::fs::write(&file, text).unwrap();
+    refused!("{ask}" => 1, "panda.srdf:2: passive_joint `joint9` | --lenient");
+    let (mended, notes) = answer!(told "{ask} --group front --lenient");
+    says(&notes, "panda.srdf:2: passive_joint `joint9`: left out: ");
+    assert_eq!(notes.matches("joint9").count(), 1, "{notes}");
+    assert_eq!(numbers(&mended["q"]), front);
 }

@@ -4,7 +4,7 @@ use std::collections::{BTreeSet, HashMap};
 
 use crate::model::{JointId, UnknownName};
 use crate::robot::Robot;
-use crate::robot::xml::{Element, Fault, RobotFileError, is};
+use crate::robot::xml::{Element, Fault, Mended, RobotFileError, is};
 
 /// Joints that are used together.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -30,16 +30,22 @@ pub(super) fn read_all(
 ) -> Result<Vec<Group>, RobotFileError> {
     let mut names: Vec<String> = Vec::new();
     let mut parts: HashMap<String, Part> = HashMap::new();
+    let mut known = Vec::new();
     for element in elements {
-        let name = element.name("name")?;
-        let part = read(element, robot, virtual_joints)?;
-        if parts.insert(name.clone(), part).is_some() {
-            return Err(element.fault(Fault::RepeatedGroup { group: name }));
+        let Some(name) = element.reading.leniently(element.name("name"))? else {
+            continue;
+        };
+        if parts.contains_key(&name) {
+            let fault = Fault::RepeatedGroup { group: name };
+            element.mend(fault, |_| Mended::FirstCounts { child: "group" })?;
+            continue;
         }
+        parts.insert(name.clone(), read(element, robot, virtual_joints)?);
         names.push(name);
+        known.push(element);
     }
     let mut groups = Vec::with_capacity(names.len());
-    for (element, name) in elements.iter().zip(&names) {
+    for (element, name) in known.into_iter().zip(&names) {
         // Every group within it once; one that it stands in itself is a ring.
         let mut joints = BTreeSet::new();
         let mut seen = BTreeSet::new();
@@ -47,12 +53,15 @@ pub(super) fn read_all(
         while let Some(inner) = waiting.pop() {
             let Some(part) = parts.get(inner) else {
                 let valid = names.iter().map(String::as_str);
-                return Err(element.fault(UnknownName::new("group", inner, valid).into()));
+                let unknown = UnknownName::new("group", inner, valid);
+                element.mend(unknown.into(), Mended::LeftOut)?;
+                continue;
             };
             joints.extend(&part.joints);
             if part.groups.contains(name) {
                 let group = name.clone();
-                return Err(element.fault(Fault::GroupWithinItself { group }));
+                element.mend(Fault::GroupWithinItself { group }, Mended::LeftOut)?;
+                seen.insert(name.as_str());
             }
             let new = part
                 .groups
@@ -79,22 +88,26 @@ fn read(
     for node in group.node.children().filter(|node| node.is_element()) {
         let part = group.part(node);
         let unknown = |error: UnknownName| part.fault(error.into());
-        if is(node, "joint") {
-            let name = part.name("name")?;
-            if !virtual_joints.contains(&name.as_str()) {
-                let joint = model.joint(&name).map_err(unknown)?;
-                joints.extend(model.coordinate(joint).map(|_| joint));
+        let mut take = || -> Result<(), RobotFileError> {
+            if is(node, "joint") {
+                let name = part.name("name")?;
+                if !virtual_joints.contains(&name.as_str()) {
+                    let joint = model.joint(&name).map_err(unknown)?;
+                    joints.extend(model.coordinate(joint).map(|_| joint));
+                }
+            } else if is(node, "link") {
+                let frame = model.frame(&part.name("name")?).map_err(unknown)?;
+                let joint = model.frames()[frame.index()].joint;
+                joints.extend(joint.filter(|joint| model.coordinate(*joint).is_some()));
+            } else if is(node, "chain") {
+                let (base, tip) = (part.name("base_link")?, part.name("tip_link")?);
+                joints.extend(robot.chain(base.as_str(), tip.as_str()).map_err(unknown)?);
+            } else if is(node, "group") {
+                groups.push(part.name("name")?);
             }
-        } else if is(node, "link") {
-            let frame = model.frame(&part.name("name")?).map_err(unknown)?;
-            let joint = model.frames()[frame.index()].joint;
-            joints.extend(joint.filter(|joint| model.coordinate(*joint).is_some()));
-        } else if is(node, "chain") {
-            let (base, tip) = (part.name("base_link")?, part.name("tip_link")?);
-            joints.extend(robot.chain(base.as_str(), tip.as_str()).map_err(unknown)?);
-        } else if is(node, "group") {
-            groups.push(part.name("name")?);
-        }
+            Ok(())
+        };
+        group.reading.leniently(take())?;
     }
     Ok(Part { joints, groups })
 }

@@ -8,10 +8,11 @@ mod state;
 use std::path::Path;
 
 pub use group::Group;
+pub use reader::SrdfReader;
 pub use state::GroupState;
 
 use super::Robot;
-use super::xml::RobotFileError;
+use super::xml::{Repair, RobotFileError};
 use crate::model::{FrameId, JointId, JointKind, ParameterMapBuilder, UnknownName};
 
 /// A file of semantics, checked against the robot that it was read for: its ids are that robot's.
@@ -30,6 +31,8 @@ pub struct Srdf {
     pub virtual_joints: Vec<VirtualJoint>,
     /// Links that may touch, or never can.
     pub disabled_pairs: Vec<DisabledPair>,
+    /// What a [lenient](SrdfReader::lenient) reader left out, in the order of the file.
+    pub repairs: Vec<Repair>,
 }
 
 /// A group at the end of another.
@@ -96,7 +99,7 @@ impl Srdf {
     /// What is wrong with the file, with line and name: joints, links and groups that there are not, groups that
     /// contain themselves, values of joints that are no numbers or not as many as the joint takes.
     pub fn read(path: impl AsRef<Path>, robot: &Robot) -> Result<Self, RobotFileError> {
-        reader::read(path.as_ref(), robot)
+        Self::reader().read(path, robot)
     }
 
     /// Reads a document from memory; `file` is the name that errors give it.
@@ -104,7 +107,13 @@ impl Srdf {
     /// # Errors
     /// As [`read`](Self::read).
     pub fn parse(text: &str, file: &str, robot: &Robot) -> Result<Self, RobotFileError> {
-        reader::parse(text, file, robot)
+        Self::reader().parse(text, file, robot)
+    }
+
+    /// A reader with options: strict, as [`read`](Self::read), unless told otherwise.
+    #[must_use]
+    pub fn reader() -> SrdfReader {
+        SrdfReader::default()
     }
 
     /// Looks a group up.

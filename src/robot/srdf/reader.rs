@@ -1,5 +1,6 @@
 //! From a document to what it says of a robot.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use roxmltree::Node;
@@ -8,50 +9,111 @@ use super::{DisabledPair, EndEffector, Srdf, VirtualJoint, group, state};
 use crate::file::{Place, ReadError, read_bytes};
 use crate::model::{FrameId, UnknownName};
 use crate::robot::Robot;
-use crate::robot::xml::{Element, Fault, Reading, RobotFileError, is, parse as parse_xml};
+use crate::robot::xml::{Element, Fault, Reading, RobotFileError, is, mended, parse as parse_xml};
 
 /// The longest file that is read; real ones stay below 1 MB.
 const LENGTH_LIMIT: u64 = 64 << 20;
 
-pub(super) fn read(path: &Path, robot: &Robot) -> Result<Srdf, RobotFileError> {
-    let file = path.display().to_string();
-    let bytes = read_bytes(path, LENGTH_LIMIT)?;
-    let text = std::str::from_utf8(&bytes).map_err(|error| {
-        let at = Place::Byte(error.valid_up_to());
-        ReadError::malformed(&file, at, "is not UTF-8 text")
-    })?;
-    parse(text, &file, robot)
+/// Reads SRDF: strictly, unless asked to be lenient.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SrdfReader {
+    lenient: bool,
 }
 
-pub(super) fn parse(text: &str, file: &str, robot: &Robot) -> Result<Srdf, RobotFileError> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let reading = Reading {
-        file,
-        text,
-        lenient: false,
-        repairs: Vec::new().into(),
-    };
-    let document = parse_xml(file, text)?;
+impl SrdfReader {
+    /// Leaves out what cannot be taken at its word, and lists it: see [`Srdf::repairs`]. Published files often name a
+    /// joint or a link that another version of the robot has.
+    ///
+    /// Left out are passive joints, end effectors, virtual joints and disabled pairs that name what there is not; of
+    /// groups and states their single joints, links, chains and groups; states of groups that there are not; of a group
+    /// that is given twice the second. A group within itself has the joints of all groups of its ring.
+    ///
+    /// ```
+    /// # #[cfg(feature = "urdf")] {
+    /// use kinopt::robot::{Robot, Srdf};
+    ///
+    /// let door = r#"<robot name="door"><link name="frame"/><link name="leaf"/>
+    ///   <joint name="hinge" type="continuous"><parent link="frame"/><child link="leaf"/></joint></robot>"#;
+    /// let robot = Robot::parse(door, "door.urdf")?;
+    /// let text = r#"<robot name="door"><group name="opening"><joint name="hinge"/></group>
+    ///   <passive_joint name="latch"/></robot>"#;
+    /// assert!(Srdf::parse(text, "door.srdf", &robot).is_err());
+    /// let srdf = Srdf::reader().lenient().parse(text, "door.srdf", &robot)?;
+    /// assert_eq!(srdf.group("opening")?.joints.len(), 1);
+    /// let repair = srdf.repairs[0].to_string();
+    /// assert!(repair.starts_with("2: passive_joint `latch`: left out: "), "{repair}");
+    /// # }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn lenient(mut self) -> Self {
+        self.lenient = true;
+        self
+    }
+
+    /// Reads a file that speaks of a robot.
+    ///
+    /// # Errors
+    /// As [`Srdf::read`]; a lenient reader's that there is no such file, or no SRDF in it.
+    pub fn read(&self, path: impl AsRef<Path>, robot: &Robot) -> Result<Srdf, RobotFileError> {
+        let path = path.as_ref();
+        let file = path.display().to_string();
+        let bytes = read_bytes(path, LENGTH_LIMIT)?;
+        let text = std::str::from_utf8(&bytes).map_err(|error| {
+            let at = Place::Byte(error.valid_up_to());
+            ReadError::malformed(&file, at, "is not UTF-8 text")
+        })?;
+        self.parse(text, &file, robot)
+    }
+
+    /// Reads a document from memory; `file` is the name that errors give it.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn parse(&self, text: &str, file: &str, robot: &Robot) -> Result<Srdf, RobotFileError> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let mut repairs = Vec::new();
+        let text = match self.lenient {
+            true => mended(text, &mut repairs),
+            false => Cow::Borrowed(text),
+        };
+        let reading = Reading {
+            file,
+            text: &text,
+            lenient: self.lenient,
+            repairs: repairs.into(),
+        };
+        let mut srdf = read(&reading, robot)?;
+        srdf.repairs = reading.repairs.into_inner();
+        srdf.repairs.sort_by_key(|repair| repair.line);
+        Ok(srdf)
+    }
+}
+
+fn read(reading: &Reading<'_>, robot: &Robot) -> Result<Srdf, RobotFileError> {
+    let document = parse_xml(reading.file, reading.text)?;
     let root = document.root_element();
     if !root.has_tag_name("robot") {
         let label = format!("<{}>", root.tag_name().name());
-        return Err(Element::new(&reading, root, label).fault(Fault::NotARobot));
+        return Err(Element::new(reading, root, label).fault(Fault::NotARobot));
     }
     let elements = |tag: &'static str| -> Vec<Element<'_>> {
         let nodes = root.children().filter(move |node| is(*node, tag));
-        nodes.map(|node| labelled(&reading, node, tag)).collect()
+        nodes.map(|node| labelled(reading, node, tag)).collect()
     };
-    let virtual_elements = elements("virtual_joint");
-    let mut virtual_joints = Vec::new();
-    for element in &virtual_elements {
-        virtual_joints.push(VirtualJoint {
+    let virtual_joints = all(&elements("virtual_joint"), |element| {
+        Ok(VirtualJoint {
             name: element.name("name")?,
             kind: element.name("type")?,
             parent_frame: element.name("parent_frame")?,
             child_link: link(element, "child_link", robot)?,
-        });
-    }
-    let virtual_names: Vec<&str> = virtual_joints.iter().map(|it| it.name.as_str()).collect();
+        })
+    })?;
+    // Their names are known as such, also where they carry a link that there is not.
+    let virtual_elements = elements("virtual_joint");
+    let virtual_names: Vec<&str> = (virtual_elements.iter())
+        .filter_map(|element| element.text("name"))
+        .collect();
     let groups = group::read_all(&elements("group"), robot, &virtual_names)?;
     let names: Vec<&str> = groups.iter().map(|group| group.name.as_str()).collect();
     let known = |element: &Element<'_>, group: String| match names.contains(&group.as_str()) {
@@ -61,12 +123,10 @@ pub(super) fn parse(text: &str, file: &str, robot: &Robot) -> Result<Srdf, Robot
             Err(element.fault(unknown.into()))
         }
     };
-    let states = elements("group_state");
-    let states = states
-        .iter()
-        .map(|element| state::read(element, robot, &names, &virtual_names));
-    let end_effectors = elements("end_effector");
-    let end_effectors = end_effectors.iter().map(|element| {
+    let states = all(&elements("group_state"), |element| {
+        state::read(element, robot, &names, &virtual_names)
+    })?;
+    let end_effectors = all(&elements("end_effector"), |element| {
         let parent_group = element
             .text("parent_group")
             .filter(|group| !group.is_empty());
@@ -78,34 +138,45 @@ pub(super) fn parse(text: &str, file: &str, robot: &Robot) -> Result<Srdf, Robot
                 .map(|group| known(element, group.to_owned()))
                 .transpose()?,
         })
-    });
-    let mut passive_joints = Vec::new();
-    for element in elements("passive_joint") {
+    })?;
+    let passive_joints = all(&elements("passive_joint"), |element| {
         let name = element.name("name")?;
         if virtual_names.contains(&name.as_str()) {
-            continue;
+            return Ok(None);
         }
         let unknown = |error: UnknownName| element.fault(error.into());
         let joint = robot.model().joint(&name).map_err(unknown)?;
-        passive_joints.extend(robot.model().coordinate(joint).map(|_| joint));
-    }
-    let pairs = elements("disable_collisions");
-    let pairs = pairs.iter().map(|element| {
+        Ok(robot.model().coordinate(joint).map(|_| joint))
+    })?;
+    let disabled_pairs = all(&elements("disable_collisions"), |element| {
         let links = [
             link(element, "link1", robot)?,
             link(element, "link2", robot)?,
         ];
         let reason = element.text("reason").unwrap_or_default().to_owned();
         Ok(DisabledPair { links, reason })
-    });
+    })?;
     Ok(Srdf {
-        states: states.collect::<Result<_, _>>()?,
-        end_effectors: end_effectors.collect::<Result<_, RobotFileError>>()?,
-        passive_joints,
-        disabled_pairs: pairs.collect::<Result<_, RobotFileError>>()?,
+        states,
+        end_effectors,
+        passive_joints: passive_joints.into_iter().flatten().collect(),
+        disabled_pairs,
         groups,
         virtual_joints,
+        repairs: Vec::new(),
     })
+}
+
+/// What elements say, without those that a lenient reader leaves out.
+fn all<T>(
+    elements: &[Element<'_>],
+    read: impl Fn(&Element<'_>) -> Result<T, RobotFileError>,
+) -> Result<Vec<T>, RobotFileError> {
+    let mut all = Vec::with_capacity(elements.len());
+    for element in elements {
+        all.extend(element.reading.leniently(read(element))?);
+    }
+    Ok(all)
 }
 
 fn labelled<'a>(reading: &'a Reading<'a>, node: Node<'a, 'a>, tag: &str) -> Element<'a> {

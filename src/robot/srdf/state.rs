@@ -3,7 +3,7 @@
 use super::Srdf;
 use crate::model::{JointId, JointKind, Model, UnknownName};
 use crate::robot::Robot;
-use crate::robot::xml::{Element, Fault, RobotFileError, is};
+use crate::robot::xml::{Element, Fault, Mended, RobotFileError, is};
 
 /// What Pinocchio calls the joint that moves a whole robot, whether or not it has one.
 const BASE: &str = "root_joint";
@@ -54,24 +54,22 @@ pub(super) fn read(
     let mut values = Vec::new();
     for node in element.node.children().filter(|node| is(*node, "joint")) {
         let part = element.part(node);
-        let name = part.name("name")?;
+        let Some(name) = part.reading.leniently(part.name("name"))? else {
+            continue;
+        };
         let Some(coordinates) = coordinates(robot.model(), &name) else {
             // A robot that stands still has no use for where its base is.
             if name == BASE || virtual_joints.contains(&name.as_str()) {
                 continue;
             }
-            return match robot.model().joint(&name) {
-                // A fixed joint has no value.
-                Ok(_) => continue,
-                Err(unknown) => Err(part.fault(unknown.into())),
-            };
+            // A fixed joint has no value.
+            if let Err(unknown) = robot.model().joint(&name) {
+                part.mend(unknown.into(), Mended::LeftOut)?;
+            }
+            continue;
         };
-        values.extend(
-            coordinates
-                .iter()
-                .copied()
-                .zip(numbers(&part, coordinates.len())?),
-        );
+        let numbers = part.reading.leniently(numbers(&part, coordinates.len()))?;
+        values.extend(coordinates.into_iter().zip(numbers.into_iter().flatten()));
     }
     Ok(GroupState {
         name,

@@ -123,11 +123,7 @@ impl<'a> Element<'a> {
         &self,
         attribute: &'static str,
     ) -> Result<Option<f64>, RobotFileError> {
-        let read = self.number(attribute);
-        match self.reading.lenient {
-            true => Ok(self.reading.or_left_out(read).flatten()),
-            false => read,
-        }
+        Ok(self.reading.leniently(self.number(attribute))?.flatten())
     }
 
     /// As [`numbers`](Self::numbers) that must be there.

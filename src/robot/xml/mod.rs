@@ -18,11 +18,9 @@ pub(super) use element::Named;
 pub(super) use element::exactly;
 pub(super) use element::{Element, is};
 pub use error::{Fault, RobotFileError};
-#[cfg(feature = "urdf")]
-pub(super) use parse::mended;
-pub(super) use parse::parse;
 #[cfg(all(feature = "mjcf", feature = "urdf"))]
 pub(super) use parse::root_name;
+pub(super) use parse::{mended, parse};
 pub(super) use reading::Reading;
 pub use repair::{Mended, Repair};
 #[cfg(any(feature = "mjcf", feature = "urdf"))]

@@ -54,6 +54,17 @@ impl Reading<'_> {
         Ok(())
     }
 
+    /// What is damage to a strict reader, and left out by a lenient one.
+    pub(crate) fn leniently<T>(
+        &self,
+        read: Result<T, RobotFileError>,
+    ) -> Result<Option<T>, RobotFileError> {
+        match self.lenient {
+            true => Ok(self.or_left_out(read)),
+            false => read.map(Some),
+        }
+    }
+
     /// Something that no joint depends on; where it is wrong it is left out, by strict readers too.
     pub(crate) fn or_left_out<T>(&self, read: Result<T, RobotFileError>) -> Option<T> {
         match read {
