@@ -137,6 +137,8 @@ def test_what_cannot_be_is_named(tmp_path) -> None:
         (lambda: world.add_sphere("b", float("nan")), InvalidValueError, "radius"),
         (lambda: world.add_sphere("b", 1, (1, 2)), InvalidValueError, "pose"),
         (lambda: world.add_sphere("b", 1, -np.eye(4)), InvalidValueError, "last row"),
+        (lambda: world.add_sphere("b", 1, (1, 2, 3, 1, 0, 0, 0)), InvalidValueError, r"\(4, 4\)"),
+        (lambda: world.add_points("b", np.zeros((0, 3)), 1), InvalidValueError, "at least 1 point,"),
         (lambda: world.add_mesh("b", TETRAHEDRON, [[0, 1, 4]]), InvalidValueError, "vertex 4"),
         (lambda: world.add_points("b", [[0, 0, np.inf]], 1), InvalidValueError, "point 0"),
         (lambda: world.add_convex("b", TETRAHEDRON[:3]), InvalidValueError, "at least 4"),
@@ -152,6 +154,33 @@ def test_what_cannot_be_is_named(tmp_path) -> None:
         with pytest.raises(error, match=match):
             fails()
     assert world.to_json() == before
+
+
+def test_a_mesh_may_be_a_file(tmp_path) -> None:
+    faces = "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in FACES)
+    text = "".join(f"v {x} {y} {z}\n" for x, y, z in np.multiply(TETRAHEDRON, 1000)) + faces
+    file = tmp_path / "shard.obj"
+    file.write_text(text)
+    world = kinopt.World()
+    world.add_mesh("arrays", TETRAHEDRON, FACES)
+    world.add_mesh("file", file, pose=(3, 0, 0), scale=0.001)
+    world.add_mesh("name", str(file), scale=(0.001, 0.001, 0.002))
+    vertices = [world[name].measures["vertices"] for name in world.names]
+    assert np.allclose(vertices[1], vertices[0], atol=1e-12)
+    assert np.allclose(vertices[2], np.multiply(vertices[0], (1, 1, 2)), atol=1e-12)
+    assert np.allclose(world["file"].placement[:3, 3], (3, 0, 0))
+    for fails, error, match in (
+        (lambda: world.add_mesh("b", tmp_path / "none.stl"), FileError, "none.stl"),
+        (lambda: world.add_mesh("b", tmp_path / "b.step"), (FileError, InvalidFileError), "b.step"),
+        (lambda: world.add_mesh("b", file, FACES), InvalidValueError, "of its own"),
+        (lambda: world.add_mesh("b", TETRAHEDRON), InvalidValueError, "triangles are missing"),
+        (lambda: world.add_mesh("b", file, scale=0), InvalidValueError, "b"),
+        (lambda: world.add_mesh("b", file, scale=(1, 2)), InvalidValueError, "scale"),
+        (lambda: world.add_mesh("b", file, scale=np.nan), InvalidValueError, "b"),
+    ):
+        with pytest.raises(error, match=match):
+            fails()
+    assert len(world) == 3
 
 
 def test_a_million_triangles_are_one_obstacle() -> None:

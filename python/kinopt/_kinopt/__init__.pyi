@@ -884,8 +884,25 @@ class World:
     ) -> None: ...
     def add_plane(self, name: str, pose: PlacementLike | None = None) -> None: ...
     def add_convex(self, name: str, points: ArrayLike, pose: PlacementLike | None = None) -> None: ...
+    @overload
     def add_mesh(
-        self, name: str, vertices: ArrayLike, triangles: ArrayLike, pose: PlacementLike | None = None
+        self,
+        name: str,
+        vertices: ArrayLike,
+        triangles: ArrayLike,
+        pose: PlacementLike | None = None,
+        *,
+        scale: float | ArrayLike | None = None,
+    ) -> None: ...
+    @overload
+    def add_mesh(
+        self,
+        name: str,
+        vertices: str | PathLike[str],
+        triangles: None = None,
+        pose: PlacementLike | None = None,
+        *,
+        scale: float | ArrayLike | None = None,
     ) -> None: ...
     def add_points(
         self, name: str, positions: ArrayLike, radius: float, pose: PlacementLike | None = None

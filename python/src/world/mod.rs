@@ -1,5 +1,6 @@
 //! Worlds of obstacles.
 
+mod mesh;
 mod obstacle;
 
 use std::path::PathBuf;
@@ -50,7 +51,13 @@ fn pose(value: Option<&Bound<'_, PyAny>>, what: &str) -> PyResult<Placement<f64>
     match value {
         None => Ok(Placement::identity()),
         Some(value) if arrays::axes(value).unwrap_or(0) == 1 => {
-            Ok(Vector3::from(arrays::array::<3>(value, what)?).into())
+            match *arrays::vector(value, what)? {
+                [x, y, z] => Ok(Vector3::new(x, y, z).into()),
+                ref other => Err(invalid(format!(
+                    "{what} has shape ({},), expected a position of shape (3,) or a placement of shape (4, 4)",
+                    other.len()
+                ))),
+            }
         }
         Some(value) => placement::placement(value, what),
     }
@@ -191,24 +198,28 @@ impl World {
     }
 
     /// Adds a triangle mesh of `vertices`, shape (V, 3), and `triangles`, shape (F, 3), whole numbers from 0,
-    /// counter-clockwise seen from outside. Where it is closed, what it encloses belongs to it; else its surface alone
+    /// counter-clockwise seen from outside; or, in place of both, of a file: OBJ, STL, DAE or PLY. `scale`, a number or one each for x, y and
+    /// z, makes metres of its lengths. Where it is closed, what it encloses belongs to it; else its surface alone
     /// counts, which the obstacle's `notes` tell.
     ///
-    /// Raises `InvalidValueError` for a shape or pose that cannot be, and for a name that is taken.
-    #[pyo3(signature = (name, vertices, triangles, pose = None))]
+    /// Raises `InvalidValueError` for a shape or pose that cannot be, and for a name that is taken; `FileError` where a file cannot be read,
+    /// `InvalidFileError` for what is wrong in it.
+    #[pyo3(signature = (name, vertices, triangles = None, pose = None, *, scale = None))]
     fn add_mesh(
         &self,
         py: Python<'_>,
         name: &str,
         vertices: &Bound<'_, PyAny>,
-        triangles: &Bound<'_, PyAny>,
+        triangles: Option<&Bound<'_, PyAny>>,
         pose: Option<&Bound<'_, PyAny>>,
+        scale: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
-        let vertices = vectors(vertices, "vertices")?;
-        let triangles = crate::vertices::triangles(triangles)?;
+        let mesh = mesh::mesh(py, vertices, triangles)?;
+        let scale = mesh::scale(scale)?;
         let pose = self::pose(pose, "pose")?;
         py.detach(|| {
-            let shape = collision::Shape::mesh(vertices, triangles).map_err(named(name))?;
+            let mesh = mesh.scaled(scale);
+            let shape = collision::Shape::mesh(mesh.points, mesh.triangles).map_err(named(name))?;
             self.lock().add(name, shape, pose)
         })
         .or_raise()

@@ -20,7 +20,7 @@ impl PointCloud {
         if positions.is_empty() {
             return Err(ShapeError::TooFew {
                 shape: "cloud",
-                what: "points",
+                what: "point",
                 needed: 1,
                 given: 0,
             });

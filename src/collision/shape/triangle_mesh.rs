@@ -68,7 +68,7 @@ impl TriangleMesh {
         if triangles.is_empty() {
             return Err(ShapeError::TooFew {
                 shape: "mesh",
-                what: "triangles with three corners apart",
+                what: "triangle with three corners apart",
                 needed: 1,
                 given: 0,
             });
