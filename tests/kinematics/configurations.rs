@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::kinematics::{ForwardKinematics, KinematicsError, frame_jacobian};
-use kinopt::model::{Limits, Model, ModelError};
+use kinopt::model::{BallLimits, Limits, Model, ModelError};
 use kinopt::spatial::{Placement, Vector3};
 use nalgebra as na;
 use support::figures::{Figure, unit};
@@ -145,6 +145,42 @@ fn the_jacobian_is_what_moving_along_a_velocity_does() {
                 );
             }
         }
+    }
+}
+
+/// Balls among hinges, whichever come first.
+#[test]
+fn what_is_beyond_its_limits_is_told_in_the_order_of_the_configuration() {
+    for order in [
+        ["ball", "hinge", "neck"],
+        ["hinge", "ball", "neck"],
+        ["neck", "ball", "hinge"],
+    ] {
+        let mut builder = Model::builder("mixed");
+        let (at, z) = (Placement::identity(), Vector3::UNITS[2]);
+        let limits = Limits::new(-0.5, 0.5);
+        for name in order {
+            match name {
+                "hinge" => builder.revolute(name, None, at, z, limits),
+                _ => builder.ball(name, None, at, z, Some(BallLimits::cone(0.5, limits))),
+            };
+        }
+        let model = builder.build().unwrap();
+        let mut q = model.neutral();
+        assert!(model.joints_outside_limits(&q).unwrap().is_empty());
+        for name in order {
+            let coordinate = model.coordinate(model.joint(name).unwrap()).unwrap();
+            match name {
+                "hinge" => q[coordinate] = 0.7,
+                // Turned by a radian about x.
+                _ => q[coordinate..coordinate + 2].copy_from_slice(&[0.5_f64.cos(), 0.5_f64.sin()]),
+            }
+        }
+        let beyond = model.joints_outside_limits(&q).unwrap();
+        let names = beyond
+            .iter()
+            .map(|id| model.joints()[id.index()].name.as_str());
+        assert_eq!(names.collect::<Vec<_>>(), order);
     }
 }
 

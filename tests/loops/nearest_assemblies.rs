@@ -110,6 +110,38 @@ fn whole_turns_stay_as_they_were() {
     }
 }
 
+/// Whole turns of one would turn the other by a part of one.
+#[test]
+fn a_joint_that_another_follows_takes_it_along() {
+    let linkage = endless(&FourBar::CRANK_ROCKER);
+    let mut builder = Model::builder("geared");
+    for joint in linkage.joints() {
+        let (name, at) = (&joint.name, joint.parent_from_joint);
+        builder.continuous(name, joint.parent, at, joint.axis);
+    }
+    let rocker = linkage.joint("rocker").unwrap();
+    let (here, z) = (Placement::identity(), Vector3::UNITS[2]);
+    let gear = builder.continuous("gear", Some(rocker), here, z);
+    for frame in linkage.frames() {
+        builder.frame(&frame.name, frame.joint, frame.joint_from_frame);
+    }
+    for own in linkage.loops() {
+        builder.close(own.clone());
+    }
+    let model = builder.build().unwrap();
+    let dependent = ["coupler", "rocker"].map(|name| model.joint(name).unwrap());
+    let map = ParameterMap::builder(&model).couple(gear, rocker, 0.25, 0.1);
+    let closure = LoopClosure::new(map, &dependent).unwrap();
+    let mut random = Random::new(4);
+    for case in 0..cases(300, 100) {
+        let mut q = [(); 4].map(|()| random.within(-PI, PI));
+        closure.close(&mut q).unwrap();
+        assert!(closure.gaps(&q).unwrap()[0].is_closed());
+        let off = q[3] - (0.25 * q[2] + 0.1);
+        assert!(off.abs() < 1e-12, "{case}: {off}");
+    }
+}
+
 /// Crank, rod and slider, all lengths times `unit`: the crank at the origin, the slider's line along x at a height.
 fn slider_crank(unit: f64) -> Model {
     let along = |length: f64| Placement::translation(Vector3::new(length * unit, 0.0, 0.0));

@@ -205,6 +205,43 @@ fn what_cannot_be_closed_is_told_by_name() {
     assert!(closure.gaps(&q).unwrap()[0].is_closed() && q[0] == 0.3);
 }
 
+/// A slide is as long as it comes out to the side on which it comes farther.
+#[test]
+fn a_slide_that_bridges_a_gap() {
+    for (limits, gap) in [
+        (Limits::new(0.0, 4.0), 0.0),
+        (Limits::new(-4.0, 0.0), 0.0),
+        (Limits::new(-4.0, 1.0), 0.0),
+        (Limits::new(-1.0, 2.5), 0.5),
+        (Limits::new(-2.5, 1.0), 0.5),
+    ] {
+        let built = between_hinges(5.0, limits).build();
+        match built {
+            Ok(_) => assert_eq!(gap, 0.0, "{limits:?}"),
+            Err(ModelError::LoopCannotClose { gap: told, .. }) => {
+                assert!((told - gap).abs() < 1e-12, "{limits:?}: {told}");
+            }
+            Err(other) => panic!("{other}"),
+        }
+    }
+}
+
+/// A link of a metre on one hinge; on another, so far away, a rail a metre long whose end is on that of the link.
+fn between_hinges(apart: f64, limits: Limits) -> ModelBuilder {
+    let mut builder = Model::builder("two hinges and a rail");
+    let one = builder.revolute("one", None, along_x(0.0), Z, TURNS);
+    let two = builder.revolute("two", None, along_x(apart), Z, TURNS);
+    let x = Vector3::new(1.0, 0.0, 0.0);
+    let rail = builder.prismatic("rail", Some(two), along_x(1.0), x, limits);
+    let far = builder.revolute("far", Some(rail), along_x(0.0), Z, TURNS);
+    let ends = [
+        builder.frame("one's end", Some(one), along_x(1.0)),
+        builder.frame("far end", Some(far), along_x(0.0)),
+    ];
+    builder.close(Loop::connect("long", ends));
+    builder
+}
+
 /// What is always out, forwards or backwards, is a link of at least that length.
 #[test]
 fn a_slide_that_is_always_out() {
@@ -215,18 +252,7 @@ fn a_slide_that_is_always_out() {
         (Limits::new(-4.0, -2.75), 0.0),
         (Limits::new(-4.0, 0.5), 0.0),
     ] {
-        let mut builder = Model::builder("two hinges and a rail");
-        let one = builder.revolute("one", None, along_x(0.0), Z, TURNS);
-        let two = builder.revolute("two", None, along_x(1.0), Z, TURNS);
-        let x = Vector3::new(1.0, 0.0, 0.0);
-        let rail = builder.prismatic("rail", Some(two), along_x(1.0), x, limits);
-        let far = builder.revolute("far", Some(rail), along_x(0.0), Z, TURNS);
-        let ends = [
-            builder.frame("one's end", Some(one), along_x(1.0)),
-            builder.frame("far end", Some(far), along_x(0.0)),
-        ];
-        builder.close(Loop::connect("long", ends));
-        match builder.build() {
+        match between_hinges(1.0, limits).build() {
             Ok(_) => assert_eq!(gap, 0.0, "{limits:?}"),
             Err(ModelError::LoopCannotClose { gap: told, .. }) => {
                 assert!((told - gap).abs() < 1e-12, "{limits:?}: {told}");

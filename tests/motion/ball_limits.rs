@@ -203,6 +203,14 @@ fn a_free_body_is_no_faster_than_it_may_be_in_any_direction() {
             (0..FRAMES).any(|frame| solved.active_limits(frame).any(|own| own.joint == name))
         };
         assert!(held("base/x") && held("base/rotation"));
+        // Each once, though windows overlap.
+        for frame in 0..FRAMES {
+            let told = solved.active_limits(frame);
+            let told: Vec<_> = told.map(|own| (own.joint, own.bound, own.side)).collect();
+            for (k, own) in told.iter().enumerate() {
+                assert!(!told[..k].contains(own), "frame {frame}: {told:?}");
+            }
+        }
     }
 }
 

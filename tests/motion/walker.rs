@@ -11,6 +11,9 @@ use kinopt::task::{Point, Pose, Posture, Task};
 /// Frames a second.
 pub(crate) const RATE: f64 = 60.0;
 
+/// What of the right foot a contact holds, in its frame.
+pub(crate) const SOLE: [[f64; 3]; 3] = [[0.05, 0.02, 0.0], [0.05, -0.02, 0.0], [-0.05, 0.0, 0.0]];
+
 pub(crate) struct Walker {
     pub(crate) robot: Robot,
     pub(crate) stance: Vec<f64>,
@@ -70,8 +73,7 @@ impl Walker {
         motion.add(Task::new(Posture::new(model, &self.stance)).times(0.05));
         motion.rate_cost(RateCost::acceleration(2e-5));
         if let Some(span) = held {
-            let sole = [[0.05, 0.02, 0.0], [0.05, -0.02, 0.0], [-0.05, 0.0, 0.0]];
-            motion.contact(Contact::new(right, span).at(sole));
+            motion.contact(Contact::new(right, span).at(SOLE));
         }
         motion.build().unwrap()
     }

@@ -180,6 +180,67 @@ fn hinges_slides_and_followers_go_as_far_as_they_may() {
     assert!(solution.explain().contains("end of the allowed move"));
 }
 
+/// Whichever of the two has less room, and whichever comes first among a model's joints.
+#[test]
+fn a_leader_goes_as_far_as_it_and_its_follower_may() {
+    let z = Vector3::UNITS[2];
+    for leader_first in [true, false] {
+        let mut builder = Model::builder("two hinges");
+        let (at, limits) = (Placement::identity(), Limits::new(-2.0, 2.0));
+        let one = builder.revolute("one", None, at, z, limits);
+        let two = builder.revolute("two", Some(one), at, z, limits);
+        let hand = builder.frame("hand", Some(two), Placement::translation(X));
+        let model = builder.build().unwrap();
+        let (leader, follower) = if leader_first { (one, two) } else { (two, one) };
+        let map = ParameterMap::builder(&model).couple(follower, leader, 2.0, 0.0);
+        let mut tasks = Problem::builder(&model);
+        tasks.parameters(map.build().unwrap());
+        tasks.add(Point::new(hand, [0.0, 1.0, 0.0]));
+        let problem = tasks.build().unwrap();
+        for (own, followers, goes) in [(0.03, 0.1, 0.03), (0.1, 0.1, 0.05)] {
+            let most = if leader_first {
+                [own, followers]
+            } else {
+                [followers, own]
+            };
+            let moves = MoveLimits::new(&problem, &most, &[0.0; 2]).unwrap();
+            let question = Question::from(&problem).with_moves(&moves).unwrap();
+            let solution = Solver::default().solve_once(question, &[0.0; 2]).unwrap();
+            let moved = solution.q[usize::from(!leader_first)];
+            assert!((moved - goes).abs() < 1e-12, "{most:?}: {moved}");
+        }
+    }
+}
+
+/// Also of a ball that is swung and twisted far out where its moves begin, and turns a little from there.
+#[test]
+fn no_place_within_a_move_is_farther_than_that() {
+    let cone = BallLimits::elliptic([0.0, 0.0, 1.0], [2.8, 2.5], Limits::new(-3.0, 3.0));
+    for limits in [None, Some(cone)] {
+        let (model, hand) = shoulder(limits);
+        let problem = turned_to(&model, hand, na::UnitQuaternion::identity());
+        let random = &mut Random::new(9);
+        let (mut q, mut centre) = (model.neutral(), [0.0; 3]);
+        let mut nearly = 0;
+        for case in 0..60 {
+            let start = model.random_configuration(case);
+            problem.parameters().reduce(&start, &mut centre).unwrap();
+            let most = random.within(0.05, 0.8);
+            let moves = MoveLimits::new(&problem, &[most; 4], &start).unwrap();
+            let question = Question::from(&problem).with_moves(&moves).unwrap();
+            for _ in 0..200 {
+                let mut x = centre.map(|at| at + random.within(-most, most));
+                question.space().project(&mut x);
+                problem.parameters().expand(&x, &mut q).unwrap();
+                let moved = angle_between(&start, &q);
+                assert!(moved <= most + 1e-12, "case {case}: {moved} of {most}");
+                nearly += usize::from(moved > 0.99 * most);
+            }
+        }
+        assert!(nearly > 1000, "{nearly}");
+    }
+}
+
 #[test]
 fn derivatives_agree_on_the_edge_of_a_move() {
     for seed in 0..8 {

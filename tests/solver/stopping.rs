@@ -251,3 +251,39 @@ fn patience_asked_for_is_kept() {
     let [hasty, calm] = [Some(1), None].map(steps);
     assert!(3 * hasty < calm, "{hasty} {calm}");
 }
+
+/// A search that was cut short proves nothing about what is in its way: that is told as so far, and that more may help.
+#[test]
+fn what_is_in_the_way_of_a_search_that_was_cut_short_is_told_as_so_far() {
+    let all = Stopping::default();
+    for (stopping, ended) in [
+        (all.with_max_iterations(1), Termination::IterationLimit),
+        (all.with_time_limit(Duration::ZERO), Termination::TimeLimit),
+        (all.with_patience(Some(1)), Termination::Stalled),
+        (all, Termination::Stationary),
+    ] {
+        let cut = ended != Termination::Stationary;
+        let solver = Solver::default().with_restarts(Restarts::none());
+        let solver = solver.with_stopping(stopping);
+        // Between its limits, and with a joint on one; both out of reach.
+        for (target, start, words) in [
+            (
+                [3.0, 0.1, 0.0],
+                START,
+                "No joint limit is in the way so far",
+            ),
+            (
+                [-2.57, 1.55, 0.0],
+                [2.0, 0.2, 0.1],
+                "So far it stands against the upper limit 2.000 rad",
+            ),
+        ] {
+            let solution = solver.solve_once(&problem(target), &start).unwrap();
+            let told = solution.explain();
+            assert_eq!(solution.termination, ended, "{told}");
+            assert_eq!(told.contains(words), cut, "{told}");
+            let more = told.contains("More time or iterations may help");
+            assert_eq!(more, cut, "{told}");
+        }
+    }
+}

@@ -15,6 +15,9 @@ fn by_range_each_joint_counts_in_half_its_own() {
     let mut builder = Model::builder("joints");
     let z = Vector3::UNITS[2];
     let cone = BallLimits::cone(0.25, Limits::new(-1.5, 1.5));
+    // Of an ellipse the wider half counts, whichever it is.
+    let [flat, steep] = [[0.5, 0.25], [0.25, 0.5]]
+        .map(|swing| BallLimits::elliptic([1.0, 0.0, 0.0], swing, Limits::new(-1.5, 1.5)));
     let hinge = builder.revolute("hinge", None, at(0.0, 0.0, 0.0), z, Limits::new(-1.0, 3.0));
     let endless = builder.continuous("endless", Some(hinge), at(0.5, 0.0, 0.0), z);
     let short = builder.prismatic(
@@ -25,11 +28,15 @@ fn by_range_each_joint_counts_in_half_its_own() {
         Limits::new(0.0, 0.5),
     );
     let long = builder.prismatic("long", Some(short), at(0.0, 0.0, 0.0), z, Limits::UNBOUNDED);
-    let ball = builder.ball("ball", Some(long), at(0.0, 0.0, 0.0), z, Some(cone));
-    builder.frame("tip", Some(ball), at(0.25, 0.0, 0.0));
+    let mut last = long;
+    for (name, limits) in [("round", cone), ("flat", flat), ("steep", steep)] {
+        last = builder.ball(name, Some(last), at(0.0, 0.0, 0.0), z, Some(limits));
+    }
+    builder.frame("tip", Some(last), at(0.25, 0.0, 0.0));
     let model = builder.build().unwrap();
     let rest = model.neutral();
-    let halves = [2.0, std::f64::consts::PI, 0.25, model.reach(), 0.25];
+    let half_turn = std::f64::consts::PI;
+    let halves = [2.0, half_turn, 0.25, model.reach(), 0.25, 0.5, 0.5];
     let expected = Posture::new(&model, &rest).with_weights(halves.map(|half| 1.0 / half));
     assert_eq!(Posture::new(&model, &rest).by_range(&model), expected);
 }

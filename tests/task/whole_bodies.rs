@@ -18,8 +18,8 @@ use kinopt::task::{
 use kinopt::{Problem, Scalar, Solver};
 use nalgebra::DMatrix;
 use support::figures::Figure;
-use support::placement;
 use support::random::Random;
+use support::{placement, vector};
 
 /// A mass on every frame, heavier towards the tips.
 fn masses_of(figure: &Figure) -> Masses {
@@ -265,6 +265,50 @@ fn every_derivative_route_agrees_on_balls_and_free_bases() {
                         "{name}, seed {seed}, case {case}, {route:?}: {off:e}"
                     );
                 }
+            }
+        }
+    }
+}
+
+/// By as much as a frame turns, or moves in all, against its base, that does against the frame: whether joints of both, of the
+/// frame alone or of the base alone are between.
+#[test]
+fn a_base_moves_as_much_against_its_frame() {
+    let random = &mut Random::new(21);
+    let mut builder = Model::builder("two arms");
+    let limits = Limits::new(-2.0, 2.0);
+    let stand = builder.frame("stand", None, placement(&random.rigid(0.5)));
+    let [left, right] = ["left", "right"].map(|side| {
+        let mut last = None;
+        for k in 0..6 {
+            let at = placement(&random.rigid(0.4));
+            let axis = vector(random.direction().into_inner());
+            last = Some(builder.revolute(format!("{side} {k}"), last, at, axis, limits));
+        }
+        builder.frame(side, last, placement(&random.rigid(0.3)))
+    });
+    let model = builder.build().unwrap();
+    for case in 0..20 {
+        let q: Vec<f64> = (0..12).map(|_| random.within(-2.0, 2.0)).collect();
+        let measure = |task: Manipulability| {
+            let joints = task.joints().into_iter();
+            let values: Vec<f64> = joints.map(|id| q[model.coordinate(id).unwrap()]).collect();
+            let mut residual = [0.0];
+            task.evaluate(&[], &values, &mut residual);
+            1.0 - residual[0]
+        };
+        for [base, frame] in [[left, right], [stand, left], [stand, right]] {
+            let of = |base, frame| Manipulability::new(&model, Some(base), frame, 10.0);
+            for [there, back] in [
+                [of(base, frame), of(frame, base)],
+                [of(base, frame), of(frame, base)].map(Manipulability::of_orientation),
+            ] {
+                let [there, back] = [there, back].map(measure);
+                assert!(there > 0.0, "case {case}");
+                assert!(
+                    (there - back).abs() < 1e-9 * there,
+                    "case {case}: {there} {back}"
+                );
             }
         }
     }
