@@ -1,28 +1,19 @@
 //! Collects what a motion should do, and checks it once.
 
-use std::f64::consts::PI;
 use std::sync::Arc;
 
-use super::bounds::{FrameBounds, Moves, longest_move};
-use super::length_limits::{LengthLimit, Measure};
+use super::bounds::FrameBounds;
+use super::fixed_frames::fixed_frame;
+use super::held_points::{points_of, stiffness};
+use super::longest_moves::{longest_moves, longest_slide};
 use super::motion_problem::Follow;
 use super::space::FrameSpace;
 use super::{Contact, MotionError, MotionProblem, RateCost};
 use crate::bad_option::{BadOption, POSITIVE};
-use crate::model::{JointRef, Limits, Model, ParameterMap, Source, UnknownName, quaternion_at};
+use crate::model::{JointRef, Limits, Model, ParameterMap, UnknownName};
 use crate::problem::{Problem, ProblemBuilder, TaskId};
 use crate::robot::Robot;
-use crate::search::check_start;
-use crate::task::{Point, Quantity, Residual, Task};
-
-/// How large values of a variable without limits are taken to be, where rounding is told, in radians or metres.
-const UNBOUNDED_SIZE: f64 = 1e4;
-
-/// What is on the edge of a cone, a twist or an angle is told to be so far beyond it by rounding, in radians and as a share.
-const ON_EDGE: f64 = 1e-9;
-
-/// A metre of slip costs a held point so many times the largest weight of a length.
-const STIFFER: f64 = 300.0;
+use crate::task::{Quantity, Residual, Task};
 
 /// Collects the tasks, weights and limits of a [`MotionProblem`]; [`build`](Self::build) checks them.
 pub struct MotionProblemBuilder<'m> {
@@ -234,11 +225,8 @@ impl<'m> MotionProblemBuilder<'m> {
         let map = problem.parameters();
         let mut moves = longest_moves(&problem, &self.speeds, time_step_s)?;
         for (first, speed) in self.free_speeds {
-            let most = longest_move(speed, time_step_s, UNBOUNDED_SIZE);
-            BadOption::check("max_free_speed", most, POSITIVE)?;
-            moves
-                .together
-                .extend(LengthLimit::of_slides(map, first, most));
+            let slide = longest_slide(map, first, speed, time_step_s)?;
+            moves.together.extend(slide);
         }
         let compiled = self.rate_costs.iter();
         let rate_costs = compiled
@@ -251,7 +239,7 @@ impl<'m> MotionProblemBuilder<'m> {
                 *own = by_frame;
             }
         }
-        let held = held(model, map, &self.contacts, frames)?;
+        let held = points_of(model, map, &self.contacts, frames)?;
         let mut ends = [None, None];
         for (end, q) in ends.iter_mut().zip(self.ends) {
             *end = q.map(|q| fixed_frame(&problem, &q)).transpose()?;
@@ -275,55 +263,6 @@ impl<'m> MotionProblemBuilder<'m> {
             ends,
         })
     }
-}
-
-/// How far each variable goes from a frame to the next, those that follow it included, and balls.
-pub(in crate::motion) fn longest_moves(
-    problem: &Problem,
-    speeds: &[f64],
-    time_step_s: f64,
-) -> Result<Moves, MotionError> {
-    let map = problem.parameters();
-    let mut most = vec![f64::INFINITY; problem.variables()];
-    let mut together = Vec::new();
-    for ball in map.balls() {
-        let speed = speeds[ball.coordinate];
-        if speed.is_finite() {
-            let angle = longest_move(speed, time_step_s, PI);
-            BadOption::check("max_speed", angle, POSITIVE)?;
-            together.extend(LengthLimit::of_turn(ball, angle));
-        }
-    }
-    for (source, &speed) in map
-        .sources()
-        .iter()
-        .zip(speeds)
-        .filter(|(_, s)| s.is_finite())
-    {
-        match *source {
-            Source::Constant(_) | Source::Rotation { .. } => {}
-            Source::Variable {
-                variable,
-                ratio,
-                offset,
-            } if ratio != 0.0 => {
-                let ends = [map.lower()[variable], map.upper()[variable]];
-                let size = ends.map(|end| {
-                    if end.is_finite() {
-                        end.abs()
-                    } else {
-                        UNBOUNDED_SIZE
-                    }
-                });
-                let size = ratio.abs() * size[0].max(size[1]) + offset.abs();
-                let own = longest_move(speed, time_step_s, size) / ratio.abs();
-                BadOption::check("max_speed", own, POSITIVE)?;
-                most[variable] = most[variable].min(own);
-            }
-            Source::Variable { .. } => {}
-        }
-    }
-    Ok(Moves { most, together })
 }
 
 /// What is weighed together would silently break a level's promise.
@@ -362,97 +301,4 @@ fn check_weights(
             weight: by_frame[frame],
         }),
     }
-}
-
-/// What a metre of slip costs a held point: far more than the tasks pull it by.
-fn stiffness(problem: &Problem) -> f64 {
-    let blocks = problem
-        .compiled_tasks()
-        .iter()
-        .flat_map(|task| task.blocks());
-    let metres = blocks.filter(|block| block.measure.quantity == Quantity::Metres);
-    STIFFER * metres.map(|block| block.weight).fold(1.0, f64::max)
-}
-
-/// The points of contacts as one problem.
-fn held(
-    model: &Model,
-    map: &ParameterMap,
-    contacts: &[Contact],
-    frames: usize,
-) -> Result<Option<Problem>, MotionError> {
-    let mut points = Problem::builder(model);
-    points.parameters(map.clone());
-    let mut any = false;
-    for contact in contacts {
-        let span = contact.span();
-        if span.end > frames || span.start + 2 > span.end {
-            return Err(MotionError::BadSpan {
-                start: span.start,
-                end: span.end,
-                frames,
-            });
-        }
-        for &point in &contact.points {
-            points.add(Point::new(contact.frame, [0.0; 3]).at(point));
-            any = true;
-        }
-    }
-    Ok(any.then(|| points.build()).transpose()?)
-}
-
-/// The variables of a configuration that a frame is fixed at.
-fn fixed_frame(problem: &Problem, q: &[f64]) -> Result<Vec<f64>, MotionError> {
-    check_start(problem, q)?;
-    let map = problem.parameters();
-    for (variable, &leader) in map.leaders().iter().enumerate() {
-        let limits = Limits::new(map.lower()[variable], map.upper()[variable]);
-        let is_ball = matches!(map.sources()[leader], Source::Rotation { .. });
-        if !is_ball && !limits.contains(q[leader]) {
-            return Err(MotionError::FixedBeyond {
-                joint: problem.names().joints[variable].clone(),
-                value: q[leader],
-                lower: limits.lower,
-                upper: limits.upper,
-            });
-        }
-    }
-    let mut x = vec![0.0; problem.variables()];
-    map.gather(q, &mut x);
-    refuse_beyond_balls(problem, q)?;
-    Ok(x)
-}
-
-/// Refuses a frame that has a ball beyond its cone, its range of twist or its whole angle.
-fn refuse_beyond_balls(problem: &Problem, q: &[f64]) -> Result<(), MotionError> {
-    let map = problem.parameters();
-    let mut x = vec![0.0; problem.variables()];
-    for ball in map.balls() {
-        let rotation = quaternion_at(&q[ball.coordinate..]);
-        let own = rotation.map_or([f64::NAN; 3], |rotation| ball.chart.variables(rotation));
-        x[ball.variable..ball.variable + 3].copy_from_slice(&own);
-    }
-    let beyond = |variable: usize, value: f64, [lower, upper]: [f64; 2]| MotionError::FixedBeyond {
-        joint: problem.names().variables[variable].clone(),
-        value,
-        lower,
-        upper,
-    };
-    for limit in LengthLimit::of_balls(map) {
-        let [first, second, third] = limit.variables;
-        let stretched = limit.rho(&x, &x).norm();
-        if stretched > limit.most * (1.0 + ON_EDGE) {
-            let angle = match limit.measure {
-                Measure::Swing(..) => (x[first] * x[first] + x[second] * x[second]).sqrt(),
-                _ => stretched,
-            };
-            return Err(beyond(first, angle, [0.0, angle * limit.most / stretched]));
-        }
-        let ends = [map.lower()[third], map.upper()[third]];
-        let twist = x[third];
-        if twist < ends[0] - ON_EDGE || twist > ends[1] + ON_EDGE {
-            return Err(beyond(third, twist, ends));
-        }
-    }
-    Ok(())
 }

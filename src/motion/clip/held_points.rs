@@ -3,14 +3,19 @@
 
 use nalgebra::DMatrix;
 
-use super::MotionProblem;
 use super::block_banded::BlockBanded;
 use super::evaluator::Stretch;
-use crate::problem::{Evaluation, Question, Scratch};
+use super::{Contact, MotionError, MotionProblem};
+use crate::model::{Model, ParameterMap};
+use crate::problem::{Evaluation, Problem, Question, Scratch};
 use crate::solver::{LeastSquares, dot};
+use crate::task::{Point, Quantity};
 
 /// Rows of a point.
 const ROWS: usize = 3;
+
+/// A metre of slip costs a held point so many times the largest weight of a length.
+const STIFFER: f64 = 300.0;
 
 /// The springs of some frames in a row, with the memory to evaluate them.
 pub(super) struct HeldPoints<'a> {
@@ -184,4 +189,41 @@ impl<'a> HeldPoints<'a> {
         });
         most
     }
+}
+
+/// The points of contacts as one problem.
+pub(super) fn points_of(
+    model: &Model,
+    map: &ParameterMap,
+    contacts: &[Contact],
+    frames: usize,
+) -> Result<Option<Problem>, MotionError> {
+    let mut points = Problem::builder(model);
+    points.parameters(map.clone());
+    let mut any = false;
+    for contact in contacts {
+        let span = contact.span();
+        if span.end > frames || span.start + 2 > span.end {
+            return Err(MotionError::BadSpan {
+                start: span.start,
+                end: span.end,
+                frames,
+            });
+        }
+        for &point in &contact.points {
+            points.add(Point::new(contact.frame, [0.0; 3]).at(point));
+            any = true;
+        }
+    }
+    Ok(any.then(|| points.build()).transpose()?)
+}
+
+/// What a metre of slip costs a held point: far more than the tasks pull it by.
+pub(super) fn stiffness(problem: &Problem) -> f64 {
+    let blocks = problem
+        .compiled_tasks()
+        .iter()
+        .flat_map(|task| task.blocks());
+    let metres = blocks.filter(|block| block.measure.quantity == Quantity::Metres);
+    STIFFER * metres.map(|block| block.weight).fold(1.0, f64::max)
 }

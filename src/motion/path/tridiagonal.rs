@@ -1,5 +1,8 @@
 //! A chain of configurations, each free along some directions, drawn together by weighted steps: the block-tridiagonal least
 //! squares, solved by elimination from end to end (Golub & Van Loan 2013, ch. 4.5), within the joints' limits.
+//!
+//! A knot has as many unknowns as the arm has joints to spare, one or two, and fewer where joints are held: the banded matrix of
+//! whole clips, whose blocks are of one order and padded to four, would be mostly padding here.
 
 /// How often joints that would leave their limits are held at them, and the rest is solved anew.
 const HOLDINGS: usize = 8;
