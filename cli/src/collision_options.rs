@@ -51,7 +51,7 @@ pub(crate) struct ShapeOptions {
     leave_out_meshes: bool,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum MeshChoice {
     /// Their convex hulls.
     Hull,
@@ -64,6 +64,12 @@ enum MeshChoice {
 }
 
 impl ShapeOptions {
+    /// In words, unless all is as usual.
+    pub(crate) fn told(&self) -> Option<String> {
+        let usual = self.packages.is_empty() && self.meshes == MeshChoice::Hull;
+        (!usual || self.leave_out_meshes).then(|| format!("{self:?}"))
+    }
+
     /// The model of a robot's shapes; notes go to standard error.
     pub(crate) fn model(&self, robot: &Robot) -> Outcome<CollisionModel> {
         let meshes = match self.meshes {

@@ -221,6 +221,17 @@ impl Fault for kinopt::motion::retarget::RetargetError {
     }
 }
 
+impl Fault for kinopt::motion::retarget::folder::FolderError {
+    fn kind(&self) -> Kind {
+        match self {
+            Self::NoFolder { .. } | Self::Empty { .. } => Kind::File,
+            Self::Read(error) => error.kind(),
+            Self::Write(error) => error.kind(),
+            _ => Kind::InvalidValue,
+        }
+    }
+}
+
 impl Fault for UnknownName {
     fn kind(&self) -> Kind {
         Kind::UnknownName

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 import os
 from pathlib import Path
 from typing import Any
@@ -67,6 +68,34 @@ def test_what_is_asked_is_asked_of_every_movement(folder: Path, tmp_path: Path) 
         assert np.array_equal(read["q"], kinopt.retarget(sway(8), NAO, MAP, **asked).q)
     with pytest.raises(InvalidValueError, match="another question"):
         retarget_folder(folder / "deeper", NAO, into, MAP)
+
+
+def test_what_changed_of_a_map_is_another_question(folder: Path, tmp_path: Path) -> None:
+    into, file = tmp_path / "into", tmp_path / "map.json"
+    file.write_text(json.dumps(MAP))
+    retarget_folder(folder / "deeper", NAO, into, file)
+    # The same, however it is said.
+    assert all(report.done_before for report in retarget_folder(folder / "deeper", NAO, into, dict(MAP)))
+    file.write_text(json.dumps({**MAP, "drives": {"left": "left_sole", "right": "right_sole"}}))
+    with pytest.raises(InvalidValueError, match=r"another question.*\(map\)"):
+        retarget_folder(folder / "deeper", NAO, into, file)
+
+
+def test_what_is_interrupted_begins_nothing_more(tmp_path: Path) -> None:
+    source, into = tmp_path / "many", tmp_path / "into"
+    source.mkdir()
+    for number in range(40):
+        np.save(source / f"{number:02}.npy", sway(100))
+
+    def stop(done: int, total: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        retarget_folder(source, NAO, into, MAP, threads=1, progress=stop)
+    done = len(list(into.glob("*.npz")))
+    assert 0 < done < 40 and not list(into.glob(".part.*"))
+    again = retarget_folder(source, NAO, into, MAP)
+    assert sum(report.done_before for report in again) == done
 
 
 def test_what_is_wrong_with_folders_is_named(folder: Path, tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ mod ground_speeds;
 mod guessed_maps;
 mod keyframe_ik;
 mod live_followers;
+mod movement_folders;
 mod path_bounds;
 mod path_courses;
 mod path_files;

@@ -4,6 +4,7 @@ use clap::Args;
 use kinopt::collision::Checker;
 use kinopt::counted;
 use kinopt::motion::retarget::Retargeted;
+use kinopt::motion::retarget::folder::FolderQuestion;
 
 use super::target::Target;
 use crate::collision_options::ShapeOptions;
@@ -27,6 +28,14 @@ pub(super) struct KeepClearOptions {
 }
 
 impl KeepClearOptions {
+    /// Says in a folder's question what is kept clear, and by which shapes unless by the usual ones.
+    pub(super) fn ask(&self, question: &mut FolderQuestion<'_>) {
+        question.keep_clear = self.keep_clear;
+        if self.keep_clear.is_some() {
+            question.more.extend(self.shapes.told());
+        }
+    }
+
     /// What is to be kept clear of, if anything is.
     ///
     /// # Errors

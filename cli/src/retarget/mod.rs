@@ -13,7 +13,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use kinopt::collision::Checker;
 use kinopt::counted;
-use kinopt::motion::retarget::{FootShapes, GivenUp, RetargetOptions, Retargeting};
+use kinopt::motion::retarget::folder::FolderQuestion;
+use kinopt::motion::retarget::{FootShapes, GivenUp, KnownSkeleton, RetargetOptions, Retargeting};
 use serde::Serialize;
 
 use self::contact_options::ContactOptions;
@@ -188,6 +189,28 @@ impl<'a> Job<'a> {
         })
     }
 
+    fn options(&self) -> RetargetOptions {
+        RetargetOptions {
+            shapes: Some(self.shapes.clone()),
+            contacts: self.arguments.contacts.detection(),
+            ..RetargetOptions::default()
+        }
+    }
+
+    /// What tells the answers of one question from another's.
+    fn question(&self) -> FolderQuestion<'_> {
+        let mut question = FolderQuestion::new(&self.target.robot, self.options());
+        self.arguments.source_options.ask(&mut question);
+        self.arguments.keep_clear.ask(&mut question);
+        question.map = self.map.given();
+        question.skeleton = self.map.skeleton().map(KnownSkeleton::name);
+        question.whole = self.arguments.whole;
+        if self.format == Format::Csv && self.arguments.header {
+            question.more.push("header".to_owned());
+        }
+        question
+    }
+
     fn run(&self, source: &Path, out: &Path) -> Outcome<Clip> {
         let file = source.display().to_string();
         let (given, skeleton) = (self.map.given(), self.map.skeleton());
@@ -199,12 +222,8 @@ impl<'a> Job<'a> {
         let mut map = self.map.of(&file, &read, robot.model())?;
         // What the command says comes first.
         map.up = Some(read.up);
-        let options = RetargetOptions {
-            shapes: Some(self.shapes.clone()),
-            contacts: self.arguments.contacts.detection(),
-            ..RetargetOptions::default()
-        };
-        let found = Retargeting::new(robot, &map, &read.capture, options).and_then(|retargeting| {
+        let fitted = Retargeting::new(robot, &map, &read.capture, self.options());
+        let found = fitted.and_then(|retargeting| {
             self.target.tell_up(retargeting.model_stands_along());
             let retargeting = match &self.checker {
                 Some(checker) => retargeting.keep_clear(checker),
@@ -235,20 +254,6 @@ impl<'a> Job<'a> {
 }
 
 impl Arguments {
-    /// What tells the answers of one question from another's.
-    fn question(&self) -> Vec<String> {
-        let target = self.target.display();
-        vec![
-            format!("target {target}, {:?}", self.target_up),
-            format!("whole {}, header {}", self.whole, self.header),
-            format!("{:?}", self.contacts),
-            format!("{:?}", self.keep_clear),
-            format!("{:?}", self.map),
-            format!("{:?}", self.source_options),
-            format!("{:?}", self.model_options),
-        ]
-    }
-
     /// The map alone.
     fn show_map(&self) -> Outcome<()> {
         let target = Target::read(&self.target, self.target_up, &self.model_options)?;

@@ -1,13 +1,14 @@
 //! A movement as a file, which is there when it is whole.
 
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use clap::ValueEnum;
 use kinopt::animation::Armature;
 use kinopt::io::bvh;
 use kinopt::io::gltf::{self, Scene, WriteOptions};
 use kinopt::motion::retarget::Retargeted;
+use kinopt::motion::retarget::folder::unfinished;
 use serde::Serialize;
 
 use super::target::{BASE, Target};
@@ -137,19 +138,6 @@ impl Format {
         scene.clips.push(clip);
         Ok(gltf::write(&scene, &WriteOptions::default(), to)?)
     }
-}
-
-/// Where a file is written before it is whole.
-pub(super) fn unfinished(out: &Path) -> PathBuf {
-    let name = out.file_name().unwrap_or_default().to_string_lossy();
-    // The ending stays, by which formats are told.
-    out.with_file_name(format!(".part.{name}"))
-}
-
-/// Whether a file is what an interrupted command left.
-pub(super) fn is_unfinished(path: &Path) -> bool {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    name.starts_with(".part.")
 }
 
 fn as_npz(found: &Retargeted, names: &[String]) -> Outcome<Vec<u8>> {

@@ -1,9 +1,10 @@
 //! Where a movement comes from: arrays, motion capture, clips of scenes and keyframes of rigs.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use clap::{Args, ValueEnum};
 use kinopt::animation::Playback;
+use kinopt::motion::retarget::folder::FolderQuestion;
 use kinopt::motion::retarget::{BodyMap, Capture, KnownSkeleton, RetargetError, UpAxis};
 
 use crate::animated_armature::{AnimatedArmature, extension};
@@ -16,8 +17,6 @@ use crate::{number_list, numpy_file, output};
 const ARRAY_RATE: f64 = 120.0;
 /// … and of clips, whose keys stand anywhere.
 const CLIP_RATE: f64 = 60.0;
-/// What is read.
-pub(super) const KINDS: [&str; 5] = ["npy", "bvh", "glb", "gltf", "json"];
 
 /// How a movement is read.
 #[derive(Args, Debug)]
@@ -43,6 +42,15 @@ pub(super) enum Up {
     Z,
 }
 
+impl From<Up> for UpAxis {
+    fn from(up: Up) -> Self {
+        match up {
+            Up::Y => Self::Y,
+            Up::Z => Self::Z,
+        }
+    }
+}
+
 /// A movement, and which way is up in it.
 #[derive(Debug)]
 pub(super) struct Source {
@@ -51,6 +59,13 @@ pub(super) struct Source {
 }
 
 impl SourceOptions {
+    /// Says in a folder's question how movements are read.
+    pub(super) fn ask<'a>(&'a self, question: &mut FolderQuestion<'a>) {
+        question.frame_rate = self.fps;
+        question.clip = self.clip.as_deref();
+        question.up = self.up.map(UpAxis::from);
+    }
+
     /// Reads a movement, with what a map or the skeleton that it is said to be tells of arrays.
     pub(super) fn read(
         &self,
@@ -93,10 +108,7 @@ impl SourceOptions {
                 ));
             }
         };
-        let said = self.up.map(|up| match up {
-            Up::Y => UpAxis::Y,
-            Up::Z => UpAxis::Z,
-        });
+        let said = self.up.map(UpAxis::from);
         let up = said.or(map.and_then(|map| map.up)).unwrap_or(up);
         Ok(Source { capture, up })
     }
@@ -167,28 +179,6 @@ fn of_rig(path: &Path, rate: f64) -> Outcome<Capture> {
     let names = skeleton.bones().iter().map(|bone| bone.name.clone());
     let capture = Capture::new(names.collect(), &numbers, rate);
     capture.map_err(|error| failure!("{}: {error}", loaded.file))
-}
-
-/// The movements in a folder and those in it, in order.
-pub(super) fn movements(folder: &Path) -> Outcome<Vec<PathBuf>> {
-    let told = |error: std::io::Error| failure!("{}: {error}", folder.display());
-    let mut found = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(told)? {
-        let path = entry.map_err(told)?.path();
-        let hidden = path
-            .file_name()
-            .is_none_or(|name| name.to_string_lossy().starts_with('.'));
-        if hidden {
-            continue;
-        }
-        if path.is_dir() {
-            found.extend(movements(&path)?);
-        } else if KINDS.contains(&extension(&path).as_str()) && extension(&path) != "json" {
-            found.push(path);
-        }
-    }
-    found.sort();
-    Ok(found)
 }
 
 /// Whether a source is an array, whose joints a map has to name.

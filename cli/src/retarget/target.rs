@@ -30,9 +30,10 @@ impl Target {
     /// Reads a robot as the options say, and a figure on a free base.
     pub(super) fn read(path: &Path, up: Option<Up>, options: &ModelOptions) -> Outcome<Self> {
         let animated = AnimatedArmature::is_at(path);
-        let up_of_file = match up.map_or(animated, |up| up == Up::Y) {
-            true => UpAxis::Y,
-            false => UpAxis::Z,
+        let up_of_file = match (up, animated) {
+            (Some(up), _) => up.into(),
+            (None, true) => UpAxis::Y,
+            (None, false) => UpAxis::Z,
         };
         let figure = animated || path.extension().is_some_and(|own| own == "json");
         if !figure {

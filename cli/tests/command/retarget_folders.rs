@@ -3,6 +3,10 @@
 
 use std::path::Path;
 
+use kinopt::motion::retarget::folder::{FolderQuestion, MovementFolder};
+use kinopt::motion::retarget::{BodyMap, FootShapes, RetargetOptions, UpAxis};
+use kinopt::robot::{BaseJoint, Robot};
+
 use crate::forked_rig::*;
 
 /// A figure of three joints that sinks for a second.
@@ -88,6 +92,52 @@ fn a_folder_goes_on_where_it_was() {
         run.status.code() == Some(1) && message.contains("another question"),
         "{message}"
     );
+}
+
+/// What Python began, which asks the library, the command goes on with.
+#[test]
+fn a_folder_is_gone_on_with_whoever_began_it() {
+    let folder = Folder::new("retarget-begun");
+    let (from, into) = (folder.file("from"), folder.file("into"));
+    std::fs::create_dir_all(&from).unwrap();
+    for name in ["one.bvh", "two.bvh"] {
+        std::fs::write(format!("{from}/{name}"), capture("Hips")).unwrap();
+    }
+    let text = "{\"drives\": {\"Hips\": \"torso\", \"LeftFoot\": \"left_sole\"}, \"fps\": 20}";
+    let map = folder.text("map.json", text);
+    let file = model("aldebaran_nao.urdf");
+    let robot = Robot::read(&file)
+        .unwrap()
+        .with_base_joint(BaseJoint::FREE)
+        .unwrap();
+    let mut options = RetargetOptions {
+        shapes: Some(FootShapes::of_files(&robot)),
+        ..RetargetOptions::default()
+    };
+    options.contacts.speed = 0.2;
+    let given = BodyMap::from_json(text, "").unwrap();
+    let asked = FolderQuestion {
+        map: Some(&given),
+        up: Some(UpAxis::Z),
+        whole: true,
+        ..FolderQuestion::new(&robot, options)
+    };
+    let found = MovementFolder::find(from.as_ref(), into.as_ref(), "npz").unwrap();
+    std::fs::write(&found.begin(&asked, false).unwrap()[0].out, "done").unwrap();
+    let command = format!(
+        "retarget {from} {file} --base-joint free --map {map} --up z --whole --contact-speed 0.2 --out {into}"
+    );
+    let told = answer!("{command}");
+    assert_eq!(
+        (&told["done"], &told["done_before"]),
+        (&1.into(), &1.into())
+    );
+    refused!("{command} --contact-height 0.1" => 1, "(contact_height): give another folder, or --again");
+    // The map says something else now.
+    std::fs::write(&map, text.replace("20", "25")).unwrap();
+    refused!("{command}" => 1, "(fps)");
+    std::fs::write(&map, text.replace("left", "right")).unwrap();
+    refused!("{command}" => 1, "(map)");
 }
 
 #[test]

@@ -1,3 +1,5 @@
+import os
+from pathlib import Path
 from typing import Any, Literal, TypeAlias, Union, final
 
 import numpy as np
@@ -86,3 +88,13 @@ def map_of_skeleton(
 ) -> tuple[str, str | None, str | None, list[str]]: ...
 def skeleton_names() -> list[str]: ...
 def skeleton_joints(skeleton: str, joints: int) -> list[str] | None: ...
+def folder_begun(
+    folders: tuple[str | os.PathLike[str], str | os.PathLike[str]],
+    target: _Target,
+    map: str | None,
+    skeleton: str | None,
+    reading: dict[str, Any],
+    options: dict[str, Any],
+    again: bool,
+) -> list[tuple[str, str, bool]]: ...
+def unfinished(out: str | os.PathLike[str]) -> Path: ...

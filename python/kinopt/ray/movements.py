@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import ray
 
-from ..retargeting.folder import ClipReport, FolderJob, folder_job
+from ..retargeting.folder import ClipReport, FolderJob, Pair, folder_job
 from ..retargeting.maps import MapLike
 from ..retargeting.targets import TargetLike
 from .datasets import cores
@@ -23,6 +23,7 @@ def retarget_files(
     joints: Sequence[str] | None = None,
     fps: float | None = None,
     up: Literal["y", "z"] | None = None,
+    clip: str | None = None,
     whole: bool = False,
     contact_speed: float | None = None,
     contact_height: float | None = None,
@@ -47,30 +48,31 @@ def retarget_files(
         joints=joints,
         fps=fps,
         up=up,
+        clip=clip,
         whole=whole,
         contact_speed=contact_speed,
         contact_height=contact_height,
         acceleration=acceleration,
         keep_clear=keep_clear,
     )
-    pairs, reports = job.begin(again)
+    begun = job.begin(again)
     many = workers or cores()
     options.setdefault("num_cpus", 1 if workers is None else min(1.0, cores() * 1000 // many / 1000))
     run = ray.remote(_run).options(**options)
     held = ray.put(job)
-    running: dict[Any, tuple[str, str]] = {}
-    waiting = [pair for pair in reversed(pairs) if pair not in reports]
+    running: dict[Any, Pair] = {}
+    waiting = begun.left[::-1]
     while waiting or running:
         while waiting and len(running) < many:
             pair = waiting.pop()
-            running[run.remote(held, *pair)] = pair
+            running[run.remote(held, pair)] = pair
         for done in ray.wait(list(running))[0]:
-            reports[running.pop(done)] = ray.get(done)
-    return [reports[pair] for pair in pairs]
+            begun.note(running.pop(done), ray.get(done))
+    return begun.reports
 
 
-def _run(job: FolderJob, source: str, out: str) -> ClipReport:
-    return job.run(source, out)
+def _run(job: FolderJob, pair: Pair) -> ClipReport:
+    return job.run(pair)
 
 
 __all__ = ["retarget_files"]

@@ -7,22 +7,14 @@ import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias
 
 from .. import progress as bars
-from .._kinopt import Model, MotionCapture, Scene, __version__
-from .._kinopt.retargeting import FigureTarget
-from ..errors import FileError, InvalidValueError, KinoptError
-from .maps import MapLike
-from .movement import UNFINISHED
+from .._kinopt.retargeting import folder_begun
+from ..errors import InvalidValueError, KinoptError
+from .maps import MapLike, is_skeleton, read_map
 from .retarget import retarget
 from .targets import TargetLike, read_target
-
-#: Files of movements, by their endings.
-KINDS = (".npy", ".bvh", ".glb", ".gltf")
-#: Beside the movements: what was asked, so that a folder has the answers to one question.
-QUESTION = "retarget.json"
 
 
 @dataclass(frozen=True)
@@ -49,6 +41,33 @@ class ClipReport:
     """What is wrong with it; None where it was written."""
 
 
+#: A movement's file, and where it goes.
+Pair: TypeAlias = tuple[str, str]
+
+
+class Begun:
+    """A folder that was begun: what is left to do, and what came of the rest."""
+
+    def __init__(self, movements: list[tuple[str, str, bool]]) -> None:
+        self._pairs = [(source, out) for source, out, _ in movements]
+        self._reports = {(source, out): ClipReport(source, out, done_before=True) for source, out, done in movements if done}
+        self.left = [pair for pair in self._pairs if pair not in self._reports]
+
+    def note(self, pair: Pair, report: ClipReport) -> None:
+        """What came of one that was left."""
+        self._reports[pair] = report
+
+    @property
+    def progress(self) -> tuple[int, int]:
+        """How many are done, and how many there are."""
+        return len(self._reports), len(self._pairs)
+
+    @property
+    def reports(self) -> list[ClipReport]:
+        """Of all, in the order of their names."""
+        return [self._reports[pair] for pair in self._pairs]
+
+
 @dataclass(frozen=True)
 class FolderJob:
     """A folder of movements, and what is done with each: a worker anywhere may hold it."""
@@ -59,55 +78,18 @@ class FolderJob:
     map: MapLike
     options: dict[str, Any]
 
-    def begin(self, again: bool) -> tuple[list[tuple[str, str]], dict[tuple[str, str], ClipReport]]:
-        """Makes the folder, sweeps out what a call that was ended was writing, and says what goes where, and what was done before."""
-        pairs = self._pairs()
-        question = {"kinopt": __version__, "asked": self._asked()}
-        noted = Path(self.out, QUESTION)
-        try:
-            for _, out in pairs:
-                Path(out).parent.mkdir(parents=True, exist_ok=True)
-            for left in Path(self.out).rglob(f"{UNFINISHED}*"):
-                left.unlink()
-            if noted.exists() and not again:
-                if json.loads(noted.read_text(encoding="utf-8")) != question:
-                    raise InvalidValueError(
-                        f"{self.out} answers another question, as {QUESTION} in it says: give another folder, or again=True"
-                    )
-            else:
-                noted.write_text(json.dumps(question, indent=2) + "\n", encoding="utf-8")
-        except (OSError, ValueError) as error:
-            if isinstance(error, KinoptError):
-                raise
-            raise FileError(f"{self.out} cannot be written: {error}") from None
-        done = [pair for pair in pairs if not again and _is_newer(*pair)]
-        return pairs, {pair: ClipReport(*pair, done_before=True) for pair in done}
+    def begin(self, again: bool) -> Begun:
+        """Makes the folder, or goes on with one that was begun by whomever to answer the same question."""
+        skeleton = self.map if isinstance(self.map, str) and is_skeleton(self.map) else None
+        given = read_map(self.map)
+        text = None if given is None else json.dumps(given)
+        folders = (self.source, self.out)
+        # They read what is theirs.
+        return Begun(folder_begun(folders, self.target, text, skeleton, self.options, self.options, again))
 
-    def _pairs(self) -> list[tuple[str, str]]:
-        source, out = Path(self.source), Path(self.out)
-        if not source.is_dir():
-            raise FileError(f"{source} is no folder")
-        found = sorted(path for path in source.rglob("*") if path.suffix.lower() in KINDS and path.name[0] != ".")
-        if not found:
-            raise FileError(f"there is no {', '.join(KINDS)} in {source}")
-        pairs: dict[Path, Path] = {}
-        for path in found:
-            into = out / path.relative_to(source).with_suffix(".npz")
-            if into in pairs:
-                raise InvalidValueError(f"{pairs[into]} and {path} would both be written to {into}")
-            pairs[into] = path
-        return [(str(path), str(into)) for into, path in pairs.items()]
-
-    def _asked(self) -> dict[str, Any]:
-        target = FigureTarget(self.target) if isinstance(self.target, (MotionCapture, Scene)) else self.target
-        model = target if isinstance(target, Model) else target.model
-        given = str(self.map) if isinstance(self.map, os.PathLike) else self.map
-        # As it is read again.
-        asked: dict[str, Any] = json.loads(json.dumps({"target": [model.name, *model.joint_names], "map": given, **self.options}))
-        return asked
-
-    def run(self, source: str, out: str) -> ClipReport:
+    def run(self, pair: Pair) -> ClipReport:
         """Brings one movement onto the target, and says what came of it."""
+        source, out = pair
         try:
             found = retarget(source, self.target, self.map, **self.options)
             found.save(out)
@@ -115,14 +97,6 @@ class FolderJob:
             named = str(error) if source in str(error) else f"{source}: {error}"
             return ClipReport(source, out, error=named)
         return ClipReport(source, out, len(found), found.mean_error, found.slip, found.sunk, notes=found.notes)
-
-
-def _is_newer(source: str, out: str) -> bool:
-    """Whether a movement was written after its source."""
-    try:
-        return os.stat(out).st_mtime_ns >= os.stat(source).st_mtime_ns
-    except OSError:
-        return False
 
 
 def retarget_folder(
@@ -134,6 +108,7 @@ def retarget_folder(
     joints: Sequence[str] | None = None,
     fps: float | None = None,
     up: Literal["y", "z"] | None = None,
+    clip: str | None = None,
     whole: bool = False,
     contact_speed: float | None = None,
     contact_height: float | None = None,
@@ -146,9 +121,10 @@ def retarget_folder(
     """Brings every movement of a folder, and of those in it, onto a robot or a rig: a .npz each, as ``Retargeted.save`` writes it.
 
     So many ``threads`` (None: one a core) take a file at a time; the rest is as of ``retarget``. A file is there when it is whole:
-    a call that was ended goes on where it is made again, and does anew what changed since, or with ``again`` all. What
-    fails keeps no other from being done: its report says why. ``progress``: whether a bar shows how far it is (by tqdm), or what is
-    called with (done, total). ``kinopt.ray.retarget_files`` does the same over many machines.
+    what was ended goes on where this is called again, or ``kinopt retarget`` is asked the same of both folders, and the other way
+    round; what changed since is done anew, or with ``again`` all. What fails keeps no other from being done: its report says why.
+    ``progress``: whether a bar shows how far it is (by tqdm), or what is called with (done, total).
+    ``kinopt.ray.retarget_files`` does the same over many machines.
 
     Raises ``FileError`` for folders that cannot be read or written or hold no movement, ``InvalidValueError`` for one that answers
     another question and for two movements of one name, and what is wrong with the target.
@@ -161,23 +137,27 @@ def retarget_folder(
         joints=joints,
         fps=fps,
         up=up,
+        clip=clip,
         whole=whole,
         contact_speed=contact_speed,
         contact_height=contact_height,
         acceleration=acceleration,
         keep_clear=keep_clear,
     )
-    pairs, reports = job.begin(again)
-    report = bars.bar() if progress is True else progress or (lambda done, total: None)
     if threads is not None and threads < 1:
         raise InvalidValueError(f"threads is {threads}: at least 1, or None for all cores")
-    left = [pair for pair in pairs if pair not in reports]
-    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
-        running = {pool.submit(job.run, *pair): pair for pair in left}
+    begun = job.begin(again)
+    report = bars.bar() if progress is True else progress or (lambda done, total: None)
+    pool = ThreadPoolExecutor(threads or os.cpu_count() or 1)
+    try:
+        running = {pool.submit(job.run, pair): pair for pair in begun.left}
         for done in as_completed(running):
-            reports[running[done]] = done.result()
-            report(len(reports), len(pairs))
-    return [reports[pair] for pair in pairs]
+            begun.note(running[done], done.result())
+            report(*begun.progress)
+    finally:
+        # Where it is interrupted, nothing more is begun.
+        pool.shutdown(cancel_futures=True)
+    return begun.reports
 
 
 def folder_job(

@@ -11,13 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._kinopt.animation import Clip
-from .._kinopt.retargeting import Capture, FigureTarget
+from .._kinopt.retargeting import Capture, FigureTarget, unfinished
 from ..errors import FileError, InvalidValueError
 from ..types import Floats
 from .targets import TargetLike, read_target
-
-#: What a file is called before it is whole begins so.
-UNFINISHED = ".part."
 
 
 @dataclass(frozen=True)
@@ -126,9 +123,9 @@ class Retargeted:
         path = Path(path)
         if path.suffix != ".npz":
             raise InvalidValueError(f"{path}: a .npz is written")
-        unfinished = path.with_name(f"{UNFINISHED}{path.name}")
+        part = unfinished(path)
         try:
-            with unfinished.open("wb") as file:
+            with part.open("wb") as file:
                 np.savez(
                     file,
                     q=self.q,
@@ -137,7 +134,7 @@ class Retargeted:
                     contacts=self.contacts,
                     standing=np.array(self.standing, dtype=str),
                 )
-            unfinished.replace(path)
+            part.replace(path)
         except OSError as error:
             raise FileError(f"{path}: cannot be written: {error}") from None
 

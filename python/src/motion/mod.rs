@@ -30,6 +30,7 @@ use crate::robot::Robot;
 /// factor}). `max_speeds` are hard limits from each frame to the next, {"joint": rad/s or m/s}; unset those of a robot's file, {} none.
 /// A ball's is of the angle that it turns by; a free joint has (m/s, rad/s), of the way that its place goes and of its turn.
 /// `contacts` are `kinopt.Contact`s: what stands still over a span. `first` and `last` fix those frames' configurations.
+/// A model's closed loops and its balls' cones hold in every frame.
 ///
 /// Raises `UnknownNameError` for names that do not exist, and `InvalidValueError` for what is out of range, with its name.
 #[pyclass(frozen, module = "kinopt")]

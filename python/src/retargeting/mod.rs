@@ -2,6 +2,7 @@
 
 mod capture;
 mod figure_target;
+mod folder;
 mod live;
 mod maps;
 mod movement;
@@ -19,6 +20,7 @@ pub(crate) mod retargeting {
     use super::{
         capture::Capture,
         figure_target::FigureTarget,
+        folder::{folder_begun, unfinished},
         live::Live,
         maps::{map_guessed, map_of_skeleton, skeleton_joints, skeleton_names},
         movement::capture_retargeted,

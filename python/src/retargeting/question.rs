@@ -42,7 +42,11 @@ pub(super) struct Options {
 }
 
 impl Options {
-    fn read(&self, up: UpAxis) -> RetargetOptions {
+    pub(super) fn keep_clear(&self) -> Option<f64> {
+        self.keep_clear
+    }
+
+    pub(super) fn read(&self, up: UpAxis) -> RetargetOptions {
         let mut options = RetargetOptions {
             up,
             ..RetargetOptions::default()
@@ -67,9 +71,16 @@ fn checker_of(target: &Bound<'_, PyAny>, options: &Options) -> PyResult<Option<C
 }
 
 /// The shapes of a robot's feet, its meshes among them.
-fn foot_shapes_of(target: &Bound<'_, PyAny>) -> Option<FootShapes> {
+pub(super) fn foot_shapes_of(target: &Bound<'_, PyAny>) -> Option<FootShapes> {
     let robot = target.cast::<crate::robot::Robot>().ok()?;
     Some(robot.get().foot_shapes())
+}
+
+/// A map in JSON; one of several robots has a robot's drives under its file's name.
+pub(super) fn read_map(map: &str, robot: &Robot) -> PyResult<BodyMap> {
+    let file = robot.file().and_then(std::path::Path::file_name);
+    let file = file.map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    BodyMap::from_json(map, &file).or_raise()
 }
 
 /// A capture, a target, the map between them and how it is done.
@@ -92,12 +103,9 @@ impl Question {
         let robot = target_of(target)?;
         let mut options = given.read(capture.get().up);
         options.shapes = foot_shapes_of(target);
-        // Maps of several robots have its drives under its file's name.
-        let file = robot.file().and_then(std::path::Path::file_name);
-        let file = file.map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         Ok(Self {
             capture: Arc::clone(&capture.get().inner),
-            map: BodyMap::from_json(map, &file).or_raise()?,
+            map: read_map(map, &robot)?,
             checker: checker_of(target, given)?,
             robot,
             options,

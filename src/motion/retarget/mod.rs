@@ -17,6 +17,7 @@ mod errors_of_frames;
 mod feet;
 mod figure_target;
 mod first_stance;
+pub mod folder;
 mod follower;
 mod foot_shapes;
 mod footholds;

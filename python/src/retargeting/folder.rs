@@ -1,0 +1,73 @@
+//! Folders of movements.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use kinopt::motion::retarget::folder::{self, FolderError, FolderQuestion, MovementFolder};
+use pyo3::prelude::*;
+
+use super::question::{Options, foot_shapes_of, read_map, target_of};
+use super::up_axis;
+use crate::error::{Fault, OrRaise, raise};
+
+/// How movements are read, and whether each is solved as one.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(super) struct Reading {
+    joints: Option<Vec<String>>,
+    fps: Option<f64>,
+    up: Option<String>,
+    clip: Option<String>,
+    whole: bool,
+}
+
+/// A movement's file, where it goes, and whether it was done before.
+type Begun = (OsString, OsString, bool);
+
+/// The movements of a folder that go into another as `.npz`, which is begun or gone on with.
+#[pyfunction]
+pub(super) fn folder_begun(
+    folders: (PathBuf, PathBuf),
+    target: &Bound<'_, PyAny>,
+    map: Option<&str>,
+    skeleton: Option<&str>,
+    reading: Reading,
+    options: Options,
+    again: bool,
+) -> PyResult<Vec<Begun>> {
+    let robot = target_of(target)?;
+    let up = reading.up.as_deref().map(up_axis).transpose()?;
+    let mut how = options.read(up.unwrap_or_default());
+    how.shapes = foot_shapes_of(target);
+    let map = map.map(|map| read_map(map, &robot)).transpose()?;
+    let asked = FolderQuestion {
+        map: map.as_ref(),
+        skeleton,
+        joints: reading.joints.as_deref(),
+        frame_rate: reading.fps,
+        up,
+        clip: reading.clip.as_deref(),
+        whole: reading.whole,
+        keep_clear: options.keep_clear(),
+        ..FolderQuestion::new(&robot, how)
+    };
+    let (source, into) = folders;
+    let found = MovementFolder::find(&source, &into, "npz").or_raise()?;
+    let begun = found.begin(&asked, again).map_err(|error| {
+        let hint = match &error {
+            FolderError::OtherQuestion { .. } => ": give another folder, or again=True",
+            _ => "",
+        };
+        raise(error.kind(), format!("{error}{hint}"))
+    })?;
+    let told = begun
+        .into_iter()
+        .map(|own| (own.source.into(), own.out.into(), own.done_before));
+    Ok(told.collect())
+}
+
+/// Where a file is written before it is whole.
+#[pyfunction]
+pub(super) fn unfinished(out: PathBuf) -> PathBuf {
+    folder::unfinished(&out)
+}

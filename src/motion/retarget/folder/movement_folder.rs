@@ -1,0 +1,195 @@
+//! The movements of a folder, and the files that they become.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::{FolderError, FolderQuestion, QUESTION};
+
+/// Files of movements, by their endings.
+const KINDS: [&str; 4] = ["npy", "bvh", "glb", "gltf"];
+
+/// What a file is called before it is whole begins so.
+const UNFINISHED: &str = ".part.";
+
+/// The movements of a folder and of those in it, and the folder of files of the same names that they are brought into.
+///
+/// ```
+/// use kinopt::motion::retarget::folder::{FolderQuestion, MovementFolder, unfinished};
+/// use kinopt::motion::retarget::RetargetOptions;
+/// use kinopt::robot::{BaseJoint, Robot};
+///
+/// # let into = std::env::temp_dir().join(format!("kinopt-movements-{}", std::process::id()));
+/// let robot = Robot::read("models/aldebaran_nao.urdf")?.with_base_joint(BaseJoint::FREE)?;
+/// let asked = FolderQuestion::new(&robot, RetargetOptions::default());
+/// let folder = MovementFolder::find("models/captures".as_ref(), &into, "csv")?;
+/// for movement in folder.begin(&asked, false)?.iter().filter(|own| !own.done_before) {
+///     // Here the movement is brought onto the robot.
+///     let written = unfinished(&movement.out);
+///     std::fs::write(&written, "0,0,0")?;
+///     std::fs::rename(&written, &movement.out)?;
+/// }
+/// assert!(folder.begin(&asked, false)?.iter().all(|own| own.done_before));
+/// # std::fs::remove_dir_all(&into)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct MovementFolder {
+    into: PathBuf,
+    /// In the order of their names.
+    pairs: Vec<(PathBuf, PathBuf)>,
+}
+
+/// A movement of a folder that was begun.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Movement {
+    /// Its file.
+    pub source: PathBuf,
+    /// Where it goes.
+    pub out: PathBuf,
+    /// Whether it is there already, and newer than its source.
+    pub done_before: bool,
+}
+
+impl MovementFolder {
+    /// Finds the movements in `source` (.npy, .bvh, .glb, .gltf; none whose name begins with a dot) and says where each goes: to the
+    /// same name with another `ending` in `into`. Nothing is written.
+    ///
+    /// # Errors
+    /// A folder that is none, cannot be read or has no movement, two movements that go to one file, and what is written among
+    /// what is read.
+    pub fn find(source: &Path, into: &Path, ending: &str) -> Result<Self, FolderError> {
+        if !source.is_dir() {
+            let folder = source.to_owned();
+            return Err(FolderError::NoFolder { folder });
+        }
+        let own = fs::canonicalize(into).ok();
+        let is_into = |folder: &Path| own.is_some() && fs::canonicalize(folder).ok() == own;
+        if KINDS.contains(&ending) && is_into(source) {
+            let folder = into.to_owned();
+            return Err(FolderError::IntoItself { folder });
+        }
+        let found = movements(source, &is_into)?;
+        if found.is_empty() {
+            return Err(FolderError::Empty {
+                folder: source.to_owned(),
+                kinds: KINDS.map(|kind| format!(".{kind}")).join(", "),
+            });
+        }
+        let mut taken: BTreeMap<PathBuf, PathBuf> = BTreeMap::new();
+        let mut pairs = Vec::with_capacity(found.len());
+        for second in found {
+            let name = second.strip_prefix(source).unwrap_or(&second);
+            let out = into.join(name).with_extension(ending);
+            if let Some(first) = taken.insert(out.clone(), second.clone()) {
+                return Err(FolderError::OneName { first, second, out });
+            }
+            pairs.push((second, out));
+        }
+        Ok(Self {
+            into: into.to_owned(),
+            pairs,
+        })
+    }
+
+    /// Makes the folder, notes what is asked, and removes what was left unfinished; says what is done already. `again`: nothing is, whatever
+    /// was asked before.
+    ///
+    /// # Errors
+    /// A folder whose movements answer another question, and what cannot be written.
+    pub fn begin(
+        &self,
+        asked: &FolderQuestion<'_>,
+        again: bool,
+    ) -> Result<Vec<Movement>, FolderError> {
+        make(&self.into)?;
+        let noted = self.into.join(QUESTION);
+        let text = asked.text();
+        if noted.exists() && !again {
+            let before = fs::read(&noted).map_err(|error| FolderError::reading(&noted, error))?;
+            if before != text.as_bytes() {
+                return Err(FolderError::OtherQuestion {
+                    folder: self.into.clone(),
+                    differs: asked.differs(&before),
+                });
+            }
+        } else {
+            let part = unfinished(&noted);
+            fs::write(&part, text)
+                .and_then(|()| fs::rename(&part, &noted))
+                .map_err(|error| FolderError::writing(&noted, error))?;
+        }
+        let mut last: Option<&Path> = None;
+        for folder in self.pairs.iter().filter_map(|(_, out)| out.parent()) {
+            if last != Some(folder) {
+                make(folder)?;
+                sweep(folder)?;
+                last = Some(folder);
+            }
+        }
+        let begun = self.pairs.iter().map(|(source, out)| Movement {
+            source: source.clone(),
+            out: out.clone(),
+            done_before: !again && is_newer(out, source),
+        });
+        Ok(begun.collect())
+    }
+}
+
+/// Where a file is written before it is whole: beside it, with the same ending.
+#[must_use]
+pub fn unfinished(out: &Path) -> PathBuf {
+    let mut name = std::ffi::OsString::from(UNFINISHED);
+    name.push(out.file_name().unwrap_or_default());
+    out.with_file_name(name)
+}
+
+/// The movements in a folder and those in it, in order, without those that are written.
+fn movements(folder: &Path, is_into: &impl Fn(&Path) -> bool) -> Result<Vec<PathBuf>, FolderError> {
+    let told = |error: std::io::Error| FolderError::reading(folder, error);
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).map_err(told)? {
+        let path = entry.map_err(told)?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if name.starts_with('.') {
+            continue;
+        }
+        if path.is_dir() {
+            if !is_into(&path) {
+                found.extend(movements(&path, is_into)?);
+            }
+            continue;
+        }
+        let ending = path.extension().unwrap_or_default().to_string_lossy();
+        if KINDS.contains(&ending.to_lowercase().as_str()) {
+            found.push(path);
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+fn make(folder: &Path) -> Result<(), FolderError> {
+    fs::create_dir_all(folder).map_err(|error| FolderError::writing(folder, error))
+}
+
+/// Whether a movement was written after its source.
+fn is_newer(out: &Path, source: &Path) -> bool {
+    let time = |path: &Path| fs::metadata(path).and_then(|file| file.modified()).ok();
+    time(out)
+        .zip(time(source))
+        .is_some_and(|(out, source)| out >= source)
+}
+
+/// Removes what whoever was ended was writing.
+fn sweep(folder: &Path) -> Result<(), FolderError> {
+    let told = |error: std::io::Error| FolderError::writing(folder, error);
+    for entry in fs::read_dir(folder).map_err(told)? {
+        let path = entry.map_err(told)?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if name.starts_with(UNFINISHED) {
+            fs::remove_file(&path).map_err(told)?;
+        }
+    }
+    Ok(())
+}

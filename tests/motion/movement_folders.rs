@@ -1,0 +1,201 @@
+//! Promise: folders of movements hold the answers to one question, whoever asked it first; what is done stays done, what is left
+//! unfinished goes, and what of a question is another is told.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+use kinopt::motion::retarget::folder::{FolderError, FolderQuestion, MovementFolder, unfinished};
+use kinopt::motion::retarget::{BodyMap, RetargetOptions, UpAxis};
+use kinopt::robot::{BaseJoint, Robot};
+
+/// Folders of a test, gone when it ends.
+struct Folders(PathBuf);
+
+impl Folders {
+    fn new(name: &str) -> Self {
+        let root = std::env::temp_dir().join(format!("kinopt-{name}-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&root);
+        fs::create_dir_all(root.join("from/deeper")).unwrap();
+        for file in ["one.bvh", "deeper/two.npy", ".hidden.bvh", "notes.txt"] {
+            fs::write(root.join("from").join(file), "").unwrap();
+        }
+        Self(root)
+    }
+
+    fn source(&self) -> PathBuf {
+        self.0.join("from")
+    }
+
+    fn out(&self) -> PathBuf {
+        self.0.join("into")
+    }
+
+    fn find(&self) -> MovementFolder {
+        MovementFolder::find(&self.source(), &self.out(), "npz").unwrap()
+    }
+}
+
+impl Drop for Folders {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+fn nao() -> Robot {
+    let robot = Robot::read("models/aldebaran_nao.urdf").unwrap();
+    robot.with_base_joint(BaseJoint::FREE).unwrap()
+}
+
+/// What of a question is told to be another than the one that a folder was begun with.
+fn differs(folders: &Folders, begun: &FolderQuestion<'_>, asked: &FolderQuestion<'_>) -> String {
+    folders.find().begin(begun, true).unwrap();
+    match folders.find().begin(asked, false) {
+        Ok(_) => String::new(),
+        Err(FolderError::OtherQuestion { differs, .. }) => differs.join(", "),
+        Err(error) => panic!("{error}"),
+    }
+}
+
+#[test]
+fn what_is_done_stays_done_and_what_is_unfinished_goes() {
+    let folders = Folders::new("folder-done");
+    let robot = nao();
+    let asked = FolderQuestion::new(&robot, RetargetOptions::default());
+    let begun = folders.find().begin(&asked, false).unwrap();
+    let outs = begun
+        .iter()
+        .map(|own| own.out.strip_prefix(folders.out()).unwrap());
+    assert!(outs.eq(["deeper/two.npz", "one.npz"].map(Path::new)));
+    assert!(begun.iter().all(|own| !own.done_before));
+    fs::write(&begun[0].out, "whole").unwrap();
+    fs::write(unfinished(&begun[1].out), "half").unwrap();
+    let done = |again: bool| {
+        let begun = folders.find().begin(&asked, again).unwrap();
+        begun.iter().map(|own| own.done_before).collect::<Vec<_>>()
+    };
+    assert_eq!(done(false), [true, false]);
+    assert!(!unfinished(&begun[1].out).exists());
+    assert_eq!(done(true), [false, false]);
+    // Its source is newer now.
+    let source = fs::File::options()
+        .write(true)
+        .open(&begun[0].source)
+        .unwrap();
+    let later = SystemTime::now() + Duration::from_secs(60);
+    source.set_modified(later).unwrap();
+    assert_eq!(done(false), [false, false]);
+}
+
+/// The same said by a map and beside it is one question.
+#[test]
+fn a_question_is_what_it_asks_and_not_how() {
+    let folders = Folders::new("folder-question");
+    let robot = nao();
+    let drives = "{\"hips\": \"torso\", \"foot\": \"left_sole\"}";
+    let all = format!(
+        "{{\"joints\": [\"hips\", \"foot\"], \"fps\": 30, \"up\": \"y\", \"drives\": {drives}}}"
+    );
+    let all = BodyMap::from_json(&all, "").unwrap();
+    let alone = BodyMap::from_json(&format!("{{\"drives\": {drives}}}"), "").unwrap();
+    let joints = ["hips", "foot"].map(str::to_owned);
+    let plain = FolderQuestion::new(&robot, RetargetOptions::default());
+    let by_map = FolderQuestion {
+        map: Some(&all),
+        ..plain.clone()
+    };
+    let beside = FolderQuestion {
+        map: Some(&alone),
+        joints: Some(&joints),
+        frame_rate: Some(30.0),
+        up: Some(UpAxis::Y),
+        ..plain.clone()
+    };
+    assert_eq!(differs(&folders, &by_map, &beside), "");
+    assert_eq!(differs(&folders, &by_map, &plain), "fps, joints, map, up");
+}
+
+#[test]
+fn what_is_another_question_is_told() {
+    let folders = Folders::new("folder-another");
+    let robot = nao();
+    let plain = FolderQuestion::new(&robot, RetargetOptions::default());
+    let mut others = Vec::new();
+    for (name, change) in [
+        (
+            "whole",
+            (|own| own.whole = true) as fn(&mut FolderQuestion<'_>),
+        ),
+        ("clip", |own| own.clip = Some("Walk")),
+        ("skeleton", |own| own.skeleton = Some("cmu")),
+        ("keep_clear", |own| own.keep_clear = Some(0.01)),
+        ("acceleration", |own| own.options.acceleration = 1e-3),
+        ("contact_speed", |own| own.options.contacts.speed = 0.2),
+        ("contact_height", |own| own.options.contacts.height = 0.1),
+        ("windows", |own| own.options.windows.ahead = 20),
+        ("more", |own| own.more.push("header".to_owned())),
+    ] {
+        let mut other = plain.clone();
+        change(&mut other);
+        others.push((name, other));
+    }
+    for (name, other) in &others {
+        assert_eq!(differs(&folders, &plain, other), *name);
+        assert_eq!(differs(&folders, other, other), "", "{name}");
+    }
+    // Robots whose head turns less or slower, or sits higher, and one with larger hands.
+    let text = fs::read_to_string("models/aldebaran_nao.urdf").unwrap();
+    for (old, new) in [
+        ("upper=\"2.0857\"", "upper=\"2\""),
+        ("velocity=\"0\"", "velocity=\"1\""),
+        ("0 0 0.1265", "0 0 0.1275"),
+        ("sphere radius=\"0.028\"", "sphere radius=\"0.029\""),
+    ] {
+        assert!(text.contains(old), "{old}");
+        let text = text.replacen(old, new, 1);
+        let changed = Robot::reader().parse(&text, "changed.urdf").unwrap();
+        let changed = changed.with_base_joint(BaseJoint::FREE).unwrap();
+        let other = FolderQuestion::new(&changed, RetargetOptions::default());
+        assert_eq!(differs(&folders, &plain, &other), "target", "{new}");
+    }
+}
+
+/// A folder whose question was lost, or is not one, is left as it is.
+#[test]
+fn a_folder_that_says_nothing_is_refused() {
+    let folders = Folders::new("folder-lost");
+    let robot = nao();
+    let asked = FolderQuestion::new(&robot, RetargetOptions::default());
+    fs::create_dir_all(folders.out()).unwrap();
+    for text in ["", "[1]", "{\"kinopt\": "] {
+        fs::write(folders.out().join("retarget.json"), text).unwrap();
+        let half = folders.out().join(".part.one.npz");
+        fs::write(&half, "half").unwrap();
+        let refused = folders.find().begin(&asked, false).unwrap_err();
+        assert!(
+            refused.to_string().contains("answers another question"),
+            "{refused}"
+        );
+        assert!(half.exists());
+    }
+}
+
+#[test]
+fn what_is_written_is_never_read_as_a_movement() {
+    let folders = Folders::new("folder-itself");
+    let from = folders.source();
+    let refused = MovementFolder::find(&from, &from, "bvh").unwrap_err();
+    assert!(
+        matches!(refused, FolderError::IntoItself { .. }),
+        "{refused}"
+    );
+    assert!(MovementFolder::find(&from, &from, "npz").is_ok());
+    // A folder in it: what stands there already is none of its movements.
+    let into = from.join("deeper");
+    let robot = nao();
+    let asked = FolderQuestion::new(&robot, RetargetOptions::default());
+    let found = MovementFolder::find(&from, &into, "bvh").unwrap();
+    let begun = found.begin(&asked, false).unwrap();
+    assert_eq!(begun.len(), 1);
+    assert_eq!(begun[0].out, into.join("one.bvh"));
+}
