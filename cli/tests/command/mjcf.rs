@@ -77,6 +77,10 @@ fn an_srdf_file_holds_passive_joints_and_frees_a_group() {
     refused!("{ask}" => 1, "panda.srdf:2: passive_joint `joint9` | --lenient");
     let (mended, notes) = answer!(told "{ask} --group front --lenient");
     says(&notes, "panda.srdf:2: passive_joint `joint9`: left out: ");
-    assert_eq!(notes.matches("passive_joint `joint9`").count(), 1, "{notes}");
+    assert_eq!(
+        notes.matches("passive_joint `joint9`").count(),
+        1,
+        "{notes}"
+    );
     assert_eq!(numbers(&mended["q"]), front);
 }
