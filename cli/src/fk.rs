@@ -7,6 +7,7 @@ use kinopt::animation::PoseTurns;
 use serde::Serialize;
 
 use crate::animated_armature::AnimatedArmature;
+use crate::choices::first_given;
 use crate::closed_by_fk::LoopDocument;
 use crate::failure::Outcome;
 use crate::frame_report::FrameReport;
@@ -162,7 +163,7 @@ fn run_animated(arguments: &Arguments, json: bool) -> Outcome<()> {
         ("--interpolation", arguments.interpolation.is_some()),
     ];
     let animated = AnimatedArmature::read(&arguments.model)?;
-    if let Some((option, _)) = given.into_iter().find(|(_, is_given)| *is_given) {
+    if let Some(option) = first_given(given) {
         let (file, kind) = (&animated.file, animated.kind);
         return Err(usage!(
             "{file}: {option} is for robots and rigs; {kind} is posed by --time"

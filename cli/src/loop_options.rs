@@ -5,6 +5,7 @@ use kinopt::model::{FrameId, Loop, LoopKind};
 use kinopt::robot::Robot;
 use kinopt::spatial::Placement;
 
+use crate::choices::first_given;
 use crate::failure::Outcome;
 use crate::help_headings::MODEL;
 use crate::target::parse_placement;
@@ -68,14 +69,12 @@ impl Joined {
 impl LoopOptions {
     /// The first option that was given.
     pub(crate) fn given(&self) -> Option<&'static str> {
-        let given = [
-            (!self.connect.is_empty(), "--connect"),
-            (!self.weld.is_empty(), "--weld"),
-            (!self.passive.is_empty(), "--passive"),
-            (self.without_loops, "--without-loops"),
-        ];
-        let given = given.into_iter().find(|(given, _)| *given);
-        given.map(|(_, option)| option)
+        first_given([
+            ("--connect", !self.connect.is_empty()),
+            ("--weld", !self.weld.is_empty()),
+            ("--passive", !self.passive.is_empty()),
+            ("--without-loops", self.without_loops),
+        ])
     }
 
     /// The robot with these loops.

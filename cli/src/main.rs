@@ -15,6 +15,7 @@ mod bench;
 #[cfg(not(feature = "bench"))]
 mod bench_left_out;
 mod check;
+mod choices;
 mod closed_by_fk;
 mod collision_document;
 mod collision_options;

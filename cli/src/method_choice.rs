@@ -1,10 +1,11 @@
 //! Solvers and derivative routes by name.
 
-use clap::ValueEnum;
 use clap::builder::PossibleValuesParser;
 use kinopt::Solver;
 use kinopt::problem::Derivatives;
 use kinopt::solver::{Damping, FirstStep, GaussNewton, LevenbergMarquardt, ProjectedGradient};
+
+use crate::choices::Choice;
 
 /// Every solver there is; the first is the default.
 fn solvers() -> [Solver; 5] {
@@ -29,28 +30,24 @@ pub(crate) fn solver(name: &str) -> Solver {
 }
 
 /// `--jacobian`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum JacobianRoute {
-    /// Geometric, exact, fastest
-    Analytic,
-    /// Forward-mode dual numbers, exact
-    Dual,
-    /// Forward differences
-    Fd,
-    /// Central differences
-    Central,
-}
-
-impl From<JacobianRoute> for Derivatives {
-    fn from(route: JacobianRoute) -> Self {
-        match route {
-            JacobianRoute::Analytic => Self::Analytic,
-            JacobianRoute::Dual => Self::Dual,
-            JacobianRoute::Fd => Self::ForwardDifference,
-            JacobianRoute::Central => Self::CentralDifference,
-        }
-    }
-}
+pub(crate) const JACOBIAN_ROUTES: [Choice<Derivatives>; 4] = [
+    (
+        "analytic",
+        "Geometric, exact, fastest",
+        Derivatives::Analytic,
+    ),
+    (
+        "dual",
+        "Forward-mode dual numbers, exact",
+        Derivatives::Dual,
+    ),
+    ("fd", "Forward differences", Derivatives::ForwardDifference),
+    (
+        "central",
+        "Central differences",
+        Derivatives::CentralDifference,
+    ),
+];
 
 #[cfg(test)]
 mod tests {

@@ -7,6 +7,7 @@ use kinopt::robot::{Robot, Srdf};
 
 use crate::ball_figure::FigureOptions;
 use crate::base_joint::BaseJointOptions;
+use crate::choices::first_given;
 use crate::failure::Outcome;
 use crate::help_headings::MODEL;
 use crate::loaded_model::LoadedModel;
@@ -138,13 +139,12 @@ impl ModelOptions {
     }
 
     fn refuse_of_robots(&self, file: &str) -> Outcome<()> {
-        let given = [
-            (self.lenient, "--lenient"),
-            (self.soft_limits, "--soft-limits"),
-            (self.joint_limits.is_some(), "--joint-limits"),
-        ];
-        let given = given.into_iter().find(|(given, _)| *given);
-        match given.map(|(_, option)| option).or(self.loops.given()) {
+        let given = first_given([
+            ("--lenient", self.lenient),
+            ("--soft-limits", self.soft_limits),
+            ("--joint-limits", self.joint_limits.is_some()),
+        ]);
+        match given.or(self.loops.given()) {
             Some(option) => Err(usage!("{file}: {option} is for robots (.urdf, .xml)")),
             None => Ok(()),
         }

@@ -31,6 +31,12 @@ pub(crate) fn make_folder(path: &Path) -> Outcome<()> {
         .map_err(|error| failure!("{}: cannot be made: {error}", path.display()))
 }
 
+/// Writes a whole file.
+pub(crate) fn write_file(path: &Path, contents: impl AsRef<[u8]>) -> Outcome<()> {
+    std::fs::write(path, contents)
+        .map_err(|error| failure!("{}: cannot be written: {error}", path.display()))
+}
+
 /// Tells people something on standard error; a closed one leaves nobody to tell.
 pub(crate) fn message(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "kinopt: {text}");

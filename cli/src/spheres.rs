@@ -118,16 +118,11 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
             spheres.spherised(&urdf, &file)?
         }
     };
-    write(&arguments.out, &text)?;
+    output::write_file(&arguments.out, &text)?;
     if let Some(path) = &arguments.save_srdf {
-        write(path, &model.to_srdf())?;
+        output::write_file(path, model.to_srdf())?;
     }
     report(arguments, &model, &spheres, json)
-}
-
-fn write(path: &Path, text: &str) -> Outcome<()> {
-    let written = std::fs::write(path, text);
-    written.map_err(|error| failure!("{}: cannot be written: {error}", path.display()))
 }
 
 fn report(

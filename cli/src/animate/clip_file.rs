@@ -14,6 +14,7 @@ use super::frames::Frames;
 use super::ik_options::IkOptions;
 use super::ik_report::IkReport;
 use crate::animated_armature::{AnimatedArmature, extension};
+use crate::choices::first_given;
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::mesh_output::Skin;
@@ -84,15 +85,14 @@ struct Document<'a> {
 impl ClipOptions {
     /// The option about a clip that was given, if one was.
     pub(super) fn given(&self) -> Option<&'static str> {
-        let options = [
+        let own = first_given([
             ("--into", self.into.is_some()),
             ("--clip-name", self.clip_name.is_some()),
             ("--in-place", self.in_place.is_some()),
             ("--close-seam", self.close_seam.is_some()),
             ("--fewer-keys", self.fewer_keys.is_some()),
-        ];
-        let own = options.into_iter().find(|(_, given)| *given);
-        own.map(|(name, _)| name).or_else(|| self.ik.given())
+        ]);
+        own.or_else(|| self.ik.given())
     }
 
     /// Writes a rig whose keys are solved for, with its mesh and weights beside it.

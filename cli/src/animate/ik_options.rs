@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use kinopt::animation::curve::KeyedCurve;
 use kinopt::animation::{Armature, Clip, EulerClip};
 use kinopt::collision::World;
@@ -12,9 +12,11 @@ use kinopt::motion::clip_ik::{ClipIk, KeyframeIk, Reach, ground_speed};
 use kinopt::motion::path::{CartesianPath, QuaternionOrder};
 use kinopt::skeleton::{BoneId, Skeleton};
 use kinopt::spatial::Vector3;
+use kinopt::task::Axis;
 
 use super::ik_report::IkReport;
 use crate::animated_armature::extension;
+use crate::choices::{AXES, among, first_given};
 use crate::failure::Outcome;
 use crate::{number_list, numpy_file};
 
@@ -55,8 +57,8 @@ pub(super) struct IkOptions {
     root: Option<String>,
 
     /// Which axis is up; a rig is stood up in the .glb where that is not y, glTF's. Default: y.
-    #[arg(long, value_enum, requires = "fps", hide_default_value = true)]
-    up: Option<UpAxis>,
+    #[arg(long, requires = "fps", hide_default_value = true, value_parser = among(AXES))]
+    up: Option<Axis>,
 }
 
 /// A reach as it is typed.
@@ -103,13 +105,6 @@ impl Travel {
     }
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum UpAxis {
-    X,
-    Y,
-    Z,
-}
-
 fn span(text: &str) -> Result<[f64; 2], String> {
     number_list::parse_exactly(text, "--span")
 }
@@ -117,25 +112,17 @@ fn span(text: &str) -> Result<[f64; 2], String> {
 impl IkOptions {
     /// The option about inverse kinematics that was given, if one was.
     pub(super) fn given(&self) -> Option<&'static str> {
-        let options = [
+        first_given([
             ("--reach", !self.reach.is_empty()),
             ("--plant", !self.plant.is_empty()),
             ("--root", self.root.is_some()),
             ("--up", self.up.is_some()),
-        ];
-        options
-            .into_iter()
-            .find(|(_, given)| *given)
-            .map(|(name, _)| name)
+        ])
     }
 
     /// The axis up.
     pub(super) fn up(&self) -> Vec3 {
-        match self.up.unwrap_or(UpAxis::Y) {
-            UpAxis::X => Vec3::X,
-            UpAxis::Y => Vec3::Y,
-            UpAxis::Z => Vec3::Z,
-        }
+        Vec3::AXES[self.up.unwrap_or(Axis::Y) as usize]
     }
 
     /// The clip with what is asked solved over it, and what came of that; the clip itself where nothing is.
@@ -194,7 +181,7 @@ impl IkOptions {
             ("--plant", !self.plant.is_empty()),
             ("--up", self.up.is_some()),
         ];
-        if let Some((option, _)) = others.into_iter().find(|(_, given)| *given) {
+        if let Some(option) = first_given(others) {
             return Err(usage!(
                 "{option} is for clips written as .glb or .gltf, not for a rig's keys"
             ));

@@ -2,14 +2,15 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use kinopt::motion::path::{Course, QuaternionOrder};
 use kinopt::spatial::Placement;
+use kinopt::task::Axis;
 
+use crate::choices::{AXES, Choice, among};
 use crate::help_headings::{LIMITS, MODEL, OUTPUT, PREFERENCES, TARGETS};
 use crate::model_options::ModelOptions;
 use crate::number_list::{self, Numbers};
-use crate::solve::arm_arguments::FreeAxis;
 use crate::solve::chain_arguments::ChainArguments;
 use crate::solve::interval::Interval;
 use crate::solve::obstacles::ObstacleArguments;
@@ -72,8 +73,8 @@ pub(crate) struct Arguments {
     pub(super) at: Option<Placement<f64>>,
 
     /// The order of a quaternion that no header names. Default: w-first.
-    #[arg(long, value_name = "ORDER", value_enum, default_value = "w-first", hide_default_value = true, help_heading = TARGETS)]
-    pub(super) order: Order,
+    #[arg(long, value_name = "ORDER", value_parser = among(ORDERS), default_value = "w-first", hide_default_value = true, help_heading = TARGETS)]
+    pub(super) order: QuaternionOrder,
 
     /// Another tool, where it stands in the tip: the table's column `tool` says which points are for it, 0 being --tool, 1 the
     /// first of these and so on; give it again for more. Default: none.
@@ -83,8 +84,8 @@ pub(crate) struct Arguments {
 
     /// How the path is gone: open, cyclic (back to where it began, in the configuration that it began in), or any-start (round
     /// once from whichever point is best). Default: open.
-    #[arg(long, value_name = "COURSE", value_enum, default_value = "open", hide_default_value = true, help_heading = TARGETS)]
-    pub(super) course: CourseChoice,
+    #[arg(long, value_name = "COURSE", value_parser = among(COURSES), default_value = "open", hide_default_value = true, help_heading = TARGETS)]
+    pub(super) course: Course,
 
     /// The configuration that it begins in, in radians (--degrees) and metres; it must stand at the first point. Default: any.
     ///
@@ -101,8 +102,8 @@ pub(crate) struct Arguments {
     pub(super) position_only: bool,
 
     /// An axis of each point's frame about which the tool may turn freely. Default: none.
-    #[arg(long, value_name = "AXIS", value_enum, conflicts_with = "position_only", help_heading = TARGETS)]
-    pub(super) free_axis: Option<FreeAxis>,
+    #[arg(long, value_name = "AXIS", value_parser = among(AXES), conflicts_with = "position_only", help_heading = TARGETS)]
+    pub(super) free_axis: Option<Axis>,
 
     /// Room on axes of each point's frame, as of `kinopt solve`: `x=0.01`, `z=0..0.05`, `rz=free`. Default: none.
     #[arg(long = "interval", value_name = "AXIS=WIDTH,…", value_delimiter = ',', allow_hyphen_values = true,
@@ -169,37 +170,14 @@ impl Arguments {
 }
 
 /// `--order`.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(super) enum Order {
-    /// qw, qx, qy, qz.
-    WFirst,
-    /// qx, qy, qz, qw.
-    WLast,
-}
-
-impl From<Order> for QuaternionOrder {
-    fn from(order: Order) -> Self {
-        match order {
-            Order::WFirst => Self::WFirst,
-            Order::WLast => Self::WLast,
-        }
-    }
-}
+const ORDERS: [Choice<QuaternionOrder>; 2] = [
+    ("w-first", "qw, qx, qy, qz", QuaternionOrder::WFirst),
+    ("w-last", "qx, qy, qz, qw", QuaternionOrder::WLast),
+];
 
 /// `--course`.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(super) enum CourseChoice {
-    Open,
-    Cyclic,
-    AnyStart,
-}
-
-impl From<CourseChoice> for Course {
-    fn from(course: CourseChoice) -> Self {
-        match course {
-            CourseChoice::Open => Self::Open,
-            CourseChoice::Cyclic => Self::Cyclic,
-            CourseChoice::AnyStart => Self::AnyStart,
-        }
-    }
-}
+const COURSES: [Choice<Course>; 3] = [
+    ("open", "", Course::Open),
+    ("cyclic", "", Course::Cyclic),
+    ("any-start", "", Course::AnyStart),
+];

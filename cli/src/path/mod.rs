@@ -35,7 +35,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         loaded.held = Some(Box::new(held));
     }
     let loaded = &loaded;
-    let (path, columns_read) = CartesianPath::read(&arguments.path, arguments.order.into())?;
+    let (path, columns_read) = CartesianPath::read(&arguments.path, arguments.order)?;
     let file = arguments.path.display();
     let turns = columns_read.quaternion.is_some() && !arguments.position_only;
     let room = Room::of_options(
@@ -45,7 +45,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         arguments.degrees,
     )?;
     let (arm, columns) = arm(arguments, loaded, room)?;
-    let path = placed(arguments, path, room)?.with_course(arguments.course.into());
+    let path = placed(arguments, path, room)?.with_course(arguments.course);
     let one_each = |option, given: &Option<Numbers>, degrees| {
         let each = |given| columns.one_each(loaded, option, given, degrees);
         given.as_ref().map(each).transpose()

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::report::Report;
 use crate::failure::Outcome;
+use crate::output;
 
 pub(super) fn write(path: &Path, report: &Report<'_>) -> Outcome<()> {
     let extension = path.extension().and_then(|extension| extension.to_str());
@@ -18,8 +19,7 @@ pub(super) fn write(path: &Path, report: &Report<'_>) -> Outcome<()> {
             ));
         }
     };
-    std::fs::write(path, text)
-        .map_err(|error| failure!("{}: cannot be written: {error}", path.display()))
+    output::write_file(path, text)
 }
 
 fn table(report: &Report<'_>) -> String {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{ArgGroup, Args};
+use kinopt::problem::Derivatives;
 use kinopt::skinning::SkinningMethod;
 
 use super::arm_arguments::ArmArguments;
@@ -13,8 +14,9 @@ use super::levels::LevelArguments;
 use super::obstacles::ObstacleArguments;
 use super::out_file::OutFile;
 use super::weights::FrameWeight;
+use crate::choices::among;
 use crate::help_headings::{FOLLOWING, LIMITS, MESHES, MODEL, OUTPUT, SEARCH, TARGETS};
-use crate::method_choice::{self, JacobianRoute};
+use crate::method_choice::{self, JACOBIAN_ROUTES};
 use crate::model_options::ModelOptions;
 use crate::number_list;
 use crate::skinning_choice;
@@ -251,8 +253,8 @@ pub(crate) struct Arguments {
     pub(super) solver: Option<String>,
 
     /// How the general solvers find derivatives. Default: analytic.
-    #[arg(long, value_name = "ROUTE", value_enum, help_heading = SEARCH, hide_short_help = true)]
-    pub(super) jacobian: Option<JacobianRoute>,
+    #[arg(long, value_name = "ROUTE", value_parser = among(JACOBIAN_ROUTES), help_heading = SEARCH, hide_short_help = true)]
+    pub(super) jacobian: Option<Derivatives>,
 
     /// Seed of a random start and of the restarts: a whole number. Same seed, same result.
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = SEARCH, hide_short_help = true)]

@@ -1,9 +1,10 @@
 //! What only the arm's front door understands.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use kinopt::arm::{Axis, Search};
 
 use super::interval::Interval;
+use crate::choices::{AXES, among, first_given};
 use crate::help_headings::{FOLLOWING, PREFERENCES, SEARCH, TARGETS};
 use crate::number_list::{self, Numbers};
 
@@ -48,9 +49,9 @@ pub(crate) struct ArmArguments {
 
     /// An axis of the target's frame about which its frame may turn freely (a drill, a suction cup).
     /// Default: none. Of several targets each that has an orientation.
-    #[arg(long, value_name = "AXIS", value_enum, conflicts_with = "position_only",
+    #[arg(long, value_name = "AXIS", value_parser = among(AXES), conflicts_with = "position_only",
           help_heading = TARGETS, hide_short_help = true)]
-    pub(super) free_axis: Option<FreeAxis>,
+    pub(super) free_axis: Option<Axis>,
 
     /// Room on axes of the target's frame, separated by commas: in metres along x, y, z, in radians
     /// (--degrees) about them as rx, ry, rz. Default: none.
@@ -111,7 +112,7 @@ impl ArmArguments {
             Some(Search::Start | Search::First) => !rig,
             search => search.is_some(),
         };
-        let options = [
+        first_given([
             ("--search", searched),
             ("--posture", self.posture.is_some()),
             ("--joint-weights", self.joint_weights.is_some()),
@@ -121,27 +122,7 @@ impl ArmArguments {
             ),
             ("--metres-per-radian", self.metres_per_radian.is_some()),
             ("--servo", self.servo.is_some()),
-        ];
-        let mut given = options.into_iter().filter(|(_, given)| *given);
-        given.next().map(|(option, _)| option)
-    }
-}
-
-/// `--free-axis`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum FreeAxis {
-    X,
-    Y,
-    Z,
-}
-
-impl From<FreeAxis> for Axis {
-    fn from(axis: FreeAxis) -> Self {
-        match axis {
-            FreeAxis::X => Self::X,
-            FreeAxis::Y => Self::Y,
-            FreeAxis::Z => Self::Z,
-        }
+        ])
     }
 }
 

@@ -1,10 +1,9 @@
 //! `--interval` and `--free-axis`: room on single axes of a target.
 
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::Goal;
+use kinopt::task::{Axis, Goal};
 
 use super::arguments::Arguments;
-use super::arm_arguments::FreeAxis;
 use super::goals::Goals;
 use super::interval::Interval;
 use crate::failure::Outcome;
@@ -50,7 +49,7 @@ impl Room {
 
     /// As `--free-axis` and `--interval` say of a target that turns or not, beside others of which some may.
     pub(crate) fn of_options(
-        free_axis: Option<FreeAxis>,
+        free_axis: Option<Axis>,
         intervals: &[Interval],
         (turns, some_turn): (bool, bool),
         degrees: bool,
@@ -67,7 +66,7 @@ impl Room {
         }
         let goal = match free_axis {
             _ if !turns => Goal::position(),
-            Some(axis) => Goal::free_about(axis.into()),
+            Some(axis) => Goal::free_about(axis),
             None => Goal::pose(),
         };
         let counts = |interval: &&Interval| turns || !interval.turns();

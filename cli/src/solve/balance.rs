@@ -1,6 +1,6 @@
 //! `--center-of-mass` and `--balance`: where the mass of a whole body should be.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use kinopt::model::{FrameId, Masses};
 use kinopt::problem::ProblemBuilder;
 use kinopt::robot::{Geometry, Shape};
@@ -8,6 +8,7 @@ use kinopt::spatial::Vector3;
 use kinopt::task::{Axis, CentreOfMass, SupportPolygon, Task};
 
 use super::task_name::TaskName;
+use crate::choices::{AXES, among};
 use crate::failure::Outcome;
 use crate::frame_name::BareName;
 use crate::help_headings::TARGETS;
@@ -43,15 +44,8 @@ pub(crate) struct BalanceArguments {
     balance_margin: Option<f64>,
 
     /// Which axis of the world is up. Default: y for scenes and captures, else z.
-    #[arg(long, value_enum, value_name = "AXIS", help_heading = TARGETS, hide_short_help = true)]
-    up: Option<Up>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Up {
-    X,
-    Y,
-    Z,
+    #[arg(long, value_name = "AXIS", value_parser = among(AXES), help_heading = TARGETS, hide_short_help = true)]
+    up: Option<Axis>,
 }
 
 /// The place of a centre of mass as it is typed.

@@ -44,7 +44,7 @@ impl Arguments {
 
     /// The derivatives of the general solvers.
     pub(super) fn derivatives(&self) -> Derivatives {
-        self.jacobian.map(Derivatives::from).unwrap_or_default()
+        self.jacobian.unwrap_or_default()
     }
 
     /// A length in metres (rigs: their own unit), and radians.

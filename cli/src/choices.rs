@@ -1,0 +1,34 @@
+//! Options that take one of a few names, each of which stands for a value of the library.
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use kinopt::task::Axis;
+
+/// A name, what --help says of it, if anything, and what it stands for.
+pub(crate) type Choice<T> = (&'static str, &'static str, T);
+
+/// An axis by its letter.
+pub(crate) const AXES: [Choice<Axis>; 3] =
+    [("x", "", Axis::X), ("y", "", Axis::Y), ("z", "", Axis::Z)];
+
+/// Accepts the names of some choices, and gives what the one given stands for.
+pub(crate) fn among<const N: usize, T: Copy + Send + Sync + 'static>(
+    choices: [Choice<T>; N],
+) -> impl TypedValueParser<Value = T> {
+    let names = choices.map(|(name, help, _)| match help {
+        "" => PossibleValue::new(name),
+        help => PossibleValue::new(name).help(help),
+    });
+    PossibleValuesParser::new(names).try_map(move |given| {
+        let mut named = choices.iter().filter(|(name, ..)| *name == given);
+        let chosen = named.next().map(|(_, _, value)| *value);
+        chosen.ok_or("there is no such choice")
+    })
+}
+
+/// The first of some options that was given.
+pub(crate) fn first_given<const N: usize>(
+    options: [(&'static str, bool); N],
+) -> Option<&'static str> {
+    let mut given = options.into_iter().filter(|(_, given)| *given);
+    given.next().map(|(option, _)| option)
+}
