@@ -1,6 +1,5 @@
 //! Many configurations at once, by their spheres alone.
 
-use super::{ClearRoom, KeepClear};
 use crate::arm::arm::Arm;
 use crate::arm::{PoseOutcome, QueryError};
 use crate::collision::in_lanes::CHECKED;
@@ -35,7 +34,7 @@ impl Arm {
         let Some(kept) = &self.collisions else {
             return Ok(());
         };
-        self.with_clear_room(kept, |room| {
+        self.with_room(kept, |_, room| {
             for (group, q) in q.chunks(CHECKED * self.joint_count()).enumerate() {
                 let free = kept.surely_free(self, room, q)?;
                 for lane in 0..q.len() / self.joint_count() {
@@ -46,20 +45,5 @@ impl Arm {
             }
             Ok(())
         })
-    }
-
-    /// Lends the room of a workspace.
-    fn with_clear_room<T>(
-        &self,
-        kept: &KeepClear,
-        run: impl FnOnce(&mut ClearRoom) -> Result<T, QueryError>,
-    ) -> Result<T, QueryError> {
-        self.with_workspace(|workspace| {
-            // Taken out and put back, so that nothing is allocated.
-            let mut taken = workspace.clear_room.take();
-            let out = run(taken.get_or_insert_with(|| kept.room()));
-            workspace.clear_room = taken;
-            out
-        })?
     }
 }

@@ -20,9 +20,7 @@ impl Arm {
             free.resize(q.len() / n, true);
             return Ok(());
         };
-        self.with_workspace(|workspace| {
-            let mut taken = workspace.clear_room.take();
-            let room = taken.get_or_insert_with(|| kept.room());
+        self.with_room(kept, |_, room| {
             for several in q.chunks(CHECKED * n) {
                 let sure = kept.surely_free(self, room, several)?;
                 for (place, q) in several.chunks_exact(n).enumerate() {
@@ -31,9 +29,8 @@ impl Arm {
                     free.push(is_free);
                 }
             }
-            workspace.clear_room = taken;
             Ok(())
-        })?
+        })
     }
 
     /// What is in the way from one configuration to another, on which all joints move evenly.
@@ -45,12 +42,6 @@ impl Arm {
         let Some(kept) = &self.collisions else {
             return Ok(None);
         };
-        self.with_workspace(|workspace| {
-            let mut taken = workspace.clear_room.take();
-            let room = taken.get_or_insert_with(|| kept.room());
-            let blocked = kept.blocked(self, room, from, to);
-            workspace.clear_room = taken;
-            blocked
-        })?
+        self.with_room(kept, |_, room| kept.blocked(self, room, from, to))
     }
 }

@@ -7,6 +7,7 @@ mod path_steps;
 mod search;
 
 use super::arm::Arm;
+use super::workspace::ArmWorkspace;
 use super::{ArmError, QueryError};
 use crate::collision::in_lanes::{self, Body, BodyChain, Rooms, Solids};
 use crate::collision::{Checker, CheckerWorkspace, SphereModel, World};
@@ -119,6 +120,21 @@ impl Arm {
             Some(kept) => kept.collisions(self, &mut kept.room(), q),
             None => Ok(Vec::new()),
         }
+    }
+
+    /// Lends a workspace, and the room in it for what is checked.
+    fn with_room<T>(
+        &self,
+        kept: &KeepClear,
+        run: impl FnOnce(&mut ArmWorkspace, &mut ClearRoom) -> Result<T, QueryError>,
+    ) -> Result<T, QueryError> {
+        self.with_workspace(|workspace| {
+            // Taken out and put back, so that nothing is allocated.
+            let mut taken = workspace.clear_room.take();
+            let out = run(workspace, taken.get_or_insert_with(|| kept.room()));
+            workspace.clear_room = taken;
+            out
+        })?
     }
 }
 

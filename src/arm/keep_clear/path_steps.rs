@@ -28,10 +28,7 @@ impl Arm {
         let Some(kept) = &self.collisions else {
             return Ok(true);
         };
-        self.with_workspace(|workspace| {
-            // Taken out and put back, so that nothing is allocated.
-            let mut taken = workspace.clear_room.take();
-            let room = taken.get_or_insert_with(|| kept.room());
+        self.with_room(kept, |workspace, room| {
             let blocked = kept.blocked(self, room, from, &solution.q)?;
             let stands = blocked.is_none();
             if let Some(by) = blocked {
@@ -53,9 +50,8 @@ impl Arm {
                     solution.set_collisions(vec![by]);
                 }
             }
-            workspace.clear_room = taken;
             Ok(stands)
-        })?
+        })
     }
 
     /// Looks for a place near `from` that reaches the target by another way of spending the freedom; the nearest whose way is

@@ -29,10 +29,7 @@ impl Arm {
         solution: &mut Solution,
     ) -> Result<(Found, Errors), QueryError> {
         let (mut found, mut errors) = self.answer_anywhere(query, solution)?;
-        self.with_workspace(|workspace| {
-            // Taken out and put back, so that nothing is allocated.
-            let mut taken = workspace.clear_room.take();
-            let room = taken.get_or_insert_with(|| kept.room());
+        self.with_room(kept, |workspace, room| {
             let free = found.reached && kept.surely_free(self, room, &solution.q)? & 1 != 0;
             if found.reached && !free {
                 workspace.x.copy_from_slice(&solution.q);
@@ -46,9 +43,8 @@ impl Arm {
             if !found.reached {
                 solution.set_collisions(kept.collisions(self, room, &solution.q)?);
             }
-            workspace.clear_room = taken;
             Ok((found, errors))
-        })?
+        })
     }
 
     /// Looks through attempts for one that is free, in the order that the search asks for; the workspace's x is that, or where
