@@ -147,14 +147,20 @@ fn what_is_wrong_with_maps_and_captures_is_named() {
         ),
         (
             r#"{"drives": {"hips": {"frame": "torso", "height": 1}}}"#,
-            &["hips"],
+            &["hips", "`height`", "`weight`"],
         ),
+        (
+            r#"{"drives": {"hips": {"frame": "torso", "weight": "much"}}}"#,
+            &["hips", "\"much\"", "f64"],
+        ),
+        (r#"{"drives": {"hips": 3}}"#, &["hips", "3"]),
         (
             r#"{"drives": {"hips": "torso"}, "contacts": ["feet"]}"#,
             &["feet"],
         ),
         (r#"{"drive": {}}"#, &["drive"]),
-        ("[", &["line 1"]),
+        ("{", &["line 1"]),
+        ("[]", &["`drives`", "not a list"]),
     ] {
         let told = told(text).unwrap_err().to_string();
         assert!(

@@ -50,3 +50,14 @@ fn steps_come_onto_the_nao() {
         }
     }
 }
+
+/// At a rate of which no memory would hold the frames, 6 s are refused: they ended the process.
+#[test]
+fn more_frames_than_memory_holds_are_refused() {
+    let read = kinopt::io::bvh::read("models/captures/steps.bvh").unwrap();
+    for rate in [1e9, f64::MAX] {
+        let refused = Capture::of_clip(&read.armature, &read.clip, rate).unwrap_err();
+        let words = refused.to_string();
+        assert!(words.contains("10000000 frames"), "{words}");
+    }
+}

@@ -97,9 +97,21 @@ impl MapChoice {
     /// What of it is wrong, with where it is from.
     pub(super) fn failed(&self, file: &str, error: &RetargetError) -> crate::failure::Failure {
         match (self, error) {
-            (Self::Given(map, _), RetargetError::Name(_)) => failure!("{map}: {error}"),
+            (Self::Given(map, _), error) if is_of_map(error) => failure!("{map}: {error}"),
             _ => failure!("{file}: {error}"),
         }
+    }
+}
+
+/// Whether it is what a map says that is wrong.
+fn is_of_map(error: &RetargetError) -> bool {
+    match error {
+        RetargetError::Name(_)
+        | RetargetError::NoDrives { .. }
+        | RetargetError::DrivenTwice { .. }
+        | RetargetError::NamedTwice { .. } => true,
+        RetargetError::Option(bad) => matches!(bad.option, "weight" | "scale"),
+        _ => false,
     }
 }
 

@@ -127,6 +127,10 @@ fn what_is_wrong_is_told_and_nothing_is_written() {
         r#"{"drives": {"g1.urdf": {"hips": "pelvis"}}}"#,
     );
     let nobody = folder.text("nobody.json", MAP.replace("torso", "pelvis"));
+    let nothing = folder.text(
+        "nothing.json",
+        r#"{"joints": ["hips", "left", "right"], "drives": {}}"#,
+    );
     let out = folder.file("out.npz");
     for (arguments, code, words) in [
         (
@@ -153,6 +157,11 @@ fn what_is_wrong_is_told_and_nothing_is_written() {
             format!("{source} {robot} --map {nobody} --out {out}"),
             1,
             "pelvis",
+        ),
+        (
+            format!("{source} {robot} --map {nothing} --out {out}"),
+            1,
+            "nothing.json: the map drives no frame",
         ),
         (
             format!("{source} {robot} --map {map} --fps 0 --out {out}"),

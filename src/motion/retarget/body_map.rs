@@ -150,6 +150,10 @@ impl BodyMap {
     /// Text that is none such, or drives of other robots only; the error says where, or lists them.
     pub fn from_json(text: &str, robot: &str) -> Result<Self, RetargetError> {
         let wrong = |error: serde_json::Error| RetargetError::Map(error.to_string());
+        if text.trim_start().starts_with('[') {
+            let list = "a map is an object whose `drives` say what drives what, not a list";
+            return Err(RetargetError::Map(list.to_owned()));
+        }
         let File {
             joints,
             fps,
@@ -171,7 +175,11 @@ impl BodyMap {
         };
         let drives = drives.into_iter().map(|(joint, value)| {
             let told = |error| RetargetError::Map(format!("drives: {joint}: {error}"));
-            let drive: DriveText = serde_json::from_value(value).map_err(told)?;
+            // One by one, as serde says of an untagged enum only that no variant fits.
+            let drive = match value {
+                Value::String(frame) => DriveText::Frame(frame),
+                full => DriveText::InFull(serde_json::from_value(full).map_err(told)?),
+            };
             Ok(drive.into_drive(joint))
         });
         Ok(Self {

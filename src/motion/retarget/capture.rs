@@ -6,6 +6,9 @@ use crate::bad_option::{BadOption, POSITIVE};
 use crate::model::UnknownName;
 use crate::spatial::Vector3;
 
+/// Frames of a clip that are sampled at most: a day at 100 a second, over 10 GB of 53 joints.
+pub(super) const MOST_FRAMES: usize = 10_000_000;
+
 /// Places of named joints in frames a fixed time apart, in any unit of length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Capture {
@@ -59,14 +62,21 @@ impl Capture {
     /// Of a clip's bones, at so many frames a second from its beginning to its end.
     ///
     /// # Errors
-    /// As [`new`](Self::new); a clip of another armature counts as one without frames.
+    /// As [`new`](Self::new); more than 10 million frames; a clip of another armature counts as one without frames.
     pub fn of_clip(
         armature: &Armature,
         clip: &Clip,
         frame_rate: f64,
     ) -> Result<Self, RetargetError> {
         BadOption::check("frames a second", frame_rate, POSITIVE)?;
-        let frames = (clip.duration() * frame_rate + 0.5).floor() as usize + 1;
+        let steps = (clip.duration() * frame_rate + 0.5).floor();
+        if steps >= MOST_FRAMES as f64 {
+            return Err(RetargetError::TooManyFrames {
+                duration: clip.duration(),
+                frame_rate,
+            });
+        }
+        let frames = steps as usize + 1;
         let mut pose = armature.rest().clone();
         let mut placed = vec![glam::Affine3A::IDENTITY; armature.bones()];
         let mut cursor = Cursor::new();

@@ -64,6 +64,17 @@ pub enum RetargetError {
     /// A capture without frames.
     #[error("a capture of no frames")]
     NoFrames,
+    /// So many frames of a clip that memory would not do.
+    #[error(
+        "{duration} s at {frame_rate} frames a second are more than {most} frames",
+        most = super::capture::MOST_FRAMES
+    )]
+    TooManyFrames {
+        /// How long the clip is, s.
+        duration: f64,
+        /// Frames a second.
+        frame_rate: f64,
+    },
     /// A map that drives nothing.
     #[error("the map drives no frame of `{model}`")]
     NoDrives {
