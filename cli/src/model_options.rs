@@ -78,6 +78,11 @@ impl ModelOptions {
         self.loops.close(robot, &file)
     }
 
+    /// Whether it is said what a robot's root moves on.
+    pub(crate) fn says_base(&self) -> bool {
+        self.base.given().is_some()
+    }
+
     /// Reads what an SRDF file says of a robot, and tells what was left out.
     pub(crate) fn read_srdf(&self, path: &Path, robot: &Robot) -> Outcome<Srdf> {
         let reader = match self.lenient {

@@ -46,6 +46,12 @@ impl Target {
             let loaded = LoadedModel::read(path, options)?;
             let lacks = || usage!("{}: it is no robot", loaded.file);
             let robot = Robot::clone(loaded.robot.as_ref().ok_or_else(lacks)?);
+            if !options.says_base() && robot.model().free_joints().is_empty() {
+                output::message(&format!(
+                    "note: {}: its root stands where it is; --base-joint free lets it go where the person does",
+                    loaded.file
+                ));
+            }
             return Ok(Self {
                 loaded,
                 robot,

@@ -87,6 +87,12 @@ fn a_swaying_person_sways_on_a_robot() {
         // Its names tell of no feet, so none stands.
         assert!(list(&written["standing"]).is_empty());
     }
+    // A root that stands still is told, unless that is what was asked for.
+    for (base, notes) in [("", 1), ("--base-joint fixed", 0), ("--base-joint free", 0)] {
+        let out = folder.file("base.json");
+        let (_, told) = answer!(told "retarget {source} {robot} --map {map} {base} --out {out}");
+        assert_eq!(told.matches("--base-joint free").count(), notes, "{told}");
+    }
     let csv = folder.file("sway.csv");
     let _ = answer!("retarget {source} {robot} --map {map} --base-joint free --out {csv}");
     let text = std::fs::read_to_string(&csv).unwrap();
