@@ -3,12 +3,13 @@
 use super::keep_clear::ClearRoom;
 use super::levels::Extent;
 use super::solver::Run;
+use super::way_out::{WayOut, WayOutSolvers};
 use super::{BoundKind, MoveLimits, Restarts, Solution, SolveError, Solver, Workspace};
 use crate::bad_option::BadOption;
 use crate::problem::{Problem, ProblemError, Question, Targets, TaskId};
 use crate::random::RandomStream;
 use crate::search::{check_start, slide_per_radian};
-use crate::solver::{Silent, Stopping, Termination};
+use crate::solver::{Silent, Stopping};
 use crate::task::Residual;
 
 /// How far a joint may move in a frame unless set otherwise, in radians: 9 rad/s at 60 frames a
@@ -18,14 +19,14 @@ const MOST_MOVE: f64 = 0.15;
 const STEPS: usize = 40;
 /// Every so many frames that settle on a miss, a nudge tells a place of rest from a balance: an
 /// arm that is stretched out to the bit does not feel a target that comes back along it.
-const NUDGE_EVERY: usize = 4;
+pub(super) const NUDGE_EVERY: usize = 4;
 /// How far the nudge goes, in radians, and for how many steps it may show that it leads on.
 const NUDGE: f64 = 0.01;
 const NUDGE_STEPS: usize = 10;
 /// A joint this near the middle of its range, as a share of it, has no side to go to.
 const CENTRED: f64 = 1e-6;
 /// A body whose joints move less in a frame rests, in radians.
-const REST: f64 = 1e-6;
+pub(super) const REST: f64 = 1e-6;
 /// The cost at which a nudge, or a search from elsewhere, has led to something better.
 pub(super) const BETTER: f64 = 1.0 - 1e-3;
 
@@ -42,6 +43,10 @@ pub(super) const BETTER: f64 = 1.0 - 1e-3;
 /// which all joints move evenly, and so slides along what is in the way; its solution is then not reached and names that
 /// ([`Solution::collisions`]). From a place that touches something every frame touches less, until nothing does. It leaps
 /// nowhere.
+///
+/// Where it comes to rest a little short of targets that it could reach, limits of several joints being in its way, the
+/// frames that follow look for a way out on the same branch, one attempt each, and go there as far in a frame as joints may
+/// move; [`rests`](Self::rests) waits for that.
 ///
 /// ```
 /// use kinopt::ik::Drag;
@@ -77,22 +82,24 @@ pub struct Drag {
     pub(super) targets: Targets,
     pub(super) solver: Solver,
     nudged: Solver,
-    search: Option<Solver>,
+    pub(super) search: Option<Solver>,
     pub(super) max_move: f64,
     /// The bounds of a frame.
     pub(super) moves: MoveLimits,
     /// What a variable may move by where `max_move` is 1: 1 rad, or the length that weighs as much.
-    unit: Vec<f64>,
+    pub(super) unit: Vec<f64>,
     /// Where the body stood before, and the way from there.
-    before: [Vec<f64>; 2],
+    pub(super) before: [Vec<f64>; 2],
     pub(super) x: Vec<f64>,
     pub(super) q: Vec<f64>,
     pub(super) workspace: Workspace,
-    trial: Workspace,
+    pub(super) trial: Workspace,
     /// Frames in a row that settled on a miss.
     pub(super) misses: usize,
     /// The furthest that a joint moved in the last frame, in radians.
-    moved: f64,
+    pub(super) moved: f64,
+    pub(super) way_out: WayOut,
+    pub(super) way_out_solvers: WayOutSolvers,
     pub(super) leap: Option<(usize, f64)>,
     /// Where a frame of a body that keeps clear begins, and room for its checks.
     pub(super) q_before: Vec<f64>,
@@ -137,6 +144,8 @@ impl Drag {
             trial: Workspace::new(),
             misses: 0,
             moved: 0.0,
+            way_out: WayOut::new(n),
+            way_out_solvers: WayOutSolvers::new(&Solver::default(), Stopping::default()),
             leap: None,
             q_before: Vec::new(),
             clear: None,
@@ -159,6 +168,7 @@ impl Drag {
     /// An option out of its range.
     pub fn with_solver(mut self, solver: Solver, stopping: Stopping) -> Result<Self, BadOption> {
         stopping.check()?;
+        self.way_out_solvers = WayOutSolvers::new(&solver, stopping);
         let few = stopping.max_iterations().min(NUDGE_STEPS);
         let once = solver.with_restarts(Restarts::none());
         once.check()?;
@@ -249,6 +259,7 @@ impl Drag {
         let map = self.problem.parameters();
         map.scatter_within_limits(&self.x, &mut self.q);
         self.misses = 0;
+        self.way_out.clear();
         Ok(())
     }
 
@@ -257,17 +268,8 @@ impl Drag {
         self.leap = None;
         self.q_before.clone_from(&self.q);
         self.moves.start_from(&self.problem, &self.x);
-        let question = near(&self.problem, &self.targets, &self.moves);
-        solve(&self.solver, question, &self.q, &mut self.workspace);
-        let solution = self.solution();
-        let settled = !solution.reached && solution.termination == Termination::Stationary;
-        let stuck = settled && !self.catching_up();
-        self.misses = if stuck { self.misses + 1 } else { 0 };
-        if stuck && self.misses % NUDGE_EVERY == 1 {
-            self.nudge();
-        }
-        if stuck {
-            self.search();
+        if !self.go_out() {
+            self.settle_frame();
         }
         self.keep_way_clear();
         let solution = &self.workspace.solution;
@@ -282,18 +284,35 @@ impl Drag {
         self.solution()
     }
 
+    /// Settles within the bounds of the frame, and where that misses looks around.
+    fn settle_frame(&mut self) {
+        let question = near(&self.problem, &self.targets, &self.moves);
+        solve(&self.solver, question, &self.q, &mut self.workspace);
+        let solution = self.solution();
+        let settled = !solution.reached && solution.termination.is_settled();
+        let stuck = settled && !self.catching_up();
+        self.misses = if stuck { self.misses + 1 } else { 0 };
+        if stuck && self.misses % NUDGE_EVERY == 1 {
+            self.nudge();
+        }
+        if stuck {
+            self.search();
+            self.seek_way_out();
+        }
+    }
+
     /// Whether the last frame moved no joint, nor did nudges where it missed, or reached its targets with
     /// nothing else to come: the next would do nothing.
     #[must_use]
     pub fn rests(&self) -> bool {
         let done = self.solution().reached && !self.problem.has_preferences();
         let nudged = self.misses == 0 || self.misses > NUDGE_EVERY;
-        done || (self.moved < REST && nudged)
+        done || (self.moved < REST && nudged && !self.seeks_way_out())
     }
 
     /// The variable that has moved furthest for what it may since `before`, and how far, in radians: of a ball by
     /// the angle that it has turned by.
-    fn furthest_move(&mut self) -> Option<(usize, f64)> {
+    pub(super) fn furthest_move(&mut self) -> Option<(usize, f64)> {
         let problem = &self.problem;
         let [from, step] = &mut self.before;
         let space = Question::from(problem).space();
@@ -396,7 +415,12 @@ pub(super) fn near<'a>(
 
 /// A solve from a start of the right length. Where a number in it is not finite, which a residual of
 /// the caller's may bring about, the last solution stays.
-fn solve(solver: &Solver, question: Question<'_>, from: &[f64], workspace: &mut Workspace) {
+pub(super) fn solve(
+    solver: &Solver,
+    question: Question<'_>,
+    from: &[f64],
+    workspace: &mut Workspace,
+) {
     let mut run = Run {
         deadline: solver.stopping().deadline(),
         observer: &mut Silent,

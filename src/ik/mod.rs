@@ -15,6 +15,7 @@ mod solution_derivative;
 mod solver;
 mod stance;
 mod step_guard;
+mod way_out;
 mod workspace;
 
 pub use crate::search::{

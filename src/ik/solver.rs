@@ -202,7 +202,8 @@ impl Solver {
             let strict = problem.ranks().levels() > 1;
             let touches =
                 run.clear.is_some() && problem.is_reached_by(share, &search.keeper.residual);
-            if strict && !found.reached && !touches && !found.termination.is_cut() {
+            let all = self.refining != Extent::Attempt;
+            if strict && all && !found.reached && !touches && !found.termination.is_cut() {
                 ranked.solve_levels(search, &mut found);
             }
             ranked.refine(search, &mut found);

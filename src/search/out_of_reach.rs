@@ -16,6 +16,11 @@ pub(super) struct Beyond {
 }
 
 impl Solution {
+    /// Whether a missed goal is one that no configuration can meet, for certain.
+    pub(crate) fn is_beyond_reach(&self) -> bool {
+        self.beyond.is_some()
+    }
+
     /// Looks for a missed goal that no configuration can meet.
     pub(crate) fn find_beyond(&mut self, question: Question<'_>) {
         let tasks = question.problem.compiled_tasks().iter().enumerate();

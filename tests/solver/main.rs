@@ -41,4 +41,5 @@ mod tight_bodies;
 mod told_misses;
 mod traded_preferences;
 mod unreachable_targets;
+mod ways_out;
 mod which_attempt_counts;

@@ -31,6 +31,8 @@ pub(in crate::ik) enum Extent {
     Frame,
     /// Nowhere for preferences, a frame's share for goals.
     Goals,
+    /// Nowhere: only whether all goals are reached together counts.
+    Attempt,
 }
 
 impl Extent {
@@ -41,7 +43,7 @@ impl Extent {
             (Self::Whole, false) => (STEPS_BELOW_A_MISS, HALVINGS),
             (Self::Frame, true) => (STEPS_A_FRAME, HALVINGS),
             (Self::Frame, false) => (1, 1),
-            (Self::Goals, _) => (0, 0),
+            (Self::Goals | Self::Attempt, _) => (0, 0),
         };
         Steps { steps, halvings }
     }
@@ -50,7 +52,7 @@ impl Extent {
     pub(super) fn of_levels(self) -> Steps {
         let steps = match self {
             Self::Whole => STEPS_OF_A_LEVEL,
-            Self::Frame | Self::Goals => STEPS_OF_A_LEVEL_A_FRAME,
+            Self::Frame | Self::Goals | Self::Attempt => STEPS_OF_A_LEVEL_A_FRAME,
         };
         Steps {
             steps,
@@ -64,7 +66,7 @@ impl Extent {
         match self {
             Self::Whole => true,
             Self::Frame => reached || iterations <= AT_REST,
-            Self::Goals => false,
+            Self::Goals | Self::Attempt => false,
         }
     }
 }

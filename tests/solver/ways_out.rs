@@ -1,0 +1,142 @@
+//! Promise: a drag that comes to rest short of a target that its body could reach on the same branch goes on to it, a frame's
+//! moves at a time and with what is pinned near its place; one that cannot rests as quietly as ever.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::Problem;
+use kinopt::ik::Drag;
+use kinopt::io::rig::Rig;
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::FrameId;
+use kinopt::problem::TaskId;
+use kinopt::spatial::Vector3;
+use kinopt::task::{Point, Posture};
+use support::random::Random;
+use support::sample::cases;
+
+/// A figure whose left hand a mouse has, its other tips pinned.
+struct Scene {
+    drag: Drag,
+    hand: TaskId<Point>,
+    from: Vector3<f64>,
+    pinned: Vec<(FrameId, Vector3<f64>)>,
+    kinematics: ForwardKinematics<f64>,
+    /// The most that a joint moved in a frame, and a pinned tip was off.
+    most: [f64; 2],
+}
+
+impl Scene {
+    fn new() -> Self {
+        let rig = Rig::read("models/humanoid/humanoid.json").unwrap();
+        let (model, rest) = (rig.skeleton.model(), rig.skeleton.model().neutral());
+        let hand = rig.skeleton.bone("left_hand").unwrap();
+        let tips: Vec<FrameId> = (rig.constrained.iter())
+            .map(|&bone| rig.skeleton.tip(bone))
+            .collect();
+        let mut kinematics = ForwardKinematics::of_frames(model, &tips).unwrap();
+        let places: Vec<Vector3<f64>> = (kinematics.place(&rest).unwrap().iter())
+            .map(|placed| placed.translation)
+            .collect();
+        let mut tasks = Problem::builder(model);
+        let mut dragged = None;
+        let mut pinned = Vec::new();
+        for (&tip, &place) in tips.iter().zip(&places) {
+            let task = tasks.add(Point::new(tip, place));
+            match tip == rig.skeleton.tip(hand) {
+                true => dragged = Some((task, place)),
+                false => pinned.push((tip, place)),
+            }
+        }
+        tasks.add(Posture::new(model, &rest));
+        let (hand, from) = dragged.unwrap();
+        let frames: Vec<FrameId> = pinned.iter().map(|(tip, _)| *tip).collect();
+        Self {
+            drag: Drag::new(tasks.build().unwrap(), &rest).unwrap(),
+            hand,
+            from,
+            pinned,
+            kinematics: ForwardKinematics::of_frames(model, &frames).unwrap(),
+            most: [0.0; 2],
+        }
+    }
+
+    fn advance(&mut self, up: f64) {
+        let before = self.drag.q().to_vec();
+        let target = self.from + Vector3::new(0.0, 0.0, up);
+        let point = self.drag.target_mut(self.hand).unwrap();
+        point.set_target(target);
+        self.drag.advance();
+        let moves = self.drag.q().iter().zip(&before);
+        let furthest = moves.map(|(a, b)| (a - b).abs());
+        let placed = self.kinematics.place(self.drag.q()).unwrap();
+        let off = self.pinned.iter().zip(placed);
+        let off = off.map(|((_, place), now)| (now.translation - *place).norm());
+        self.most[0] = furthest.fold(self.most[0], f64::max);
+        self.most[1] = off.fold(self.most[1], f64::max);
+    }
+
+    /// On after the mouse stands still, until the drag rests: in how many frames.
+    fn settle(&mut self, up: f64) -> usize {
+        let mut frames = 0;
+        loop {
+            self.advance(up);
+            frames += 1;
+            if self.drag.rests() || frames == 900 {
+                return frames;
+            }
+        }
+    }
+}
+
+/// So far up limits of the spine's and the arm's twists bind, and which of them depends on the mouse's course: one
+/// course in ten rested up to 4 mm short of what a solver reaches.
+#[test]
+fn a_hand_comes_to_its_target_by_any_course_of_the_mouse() {
+    let mut short = 0;
+    let courses = cases(160, 40);
+    for seed in 0..courses as u64 {
+        let random = &mut Random::new(seed);
+        let mut scene = Scene::new();
+        let (moves, up) = (1 + random.below(100), random.within(0.36, 0.5));
+        for k in 1..=moves {
+            for _ in 0..random.below(4) {
+                scene.advance(up * k as f64 / moves as f64);
+            }
+        }
+        // The body catches up with a mouse that has leapt.
+        while scene.drag.catching_up() {
+            scene.advance(up);
+        }
+        scene.most = [0.0; 2];
+        let frames = scene.settle(up);
+        let told = scene.drag.solution();
+        let [moved, off] = scene.most;
+        assert!(moved <= 0.15 + 1e-12 && off < 0.02, "{seed}: {moved} {off}");
+        assert!(frames < 900, "{seed}");
+        // What is left is another branch away, and told.
+        short += usize::from(!told.reached);
+        assert!(
+            told.reached || told.position_error() < Some(2e-4),
+            "{seed}: {}",
+            told.explain()
+        );
+    }
+    assert!(short * 20 <= courses, "{short} of {courses}");
+}
+
+/// A body that looks for a way out, and finds none, stands still meanwhile and after.
+#[test]
+fn a_target_out_of_reach_is_rested_at() {
+    let mut scene = Scene::new();
+    for k in 0..60 {
+        scene.advance(f64::from(k) * 0.02);
+    }
+    let frames = scene.settle(1.2);
+    assert!(frames < 300 && !scene.drag.solution().reached, "{frames}");
+    let rest = scene.drag.q().to_vec();
+    for _ in 0..40 {
+        scene.advance(1.2);
+        assert!(scene.drag.rests());
+        let moves = scene.drag.q().iter().zip(&rest);
+        assert!(moves.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-5);
+    }
+}
