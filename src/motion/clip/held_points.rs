@@ -175,7 +175,7 @@ impl<'a> HeldPoints<'a> {
         most
     }
 
-    /// How far a held point is from where it first stood, at most, metres.
+    /// How far a held point is from where its contact began, at most, metres.
     pub(super) fn slip(&mut self, at: Stretch, x: &[f64]) -> f64 {
         let mut most = 0.0_f64;
         // A contact holds over one span.

@@ -64,7 +64,6 @@ pub(super) struct Outcome<'a> {
     pub(super) barrier: Barrier<'a>,
     /// Before the last step.
     pub(super) cost: f64,
-    pub(super) slip: f64,
 }
 
 /// Room for steps.
@@ -143,13 +142,11 @@ impl<'a> Window<'a, '_> {
                 tightenings += 1;
             }
         }
-        let slip = self.evaluator.held.slip(self.at, x);
         Ok(Outcome {
             termination,
             iterations,
             barrier,
             cost: last_cost,
-            slip,
         })
     }
 

@@ -184,7 +184,6 @@ pub(super) struct Report<'a> {
     motion: &'a MotionProblem,
     termination: MotionTermination,
     iterations: usize,
-    slip: f64,
     held: Vec<Held>,
 }
 
@@ -194,7 +193,6 @@ impl<'a> Report<'a> {
             motion,
             termination: MotionTermination::Stationary,
             iterations: 0,
-            slip: 0.0,
             held: Vec::new(),
         }
     }
@@ -202,7 +200,6 @@ impl<'a> Report<'a> {
     /// Takes the outcome of a window whose first frame is `first`, and of which some frames are kept.
     pub(super) fn take(&mut self, outcome: &Outcome<'_>, first: usize, kept: Range<usize>) {
         self.iterations += outcome.iterations;
-        self.slip = self.slip.max(outcome.slip);
         if outcome.termination != MotionTermination::Stationary {
             self.termination = outcome.termination;
         }
@@ -277,6 +274,7 @@ impl<'a> Report<'a> {
         }
         let all = Stretch { first: 0, held: 0 };
         let rates = evaluator.rates(all, x);
+        let slip = evaluator.held.slip(all, x);
         MotionSolution {
             q,
             configuration_len: width,
@@ -285,7 +283,7 @@ impl<'a> Report<'a> {
             termination: self.termination,
             iterations: self.iterations,
             counts,
-            slip: self.slip,
+            slip,
             loop_gap,
             held: self.held,
             missed,
