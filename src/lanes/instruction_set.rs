@@ -3,7 +3,7 @@
 use super::batch::{self, Work};
 use super::chain::MAX_JOINTS;
 use super::lane::{LaneScalar, Lanes};
-use super::options::PoseOutcome;
+use super::options::{PoseOutcome, Prefer};
 use super::prepared::Prepared;
 use super::query::{Answer, Query};
 use super::single_query;
@@ -12,6 +12,9 @@ use super::stages::{self, Stages};
 /// Lanes of a single query and of a batch: a batch has independent work to hide latencies with.
 const RACE: usize = 4;
 const BATCH: usize = 8;
+/// Portable lanes of a single query whose start comes first: a register of two. That attempt takes some ten steps and two lanes
+/// step in little more than half the time of four, in which the other lane has long found who wins if it fails.
+const PORTABLE_START: usize = 2;
 /// What a lane of a batch does depends on no other, so where the portable lanes are only the
 /// fallback, both share one kernel.
 const PORTABLE_BATCH: usize = if cfg!(target_arch = "x86_64") {
@@ -92,7 +95,15 @@ pub(crate) fn race(
         #[allow(unsafe_code)]
         return unsafe { race_fused(prepared, query, lone, answer) };
     }
-    portable!(single_query::race, Lanes<RACE, false>; prepared, query, lone, answer)
+    match query.search {
+        // Which attempt wins depends on no other then, so any number of lanes has the same answer.
+        Prefer::Start => {
+            portable!(single_query::race, Lanes<PORTABLE_START, false>; prepared, query, lone, answer)
+        }
+        Prefer::First => {
+            portable!(single_query::race, Lanes<RACE, false>; prepared, query, lone, answer)
+        }
+    }
 }
 
 #[cfg(target_arch = "x86_64")]

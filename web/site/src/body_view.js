@@ -41,8 +41,13 @@ export class BodyView {
         if (opened.shapes) this.#links();
         if (opened.triangles?.length > 0) this.#skin();
         else if (opened.parents) this.#bones();
-        stage.frame(this.#extent(), opened);
-        if (opened.floor !== undefined) this.#ground(SQUARE * stage.size).position.z = opened.floor;
+        const extent = this.#extent();
+        stage.frame(extent, opened);
+        // Who walks has it underfoot frame by frame.
+        if (opened.kind !== "movement") {
+            this.grid = this.#ground(SQUARE * stage.size);
+            this.grid.position[opened.up] = opened.floor ?? lowest(extent, opened.up);
+        }
         this.#handles();
         this.show(opened);
     }
@@ -117,7 +122,7 @@ export class BodyView {
             return link;
         });
         if (meshes.length > 0) this.dressed = this.#fill(meshes);
-        const { sticks } = this.opened;
+        const sticks = this.opened.sticks ?? this.#gaps();
         if (sticks) {
             this.limbs = new StickFigure(sticks, STICK * sizeOf(this.#origins(this.opened.links)), solid(LINK));
             this.group.add(this.limbs.sticks);
@@ -128,6 +133,26 @@ export class BodyView {
             this.group.add(box);
             return box;
         });
+    }
+
+    /** Of bodies of plain shapes that do not meet, as where a shoulder has none: those between them, each with what it hangs on. */
+    #gaps() {
+        const { gaps, links } = this.opened;
+        if (!gaps) return undefined;
+        const { bodies, parents } = gaps;
+        this.#place(links);
+        this.group.updateMatrixWorld(true);
+        const boxes = bodies.map(() => new THREE.Box3());
+        this.links.forEach((link, k) => boxes[bodies[k]].union(new THREE.Box3().setFromObject(link, true)));
+        const crossed = parents.map(() => -1);
+        boxes.forEach((box, k) => {
+            if (box.isEmpty()) return;
+            const way = [k];
+            while (parents[way[0]] >= 0 && (way.length === 1 || boxes[way[0]].isEmpty())) way.unshift(parents[way[0]]);
+            const [end, ...between] = way;
+            if (!boxes[end].isEmpty() && !boxes[end].intersectsBox(box)) for (const body of between) crossed[body] = parents[body];
+        });
+        return crossed.some((parent) => parent >= 0) ? crossed : undefined;
     }
 
     /** What the files of meshes hold, `[file, where it goes]`. */
@@ -222,7 +247,8 @@ export class BodyView {
     }
 
     #ground(side) {
-        const grid = new THREE.GridHelper(SQUARES * side, SQUARES, GROUND, GROUND).rotateX(Math.PI / 2);
+        const grid = new THREE.GridHelper(SQUARES * side, SQUARES, GROUND, GROUND);
+        if (this.opened.up === "z") grid.rotateX(Math.PI / 2);
         grid.material.transparent = true;
         grid.material.opacity = 0.35;
         this.group.add(grid);
@@ -257,6 +283,13 @@ export class BodyView {
             }
         });
     }
+}
+
+/** How high the lowest of points of three numbers is. */
+function lowest(points, up) {
+    let least = Infinity;
+    for (let k = up === "z" ? 2 : 1; k < points.length; k += 3) least = Math.min(least, points[k]);
+    return least;
 }
 
 /** The eight corners of a box, three numbers each. */

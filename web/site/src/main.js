@@ -122,7 +122,7 @@ async function anew() {
 function tools() {
     const { kind, triangles, seconds, clips } = page.opened ?? {};
     const [toDo, toDrop] = hints(page.opened, playback.running);
-    element("to-do").textContent = toDo && `${toDo} Beside it the view turns.`;
+    element("to-do").textContent = toDo && `${toDo} Drag beside it to turn the view.`;
     element("to-drop").textContent = toDrop;
     element("pin").hidden = kind === "movement";
     element("skin").hidden = !(triangles?.length > 0);

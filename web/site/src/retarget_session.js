@@ -40,6 +40,7 @@ export class RetargetSession {
             boxes: [],
             shapes: this.drawn.shapes,
             sticks: this.drawn.sticks,
+            gaps: this.drawn.gaps,
             parents: this.capture.armature.parents,
             seconds: this.clip.duration,
             notes: [...this.robot.repairs, ...this.drawn.notes, ...this.capture.notes, ...notes],

@@ -50,6 +50,7 @@ export class RobotSession {
             names: this.robot.model.frameNames,
             shapes: this.drawn.shapes,
             sticks: this.drawn.sticks,
+            gaps: this.drawn.gaps,
             boxes: this.boxes,
             floor: this.floor,
             seconds: 0,

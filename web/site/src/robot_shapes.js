@@ -5,7 +5,10 @@ const DRAWN = ["stl", "dae", "obj"];
 /** The name of a file without its folders. */
 const bare = (file) => file.split(/[\\/]/).pop();
 
-/** The shapes of each frame of a robot's model; notes of what is missing, and sticks that are drawn for it; `names` are those of the files that are there. */
+/**
+ * The shapes of each frame of a robot's model; notes of what is missing, and sticks that are drawn for it; of plain shapes what may
+ * leave gaps; `names` are those of the files that are there.
+ */
 export function shapesOf(robot, names) {
     const missing = new Set();
     const drawable = (name) => names.includes(name) && DRAWN.includes(name.slice(name.lastIndexOf(".") + 1).toLowerCase());
@@ -23,14 +26,18 @@ export function shapesOf(robot, names) {
     const some = [...missing].slice(0, 3).join(", ");
     const note = `${missing.size} meshes were not dropped with it, or are none that can be drawn: ${some}${missing.size > 3 ? ", …" : ""}.`;
     if (missing.size > 0) return { shapes, notes: [note], sticks: parents(robot) };
-    const empty = shapes.every((own) => own.length === 0);
-    return empty ? { shapes, notes: ["It has no shapes, so sticks stand for its links."], sticks: parents(robot) } : { shapes, notes: [] };
+    if (shapes.every((own) => own.length === 0)) return { shapes, notes: ["It has no shapes, so sticks stand for its links."], sticks: parents(robot) };
+    return { shapes, notes: [], gaps: shapes.flat().some(({ kind }) => kind === "mesh") ? undefined : tree(robot) };
 }
 
-/** The number of the frame that each one hangs on, -1 where none does: that to which one joint less leads. */
-function parents(robot) {
+/** The number of the frame that each one hangs on, -1 where none does: the first of those to which one joint less leads. */
+const parents = (robot) => tree(robot).parents;
+
+/** These, and the number of the first frame of the body that each one is of: to which the same joints lead. */
+function tree(robot) {
     const names = robot.model.frameNames;
     const chains = names.map((name) => robot.chain(names[0], name));
-    const known = new Map(chains.map((chain, k) => [chain.join(), k]));
-    return chains.map((chain) => (chain.length === 0 ? -1 : known.get(chain.slice(0, -1).join()) ?? -1));
+    const known = new Map(chains.map((chain, k) => [chain.join(), k]).reverse());
+    const bodies = chains.map((chain) => known.get(chain.join()));
+    return { bodies, parents: chains.map((chain) => (chain.length === 0 ? -1 : known.get(chain.slice(0, -1).join()) ?? -1)) };
 }

@@ -42,9 +42,9 @@ export class Stage {
 
     /**
      * Looks at points of three numbers, all of them seen, from a direction in which the figure looks back; `room` is how much
-     * farther away than that it stands.
+     * farther away than that it stands: less on an upright screen, which is narrow enough.
      */
-    frame(points, { up, from, room = 1.4 }) {
+    frame(points, { up, from, room = this.camera.aspect < 1 ? 1.2 : 1.4 }) {
         const box = new THREE.Box3().setFromArray(points);
         const centre = box.getCenter(new THREE.Vector3());
         const size = Math.max(box.getSize(new THREE.Vector3()).length(), 1e-3);

@@ -43,6 +43,11 @@ for (const [screen, viewport] of [["a desk's", { width: 1280, height: 800 }], ["
         const page = await opened(site.browser, { viewport });
         await page.waitForFunction(() => globalThis.kinoptPage?.view);
         assert.equal(await beyond(page), 0, "the humanoid");
+        const [lowest, ground] = await page.evaluate(() => {
+            const { positions } = kinoptPage.opened;
+            return [positions.filter((_, k) => k % 3 === 2).reduce((least, z) => Math.min(least, z)), kinoptPage.view.grid.position.z];
+        });
+        assert.equal(lowest, ground, "it stands on the ground");
         assert.match(await page.locator("#hint").innerText(), /Grab any joint/);
         await page.locator('[data-open="panda"]').click();
         await page.waitForFunction(() => kinoptPage.opened.kind === "robot", undefined, { timeout: 60_000 });

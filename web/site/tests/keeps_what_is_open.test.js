@@ -82,6 +82,21 @@ test("a robot without shapes has sticks", { skip }, async () => {
     await page.close();
 });
 
+test("plain shapes that do not meet are joined by sticks", { skip }, async () => {
+    const { page } = await opened();
+    const link = (name, radius) => `<link name="${name}">${radius ? `<visual><geometry><sphere radius="${radius}"/></geometry></visual>` : ""}</link>`;
+    const joint = (parent, child) => `<joint name="${child}_joint" type="continuous"><parent link="${parent}"/><child link="${child}"/><origin xyz="0.5 0 0"/></joint>`;
+    for (const [radius, pairs] of [[0.3, [[0, 1], [1, 2]]], [0.6, undefined]]) {
+        const links = link("a", radius) + link("b") + link("c", radius);
+        const name = `spheres_${radius}.urdf`;
+        await page.locator("#file").setInputFiles([file(name, `<robot name="spheres">${links}${joint("a", "b")}${joint("b", "c")}</robot>`)]);
+        await page.waitForFunction((name) => document.querySelector("#choose").textContent.includes(name), name);
+        assert.deepEqual(await page.evaluate(() => kinoptPage.view.limbs?.pairs), pairs, name);
+        assert.equal(await status(page), "");
+    }
+    await page.close();
+});
+
 test("keys choose a file, joints and the view; the joints are one stop", { skip }, async () => {
     const { page, said } = await opened();
     // The chooser itself is the browser's.
