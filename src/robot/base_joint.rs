@@ -149,15 +149,31 @@ impl Robot {
         }
     }
 
+    /// Whether a joint slides everything that moves: a free, planar or sliding base, be it the file's own or
+    /// [put under it](Self::with_base_joint).
+    #[must_use]
+    pub fn moves_as_a_whole(&self) -> bool {
+        let joints = self.model.joints();
+        let mut carrying = self.carrying_joints();
+        carrying.any(|id| joints[id.index()].kind.slides())
+    }
+
     /// The first slide of the free joint that everything that moves hangs on, if there is one.
-    fn free_root(&self) -> Option<JointId> {
+    #[must_use]
+    pub fn free_root(&self) -> Option<JointId> {
+        let free = self.model.free_joints();
+        self.carrying_joints().find(|id| free.contains(id))
+    }
+
+    /// The moving joints that everything that moves hangs on.
+    fn carrying_joints(&self) -> impl Iterator<Item = JointId> {
         let joints = self.model.joints();
         let up = |id: &JointId| joints[id.index()].parent;
-        let hangs = |id: &JointId, root| std::iter::successors(Some(*id), up).any(|on| on == root);
-        let roots = self.model.free_joints().iter().copied();
+        let hangs =
+            move |id: &JointId, root| std::iter::successors(Some(*id), up).any(|on| on == root);
         let moving = self.model.moving_joints();
-        let mut roots = roots.filter(|root| moving.iter().all(|id| hangs(id, *root)));
-        roots.next()
+        let carries = move |root: &JointId| moving.iter().all(|id| hangs(id, *root));
+        moving.iter().copied().filter(carries)
     }
 
     /// The same robot whose own free joint stays within a room and comes first in a configuration.

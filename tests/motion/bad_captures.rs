@@ -169,4 +169,12 @@ fn what_is_missing_is_named() {
         joint: "LeftHand".to_owned(),
     };
     assert_eq!(lost.unwrap_err(), named);
+    // So far off no place is told to a tenth of a millimetre.
+    numbers[3 * 9 * 2 + 3 * 7 + 1] = -1e300;
+    let far = Capture::new(JOINTS.map(str::to_owned).to_vec(), &numbers, 30.0);
+    let named = RetargetError::TooFar {
+        frame: 2,
+        joint: "LeftHand".to_owned(),
+    };
+    assert_eq!(far.unwrap_err(), named);
 }

@@ -95,6 +95,22 @@ fn a_base_that_leaves_nothing_is_refused() {
 }
 
 #[test]
+fn whether_a_robot_moves_as_a_whole_is_told_of_every_base() {
+    let robot = Robot::parse(TWO, "two.urdf").unwrap();
+    assert!(!robot.moves_as_a_whole());
+    let range = Limits::new(-1.0, 1.0);
+    for base in [
+        BaseJoint::FREE,
+        BaseJoint::PLANAR,
+        BaseJoint::named("slide-x", [("x", range)]).unwrap(),
+    ] {
+        let based = robot.clone().with_base_joint(base).unwrap();
+        assert!(based.moves_as_a_whole());
+        assert_eq!(based.free_root().is_some(), base == BaseJoint::FREE);
+    }
+}
+
+#[test]
 fn a_robot_that_moves_freely_has_its_base() {
     let own = Limits::new(-2.0, 2.0);
     let robot = Robot::parse(TWO, "two.urdf").unwrap();

@@ -46,7 +46,7 @@ impl Target {
             let loaded = LoadedModel::read(path, options)?;
             let lacks = || usage!("{}: it is no robot", loaded.file);
             let robot = Robot::clone(loaded.robot.as_ref().ok_or_else(lacks)?);
-            if !options.says_base() && robot.model().free_joints().is_empty() {
+            if !options.says_base() && !robot.moves_as_a_whole() {
                 output::message(&format!(
                     "note: {}: its root stands where it is; --base-joint free lets it go where the person does",
                     loaded.file
@@ -105,8 +105,7 @@ impl Target {
 
     /// Whether a configuration begins with a free base.
     pub(super) fn is_free(&self) -> bool {
-        let model = self.robot.model();
-        let first = model.free_joints().first();
-        first.is_some_and(|&joint| model.coordinate(joint) == Some(0))
+        let root = self.robot.free_root();
+        root.is_some_and(|joint| self.robot.model().coordinate(joint) == Some(0))
     }
 }

@@ -143,3 +143,23 @@ fn an_array_of_a_known_skeleton_needs_its_name_alone() {
     assert!(told.contains("what its 24 joints are called"), "{told}");
     assert!(!std::path::Path::new(&format!("{out}x.npz")).exists());
 }
+
+#[test]
+fn a_capture_of_no_frames_is_refused_and_nothing_written() {
+    let folder = Folder::new("retarget-no-frames");
+    let (bvh, out) = (folder.file("empty.bvh"), folder.file("empty.json"));
+    let robot = model("aldebaran_nao.urdf");
+    let joint =
+        "OFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 0 1 0\n}\n";
+    let empty =
+        format!("HIERARCHY\nROOT Hips\n{{\n{joint}}}\nMOTION\nFrames: 0\nFrame Time: 0.1\n");
+    std::fs::write(&bvh, empty).unwrap();
+    let run = kinopt!("retarget {bvh} {robot} --base-joint free --out {out}");
+    assert_ne!(run.status.code(), Some(0));
+    let told = String::from_utf8(run.stderr).unwrap();
+    assert!(
+        told.contains("empty.bvh") && told.contains("no frames"),
+        "{told}"
+    );
+    assert!(!std::path::Path::new(&out).exists());
+}

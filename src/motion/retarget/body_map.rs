@@ -1,8 +1,11 @@
 //! Which captured joint drives which frame of a model.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
-use serde::{Deserialize, Serialize};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{self, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 
 use super::RetargetError;
@@ -81,11 +84,37 @@ pub(super) struct DriveInFull {
 }
 
 /// What a drive is in a file.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 pub(super) enum DriveText {
     Frame(String),
     InFull(DriveInFull),
+}
+
+/// As of an untagged enum, of which serde would say only that no variant fits.
+impl<'de> Deserialize<'de> for DriveText {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct EitherWay;
+
+        impl<'de> Visitor<'de> for EitherWay {
+            type Value = DriveText;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a frame's name, or an object with its `frame`")
+            }
+
+            fn visit_str<E: de::Error>(self, frame: &str) -> Result<DriveText, E> {
+                Ok(DriveText::Frame(frame.to_owned()))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<DriveText, A::Error> {
+                let full = DriveInFull::deserialize(MapAccessDeserializer::new(map));
+                full.map(DriveText::InFull)
+            }
+        }
+
+        deserializer.deserialize_any(EitherWay)
+    }
 }
 
 const fn one() -> f64 {
@@ -175,11 +204,7 @@ impl BodyMap {
         };
         let drives = drives.into_iter().map(|(joint, value)| {
             let told = |error| RetargetError::Map(format!("drives: {joint}: {error}"));
-            // One by one, as serde says of an untagged enum only that no variant fits.
-            let drive = match value {
-                Value::String(frame) => DriveText::Frame(frame),
-                full => DriveText::InFull(serde_json::from_value(full).map_err(told)?),
-            };
+            let drive: DriveText = serde_json::from_value(value).map_err(told)?;
             Ok(drive.into_drive(joint))
         });
         Ok(Self {

@@ -9,6 +9,9 @@ use crate::spatial::Vector3;
 /// Frames of a clip that are sampled at most: a day at 100 a second, over 10 GB of 53 joints.
 pub(super) const MOST_FRAMES: usize = 10_000_000;
 
+/// Places farther than this from the origin, in the capture's unit, are refused: doubles tell no more than a tenth of a thousandth there.
+pub(super) const FARTHEST: f64 = 1e12;
+
 /// Places of named joints in frames a fixed time apart, in any unit of length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Capture {
@@ -22,7 +25,8 @@ impl Capture {
     /// Of places as they stand in an array of (frames, joints, 3), at so many frames a second.
     ///
     /// # Errors
-    /// No frame, numbers that are no whole frames, a name twice, a number that is not finite, a rate that is not positive.
+    /// No frame, numbers that are no whole frames, a name twice, a number that is not finite or beyond ±1e12, a rate that is not
+    /// positive.
     pub fn new(
         names: Vec<String>,
         numbers: &[f64],
@@ -47,6 +51,12 @@ impl Capture {
         }
         if let Some(at) = numbers.iter().position(|number| !number.is_finite()) {
             return Err(RetargetError::NotFinite {
+                frame: at / width,
+                joint: names[at % width / 3].clone(),
+            });
+        }
+        if let Some(at) = numbers.iter().position(|number| number.abs() > FARTHEST) {
+            return Err(RetargetError::TooFar {
                 frame: at / width,
                 joint: names[at % width / 3].clone(),
             });

@@ -61,6 +61,17 @@ pub enum RetargetError {
         /// The joint.
         joint: String,
     },
+    /// A place where no body is.
+    #[error(
+        "frame {frame}: the place of joint `{joint}` is beyond ±{most:e}",
+        most = super::capture::FARTHEST
+    )]
+    TooFar {
+        /// The frame.
+        frame: usize,
+        /// The joint.
+        joint: String,
+    },
     /// A capture without frames.
     #[error("a capture of no frames")]
     NoFrames,
