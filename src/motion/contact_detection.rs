@@ -85,3 +85,27 @@ pub(super) fn mean_place(way: &[Vector3<f64>]) -> Vector3<f64> {
 pub(super) fn smooth(share: f64) -> f64 {
     share * share * (3.0 - 2.0 * share)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::ContactDetection;
+    use crate::spatial::Vector3;
+
+    /// The first and the last frames have fewer beside them, over which less is gone.
+    #[test]
+    fn what_goes_evenly_stands_nowhere() {
+        let detection = ContactDetection {
+            shortest_s: 0.0,
+            ..ContactDetection::default()
+        };
+        let rate = 100.0;
+        for (times, spans) in [(1.2, 0), (0.8, 1)] {
+            let step = times * detection.speed / rate;
+            let way: Vec<_> = (0..30)
+                .map(|frame| Vector3::new(step * f64::from(frame), 0.0, 0.0))
+                .collect();
+            let found = detection.spans(&way, |_| 0.0, rate);
+            assert_eq!(found.len(), spans, "{found:?}");
+        }
+    }
+}

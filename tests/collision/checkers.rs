@@ -65,6 +65,28 @@ fn pairs_are_told_with_their_distance_the_deepest_first() {
     assert!((found[2].distance - 0.85).abs() < 1e-9);
 }
 
+/// Of several that are in the way at once the deepest is told, whichever of them is looked at first.
+#[test]
+fn a_way_is_blocked_by_what_is_deepest() {
+    for (deep, link) in [(1.0, "a"), (2.0, "b"), (3.0, "c")] {
+        let mut world = World::new();
+        for at in [1.0, 2.0, 3.0] {
+            // Balls of 0.1 above balls of 0.1 as far as their radii, or nearer.
+            let up = if at == deep { 0.12 } else { 0.18 };
+            let place = Vector3::new(at, 0.0, up);
+            world
+                .add_sphere(&format!("above {at}"), 0.1, place)
+                .unwrap();
+        }
+        let checker = Checker::new(balls()).with_world(&world).unwrap();
+        let mut workspace = checker.workspace();
+        let way = checker.way(&mut workspace, &[0.0; 3], &[0.3; 3]).unwrap();
+        let blocked = way.blocked_by.unwrap();
+        assert_eq!(blocked.first, link);
+        assert!((blocked.distance + 0.08).abs() < 1e-9, "{blocked:?}");
+    }
+}
+
 /// An obstacle may bear a link's name: what each of a pair is stands beside it.
 #[test]
 fn a_link_and_an_obstacle_of_its_name_are_told_apart() {

@@ -7,12 +7,13 @@ use std::ops::ControlFlow;
 use kinopt::ik::Restarts;
 use kinopt::model::{FrameId, Model};
 use kinopt::solver::{
-    AnyMethod, Iterate, Iteration, LevenbergMarquardt, Method, SolverState, Step, Stopping,
-    minimise,
+    AnyMethod, Iterate, Iteration, LeastSquares, LevenbergMarquardt, Method, SolverState, Step,
+    Stopping, minimise,
 };
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Posture, Quantity, Residual, Rows, Task, Within};
 use kinopt::{Problem, Scalar, Solver};
+use nalgebra::DMatrix;
 use support::classics::{Bounded, Rosenbrock};
 use support::planar_arm;
 
@@ -174,4 +175,85 @@ fn methods_share_memory_but_no_state() {
     for (x, wanted) in first.0.iter().zip([0.9, 0.81]) {
         assert!((x - wanted).abs() < 1e-5, "{x}");
     }
+}
+
+/// r = x₁, whatever x₀ is.
+struct Gutter;
+
+impl LeastSquares for Gutter {
+    fn variables(&self) -> usize {
+        2
+    }
+
+    fn rows(&self) -> usize {
+        1
+    }
+
+    fn lower(&self) -> &[f64] {
+        &[-100.0; 2]
+    }
+
+    fn upper(&self) -> &[f64] {
+        &[100.0; 2]
+    }
+
+    fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
+        residual[0] = x[1];
+    }
+
+    fn jacobian(&mut self, _x: &[f64], jacobian: &mut DMatrix<f64>) {
+        jacobian.copy_from_slice(&[0.0, 1.0]);
+    }
+}
+
+/// A method that goes on along x₀ by one, whatever that costs.
+struct Onwards;
+
+impl Method for Onwards {
+    type State = ();
+
+    fn name(&self) -> &'static str {
+        "onwards"
+    }
+
+    fn needs_jacobian(&self) -> bool {
+        false
+    }
+
+    fn begin(&self, _: &mut (), _: &SolverState) {}
+
+    fn step(&self, _: &mut (), at: &mut Iterate<'_>) -> Step {
+        at.step_mut().copy_from_slice(&[1.0, 0.0]);
+        at.project_step();
+        at.evaluate_trial();
+        at.accept();
+        Step::Taken
+    }
+
+    fn control(&self, _: &()) -> f64 {
+        0.0
+    }
+}
+
+/// Where a method goes to and fro in a place that is flat, what it began with is kept.
+#[test]
+fn of_places_that_are_as_good_the_first_is_returned() {
+    let stopping = Stopping::default().with_max_iterations(5);
+    let mut state = SolverState::default();
+    let mut seen = 0.0_f64;
+    let mut watch = |iteration: &Iteration<'_>| {
+        seen = seen.max(iteration.x[0]);
+        ControlFlow::Continue(())
+    };
+    minimise(
+        &mut Gutter,
+        &Onwards,
+        &[0.0, 1.0],
+        &stopping,
+        &mut watch,
+        &mut state,
+    )
+    .unwrap();
+    assert!(seen > 1.0, "it went on to {seen}");
+    assert_eq!(state.x(), [0.0, 1.0]);
 }

@@ -64,6 +64,18 @@ fn positions_only_narrow() {
     assert_eq!(limits(&told, id), limits(&plain, id));
 }
 
+/// MoveIt's files keep numbers that are switched off.
+#[test]
+fn what_is_switched_off_does_not_count() {
+    let off = "joint_limits: {joint2: {has_position_limits: false, min_position: -0.5, max_position: 0.25,
+        has_velocity_limits: false, max_velocity: 0.1, has_acceleration_limits: false, max_acceleration: 0.1}}";
+    let (plain, told) = (robot("franka_panda"), with(off).unwrap());
+    let id = plain.model().joint("joint2").unwrap();
+    assert_eq!(limits(&told, id), limits(&plain, id));
+    assert_eq!(told.velocity_limit(id), None);
+    assert_eq!(told.acceleration_limit(id), None);
+}
+
 #[test]
 fn without_joints_nothing_changes() {
     for text in ["joint_limits:\n", "joint_limits: {}"] {
