@@ -10,7 +10,6 @@ use super::levels::Extent;
 use super::{Drag, Restarts, Solver};
 use crate::problem::Question;
 use crate::random::RandomStream;
-use crate::search::Found;
 use crate::solver::{Stopping, Termination};
 
 /// Attempts for one place of rest.
@@ -126,10 +125,8 @@ impl Drag {
         self.way_out.tried += 1;
         self.look_at_end(false);
         let solution = &mut self.workspace.solution;
-        let mut all = Found::of(solution);
-        all.add(&self.trial.solution);
-        solution.iterations = all.iterations;
-        solution.counts = all.counts;
+        solution.iterations += self.trial.solution.iterations;
+        solution.counts += self.trial.solution.counts;
         let map = self.problem.parameters();
         map.gather(&self.trial.solution.q, &mut self.way_out.end);
         let cut = self.trial.solution.termination == Termination::IterationLimit;
