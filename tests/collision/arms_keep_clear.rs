@@ -173,7 +173,7 @@ fn the_winner_is_numbered_over_all_attempts_of_its_question() {
         let plain = near.arm.with_search(search).unwrap();
         let near = near.among(&cluttered(&mut random), 0.0);
         let mut went_on = 0;
-        for _ in 0..cases(60, 30) {
+        for _ in 0..cases(240, 90) {
             let (goal, start) = (near.free(&mut random), near.drawn(&mut random));
             let targets = [near.arm.base_from_tool(&goal).unwrap()];
             let outcomes = [&plain, &near.arm].map(|arm| {
@@ -209,7 +209,7 @@ fn no_more_attempts_are_made_than_are_asked_for() {
             .unwrap();
         let few = Panda { arm: few, ..alone }.among(&cluttered(&mut random), 0.0);
         let mut went_on = 0;
-        for _ in 0..60 {
+        for _ in 0..240 {
             let (goal, start) = (few.free(&mut random), few.drawn(&mut random));
             let target = few.arm.base_from_tool(&goal).unwrap();
             let solution = few.arm.solve(target, &start).unwrap();

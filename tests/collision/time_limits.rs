@@ -1,13 +1,14 @@
 //! Promise: among obstacles a limit of time ends a search at the next look at the clock, which is never further than a group of
 //! attempts; no time is measured for it.
 
+use std::f64::consts::PI;
 use std::time::Duration;
 
 use kinopt::arm::{Arm, ArmBuilder, Search};
-use kinopt::collision::{Checker, CollisionModel, Fineness, SphereModel, World};
+use kinopt::collision::{Checker, CollisionModel, Fineness, Shape, SphereModel, World};
 use kinopt::robot::Robot;
 use kinopt::solver::{Stopping, Termination};
-use kinopt::spatial::{Placement, Vector3};
+use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::Point;
 use kinopt::{Problem, Solver};
 use support::random::Random;
@@ -18,13 +19,15 @@ const LOCK_STEP: usize = 8;
 /// Attempts that are compared between two looks at the clock, and the most iterations of one.
 const COMPARED: (usize, usize) = (16, 100);
 
-/// A ball about the Panda's hand wherever it is: nothing that reaches is free.
+/// All above the Panda's base is filled: nothing that reaches is free.
 fn all_blocked(robot: &Robot, with_spheres: bool) -> Checker {
     let bodies = CollisionModel::of(robot).unwrap();
     let mut world = World::new();
-    world
-        .add_sphere("everywhere", 3.0, Placement::identity())
-        .unwrap();
+    let down = Placement::new(
+        rotation_exp(Vector3::new(PI, 0.0, 0.0)),
+        Vector3::new(0.0, 0.0, 0.25),
+    );
+    world.add("ceiling", Shape::half_space(), down).unwrap();
     let spheres = SphereModel::of(&bodies, Fineness::Overhang(0.03)).unwrap();
     let checker = Checker::new(bodies).with_world(&world).unwrap();
     match with_spheres {

@@ -1,4 +1,4 @@
-//! Many configurations at once, by their spheres alone.
+//! Many configurations at once, eight in lanes.
 
 use crate::arm::arm::Arm;
 use crate::arm::{PoseOutcome, QueryError};
@@ -17,7 +17,7 @@ impl Arm {
         self.check_length("q", q.len(), self.joint_count() * clear.len())?;
         self.check_finite(q)?;
         clear.fill(true);
-        self.for_each_touching(q, |place| clear[place] = false)
+        self.for_each_touching(q, false, |place| clear[place] = false)
     }
 
     /// Takes back that attempts reached which touch something.
@@ -26,19 +26,27 @@ impl Arm {
         q: &[f64],
         outcomes: &mut [PoseOutcome],
     ) -> Result<(), QueryError> {
-        self.for_each_touching(q, |place| outcomes[place].reached = false)
+        self.for_each_touching(q, true, |place| outcomes[place].reached = false)
     }
 
-    /// Visits the configurations, by place, that are not surely clear.
-    fn for_each_touching(&self, q: &[f64], mut each: impl FnMut(usize)) -> Result<(), QueryError> {
+    /// Visits the configurations, by place, that are not surely clear by their spheres, nor where `by_shapes` by the exact check.
+    pub(super) fn for_each_touching(
+        &self,
+        q: &[f64],
+        by_shapes: bool,
+        mut each: impl FnMut(usize),
+    ) -> Result<(), QueryError> {
         let Some(kept) = &self.collisions else {
             return Ok(());
         };
         self.with_room(kept, |_, room| {
-            for (group, q) in q.chunks(CHECKED * self.joint_count()).enumerate() {
-                let free = kept.surely_free(self, room, q)?;
-                for lane in 0..q.len() / self.joint_count() {
-                    if free >> lane & 1 == 0 {
+            let n = self.joint_count();
+            for (group, several) in q.chunks(CHECKED * n).enumerate() {
+                let sure = kept.surely_free(self, room, several)?;
+                for (lane, q) in several.chunks_exact(n).enumerate() {
+                    let is_free = sure >> lane & 1 != 0
+                        || by_shapes && kept.is_free_by_shapes(self, room, q)?;
+                    if !is_free {
                         each(group * CHECKED + lane);
                     }
                 }

@@ -2,7 +2,6 @@
 
 use crate::arm::QueryError;
 use crate::arm::arm::Arm;
-use crate::collision::in_lanes::CHECKED;
 use crate::search::Collision;
 
 impl Arm {
@@ -14,23 +13,9 @@ impl Arm {
         by_shapes: bool,
         free: &mut Vec<bool>,
     ) -> Result<(), QueryError> {
-        let n = self.joint_count();
         free.clear();
-        let Some(kept) = &self.collisions else {
-            free.resize(q.len() / n, true);
-            return Ok(());
-        };
-        self.with_room(kept, |_, room| {
-            for several in q.chunks(CHECKED * n) {
-                let sure = kept.surely_free(self, room, several)?;
-                for (place, q) in several.chunks_exact(n).enumerate() {
-                    let is_free = sure >> place & 1 != 0
-                        || by_shapes && !kept.spheres_decide() && kept.is_free(self, room, q)?;
-                    free.push(is_free);
-                }
-            }
-            Ok(())
-        })
+        free.resize(q.len() / self.joint_count(), true);
+        self.for_each_touching(q, by_shapes, |place| free[place] = false)
     }
 
     /// What is in the way from one configuration to another, on which all joints move evenly.

@@ -28,6 +28,8 @@ pub(super) struct KeepClear {
     cautious: Checker,
     /// A configuration of the whole model: what is not the arm's keeps still there.
     rest: Vec<f64>,
+    /// Something is too near that no joint of the arm moves: nothing is free.
+    never_free: bool,
     /// Where the chain can be placed in lanes and there are spheres.
     lanes: Option<InLanes>,
 }
@@ -52,6 +54,8 @@ pub(super) struct ClearRoom {
     /// Where attempts begin, and their targets.
     seeds: Vec<f64>,
     targets: Vec<Placement<f64>>,
+    /// How many more solutions of a question may be looked at by their shapes.
+    by_shapes: usize,
 }
 
 impl Arm {
@@ -62,7 +66,8 @@ impl Arm {
     ///
     /// Where the answer of a plain arm touches something, further attempts follow, checked eight at a time, until one is
     /// free; what a joint's freedom or another branch can give is thereby looked for. Which solution is wanted stays what
-    /// the [search](super::Search) says: the first attempt from the start that is free, or the nearest that is.
+    /// the [search](super::Search) says: the first attempt from the start that is free, or the nearest that is. What no joint of the
+    /// arm moves, as the base on its table, is judged once, by its shapes: where it touches, no solution is free, and none is searched for.
     ///
     /// Paths, followers and servos stop before they touch: a step is cut short where the way to its end, on which all joints move
     /// evenly, is not surely [free](Checker::way), unless the freedom that a target leaves goes round; its solution is not reached and
@@ -156,22 +161,24 @@ impl KeepClear {
         // As they stand within their limits, with the joints that the arm has locked.
         let _ = arm.joint_values(&rest, &mut q[..]);
         let placed = ForwardKinematics::<f64>::new(model).place(&rest)?.to_vec();
+        let own = Own {
+            model,
+            joints: &arm.serial.joints,
+            base: arm.coordinates.base,
+        };
         let at_rest = checker.collisions(&rest)?;
+        let never_free = at_rest.iter().any(|pair| own.is_fixed(pair, checker));
         let chain = arm.serial.chain.as_ref();
-        let lanes = chain.zip(checker.spheres()).and_then(|(chain, spheres)| {
-            let own = Own {
-                model,
-                joints: &arm.serial.joints,
-                base: arm.coordinates.base,
-            };
-            InLanes::new(chain, &q, &placed, &own, (checker, &at_rest), spheres)
-        });
+        let lanes = chain
+            .zip(checker.spheres())
+            .and_then(|(chain, spheres)| InLanes::new(chain, &q, &placed, &own, checker, spheres));
         Ok(Self {
             cautious: checker
                 .clone()
                 .with_margin(path_steps::cautious(checker.margin()))?,
             checker: checker.clone(),
             rest,
+            never_free,
             lanes,
         })
     }
@@ -193,6 +200,7 @@ impl KeepClear {
             several: Vec::new(),
             seeds: Vec::new(),
             targets: Vec::new(),
+            by_shapes: 0,
         }
     }
 
@@ -215,9 +223,22 @@ impl KeepClear {
         Ok(self.checker.is_free(&mut room.exact, &room.q_model)?)
     }
 
+    /// Whether one that is not surely free by its spheres is so by its shapes: never where spheres are all there is to know.
+    fn is_free_by_shapes(
+        &self,
+        arm: &Arm,
+        room: &mut ClearRoom,
+        q: &[f64],
+    ) -> Result<bool, QueryError> {
+        Ok(!self.spheres_decide() && !self.never_free && self.is_free(arm, room, q)?)
+    }
+
     /// Which of up to eight configurations, bit by bit, are surely free: their spheres are, or without spheres all shapes.
     fn surely_free(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Result<u32, QueryError> {
         let n = arm.joint_count();
+        if self.never_free {
+            return Ok(0);
+        }
         let Some(lanes) = &self.lanes else {
             let mut free = 0;
             for (place, q) in q.chunks_exact(n).enumerate() {
@@ -264,6 +285,19 @@ impl Own<'_> {
         let only_in = |a: &[JointId], b: &[JointId]| a.iter().filter(|id| !b.contains(id)).count();
         only_in(&a, &b) + only_in(&b, &a)
     }
+
+    /// Whether no joint of the arm moves two things against each other.
+    fn is_fixed(&self, pair: &Collision, checker: &Checker) -> bool {
+        let joints_to = |name: &str, kind: BodyKind| match kind {
+            BodyKind::Link => self.joints_to(self.model.frame(name).ok()),
+            BodyKind::Obstacle => {
+                let obstacle = checker.world().obstacle(name).ok();
+                let frame = obstacle.and_then(|obstacle| obstacle.attached.as_deref());
+                self.joints_to(frame.and_then(|name| self.model.frame(name).ok()))
+            }
+        };
+        joints_to(&pair.first, pair.first_kind) == joints_to(&pair.second, pair.second_kind)
+    }
 }
 
 impl InLanes {
@@ -274,7 +308,7 @@ impl InLanes {
         q: &[f64],
         placed: &[Placement<f64>],
         own: &Own<'_>,
-        (checker, at_rest): (&Checker, &[Collision]),
+        checker: &Checker,
         spheres: &SphereModel,
     ) -> Option<Self> {
         let mut obstacles = checker.world().obstacles();
@@ -294,17 +328,8 @@ impl InLanes {
             (body, base_from_world * placed[group.link.index()])
         });
         let bodies: Vec<_> = bodies.collect();
-        // Bodies that no joint of the arm moves against each other are as they are: told once, by their shapes.
-        let groups = spheres.groups();
-        let touch = |[a, b]: &[usize; 2]| {
-            let names = [&groups[*a].name, &groups[*b].name];
-            let own = |pair: &Collision| {
-                pair.second_kind == BodyKind::Link && names == [&pair.first, &pair.second]
-            };
-            at_rest.iter().any(own)
-        };
-        let counts =
-            |pair: &[usize; 2]| bodies[pair[0]].0.joints != bodies[pair[1]].0.joints || touch(pair);
+        // Those that no joint of the arm moves against each other are as they are: judged once, by their shapes.
+        let counts = |pair: &[usize; 2]| bodies[pair[0]].0.joints != bodies[pair[1]].0.joints;
         // The checker's own pairs and links: spheres may have been made before those were changed.
         let model = checker.model();
         let place = |link: &FrameId| spheres.groups().iter().position(|g| g.link == *link);

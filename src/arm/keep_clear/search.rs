@@ -12,7 +12,7 @@ use crate::lanes::{self, PoseOutcome};
 use crate::search::Found;
 use crate::solver::Termination;
 
-/// Solutions that touch something by their spheres and are looked at by their shapes, where no other is free.
+/// So many solutions that touch something by their spheres are looked at by their shapes.
 pub(super) const LOOKED_AT: usize = 32;
 /// So many seeds that are free are enough to run, or any from so many cells. Measured on the problems of MotionBenchMaker: where further cells
 /// are looked through for four, the mean question of the Fetch takes a quarter longer, the Panda's a tenth; with 2 or 8 seeds the UR5's slowest
@@ -30,7 +30,10 @@ impl Arm {
     ) -> Result<(Found, Errors), QueryError> {
         let (mut found, mut errors) = self.answer_anywhere(query, solution)?;
         self.with_room(kept, |workspace, room| {
-            let free = found.reached && kept.surely_free(self, room, &solution.q)? & 1 != 0;
+            let q = &solution.q;
+            let free = found.reached
+                && (kept.surely_free(self, room, q)? & 1 != 0
+                    || kept.is_free_by_shapes(self, room, q)?);
             if found.reached && !free {
                 workspace.x.copy_from_slice(&solution.q);
                 self.search_free(kept, workspace, room, query, &mut found)?;
@@ -59,17 +62,18 @@ impl Arm {
     ) -> Result<(), QueryError> {
         workspace.aim(query.target);
         self.bound_moves(workspace, query.start);
+        if kept.never_free {
+            (found.reached, found.termination) = (false, Termination::Stationary);
+            return Ok(());
+        }
         let before = (found.iterations, found.attempts);
+        room.by_shapes = LOOKED_AT;
         let free = match self.options.search.compares() {
             true => {
                 self.gather(workspace, query);
-                self.first_free(kept, workspace, room, 0)?
+                self.first_free(kept, workspace, room, query, 0)?
             }
             false => self.lowest_free(kept, workspace, room, query)?,
-        };
-        let free = match free {
-            None if !kept.spheres_decide() => self.free_by_shapes(kept, workspace, room, query)?,
-            other => other,
         };
         found.iterations = before.0 + spent(&workspace.outcomes);
         found.attempts = before.1 + workspace.outcomes.len();
@@ -132,7 +136,7 @@ impl Arm {
                     workspace.order.push((0.0, place));
                 }
             }
-            let free = self.first_free(kept, workspace, room, before)?;
+            let free = self.first_free(kept, workspace, room, query, before)?;
             if free.is_some() {
                 return Ok(free);
             }
@@ -205,12 +209,14 @@ impl Arm {
         Ok(next)
     }
 
-    /// The first of the solutions in the workspace's order, from one on, that is free.
+    /// The first of the solutions in the workspace's order, from one on, that is free: by its spheres, or by its shapes as long as more
+    /// may be looked at by them.
     fn first_free(
         &self,
         kept: &KeepClear,
         workspace: &ArmWorkspace,
         room: &mut ClearRoom,
+        query: &Query<'_>,
         from: usize,
     ) -> Result<Option<usize>, QueryError> {
         let mut several = std::mem::take(&mut room.several);
@@ -221,8 +227,19 @@ impl Arm {
                 several.extend_from_slice(workspace.found_at(*place));
             }
             let free = kept.surely_free(self, room, &several)?;
-            if free != 0 {
-                first = Some(group[free.trailing_zeros() as usize].1);
+            let sure = (free.trailing_zeros() as usize).min(group.len());
+            first = group.get(sure).map(|(_, place)| *place);
+            for (_, place) in &group[..sure.min(room.by_shapes)] {
+                if query.is_late() {
+                    break;
+                }
+                room.by_shapes -= 1;
+                if kept.is_free_by_shapes(self, room, workspace.found_at(*place))? {
+                    first = Some(*place);
+                    break;
+                }
+            }
+            if first.is_some() {
                 break;
             }
         }
@@ -244,33 +261,12 @@ impl Arm {
         let mut free = Vec::with_capacity(order.len());
         for (distance, place) in order.drain(..) {
             let q = workspace.found_at(place);
-            if kept.surely_free(self, room, q)? & 1 != 0
-                || !kept.spheres_decide() && kept.is_free(self, room, q)?
-            {
+            if kept.surely_free(self, room, q)? & 1 != 0 || kept.is_free_by_shapes(self, room, q)? {
                 free.push((distance, place));
             }
         }
         workspace.order = free;
         workspace.clear_room = taken;
         Ok(())
-    }
-
-    /// The first of the solutions whose shapes are free, though their spheres are not.
-    fn free_by_shapes(
-        &self,
-        kept: &KeepClear,
-        workspace: &ArmWorkspace,
-        room: &mut ClearRoom,
-        query: &Query<'_>,
-    ) -> Result<Option<usize>, QueryError> {
-        for (_, place) in workspace.order.iter().take(LOOKED_AT) {
-            if query.is_late() {
-                break;
-            }
-            if kept.is_free(self, room, workspace.found_at(*place))? {
-                return Ok(Some(*place));
-            }
-        }
-        Ok(None)
     }
 }

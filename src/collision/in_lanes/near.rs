@@ -52,6 +52,10 @@ pub(super) fn near<V: LaneScalar>(chain: &BodyChain, solids: &Solids, room: &mut
     let mut touched = none::<V>();
     // Hands first, as they are where things are.
     for index in (0..chain.bodies.len()).rev() {
+        // What stands with the base is as near as it is: its spheres may stick out into what it stands on.
+        if chain.bodies[index].joints == 0 {
+            continue;
+        }
         touched = near_solids(chain, index, solids, margin, room, touched);
         if let Some(many) = solids.many() {
             touched = near_many(chain, index, many, margin, room, touched);

@@ -1,0 +1,80 @@
+//! Promise: where shapes decide, spheres only make an arm faster: the nearest solution and all distinct ones are those of an arm that looks
+//! at shapes alone, however coarse the spheres are.
+
+use kinopt::arm::{Arm, Search};
+use kinopt::collision::{Checker, CollisionModel, Fineness, SphereModel, World};
+use kinopt::spatial::{Placement, Vector3};
+use support::arms::robot;
+use support::random::Random;
+use support::sample::cases;
+
+/// So few attempts that all of them may be looked at by their shapes.
+const ATTEMPTS: u32 = 32;
+
+fn boxes(random: &mut Random) -> World {
+    let mut world = World::new();
+    for index in 0..6 {
+        let around = random.within(-3.1, 3.1);
+        let (far, high) = (random.within(0.4, 0.8), random.within(0.1, 1.0));
+        let place = Vector3::new(far * around.cos(), far * around.sin(), high);
+        let added = world.add_box(&format!("box {index}"), [0.15; 3], place);
+        added.unwrap();
+    }
+    world
+}
+
+/// The answers of an arm with coarse spheres and of one without any, to the same questions.
+fn same_answers(search: Search) {
+    let robot = robot("franka_panda");
+    let bodies = CollisionModel::of(&robot).unwrap();
+    let bodies = bodies.with_pairs_sampled(200, 1).unwrap();
+    let spheres = SphereModel::of(&bodies, Fineness::Overhang(0.1)).unwrap();
+    let rest = vec![0.0; robot.model().configuration_len()];
+    let alone = Checker::new(bodies);
+    let covered = alone.clone().with_spheres(spheres);
+    let mut random = Random::new(9);
+    let (mut told, mut unclear) = (0, 0);
+    for _ in 0..cases(60, 12) {
+        let world = boxes(&mut random);
+        let arms = [&alone, &covered].map(|checker| {
+            let builder = Arm::builder(&robot, "base", "flange").with_search(search);
+            let arm = builder.with_attempts(ATTEMPTS).build().unwrap();
+            let checker = checker.clone().with_world(&world).unwrap();
+            arm.with_checker(&checker, &rest).unwrap()
+        });
+        let mut drawn = || -> Vec<f64> {
+            let limits = arms[0].limits();
+            limits.map(|l| random.within(l.lower, l.upper)).collect()
+        };
+        let (goal, start) = (drawn(), drawn());
+        let target: Placement<f64> = arms[0].base_from_tool(&goal).unwrap();
+        let [by_shapes, by_both] = arms.each_ref().map(|arm| {
+            let all = arm.solve_all(target, &start).unwrap();
+            all.into_iter()
+                .filter(|one| one.reached)
+                .collect::<Vec<_>>()
+        });
+        let q = |all: &[kinopt::ik::Solution]| all.iter().map(|s| s.q.clone()).collect::<Vec<_>>();
+        assert_eq!(q(&by_shapes), q(&by_both));
+        for solution in &by_both {
+            let mut clear = [false];
+            arms[1].clear_by_spheres(&solution.q, &mut clear).unwrap();
+            told += 1;
+            unclear += usize::from(!clear[0]);
+        }
+    }
+    assert!(told > 5 && unclear > 2, "{unclear} of {told}");
+}
+
+#[test]
+fn all_distinct_solutions_are_those_of_the_shapes() {
+    same_answers(Search::Distinct {
+        k: 16,
+        distance: 0.3,
+    });
+}
+
+#[test]
+fn the_nearest_solution_is_that_of_the_shapes() {
+    same_answers(Search::Nearest);
+}
