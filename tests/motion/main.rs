@@ -26,6 +26,7 @@ mod path_told;
 mod path_world;
 mod paths_of_joints;
 mod planted_swings;
+mod pressed_feet;
 mod retargeted_clear;
 mod retargeted_feet;
 mod retargeted_soles;

@@ -9,7 +9,7 @@ use kinopt::spatial::Vector3;
 use crate::retargeted_feet::{MAP, RATE, check_limits, legs, person};
 
 /// A sole of 6 cm by 22 cm, which goes beyond the heel.
-const SOLE: &str = r#"<collision><origin xyz="0.06 0 -0.035"/><geometry><box size="0.22 0.06 0.01"/></geometry></collision>"#;
+pub(crate) const SOLE: &str = r#"<collision><origin xyz="0.06 0 -0.035"/><geometry><box size="0.22 0.06 0.01"/></geometry></collision>"#;
 const CORNERS: [[f64; 3]; 4] = [
     [-0.05, -0.03, -0.04],
     [-0.05, 0.03, -0.04],

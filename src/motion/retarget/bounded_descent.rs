@@ -89,27 +89,28 @@ impl BoundedDescent {
             self.residual.copy_from_slice(&self.trial_residual);
             let won = cost - lower;
             cost = lower;
-            let was_told = self.damping <= LIGHT_DAMPING && (lower - told).abs() < FLAT * cost;
-            if won < FLAT * cost || was_told {
+            let was_told = told.is_some_and(|told| (lower - told).abs() < FLAT * cost);
+            if won < FLAT * cost || (was_told && self.damping <= LIGHT_DAMPING) {
                 break;
             }
         }
         cost.is_finite()
     }
 
-    /// The cost after a step that wins, damped as much as that takes, and what the model told of it; none where none does.
+    /// The cost after a step that wins, damped as much as that takes, and what the model told of it, if it did; none where none
+    /// wins.
     fn try_steps(
         &mut self,
         problem: &mut Evaluation<'_>,
         x: &[f64],
         cost: f64,
-    ) -> Option<(f64, f64)> {
+    ) -> Option<(f64, Option<f64>)> {
+        let mut is_first = true;
         loop {
+            let is_last = self.damping >= MOST_DAMPING;
             if self.solve(problem, x) {
-                let (lower, upper) = (problem.lower(), problem.upper());
-                for (k, trial) in self.trial.iter_mut().enumerate() {
-                    *trial = (x[k] + self.step[k]).max(lower[k]).min(upper[k]);
-                }
+                self.trial.copy_from_slice(x);
+                self.step_on(problem);
                 let told = cost + self.change_by_step();
                 for correction in 0..=CORRECTIONS {
                     if correction > 0 {
@@ -119,16 +120,48 @@ impl BoundedDescent {
                     let trial_cost = half_squared(&self.trial_residual);
                     if trial_cost < cost {
                         self.damping = (AFTER_SUCCESS * self.damping).max(LEAST_DAMPING);
-                        return Some((trial_cost, told));
+                        return Some((trial_cost, Some(told)));
                     }
                 }
+                if is_first || is_last {
+                    if let Some(lower) = self.go_on(problem, x, cost) {
+                        return Some((lower, None));
+                    }
+                    problem.normal_equations(x, &self.residual, &mut self.equations);
+                }
             }
-            if self.damping >= MOST_DAMPING {
+            is_first = false;
+            if is_last {
                 self.damping = DAMPING;
                 return None;
             }
             self.damping = (AFTER_FAILURE * self.damping).min(MOST_DAMPING);
         }
+    }
+
+    /// Moves the trial by the step, within the bounds.
+    fn step_on(&mut self, problem: &Evaluation<'_>) {
+        let bounds = problem.lower().iter().zip(problem.upper());
+        for ((trial, step), (lower, upper)) in self.trial.iter_mut().zip(&self.step).zip(bounds) {
+            *trial = (*trial + step).max(*lower).min(*upper);
+        }
+    }
+
+    /// The cost after a second step, from where the refused one leads, if that is lower than it was at x; the model is that of there
+    /// then. What counts only there, as the ground does under a foot that stands at its edge, the model at x does not know, and
+    /// would lead there again and again (a watchdog: Chamberlain, Powell, Lemarechal & Pedersen 1982).
+    fn go_on(&mut self, problem: &mut Evaluation<'_>, x: &[f64], cost: f64) -> Option<f64> {
+        self.trial.copy_from_slice(x);
+        self.step_on(problem);
+        problem.residual(&self.trial, &mut self.trial_residual);
+        problem.normal_equations(&self.trial, &self.trial_residual, &mut self.equations);
+        let at = std::mem::take(&mut self.trial);
+        let is_solved = self.solve(problem, &at);
+        self.trial = at;
+        self.step_on(problem);
+        problem.residual(&self.trial, &mut self.trial_residual);
+        let lower = half_squared(&self.trial_residual);
+        (is_solved && lower < cost).then_some(lower)
     }
 
     /// By how much the model's cost changes by the step.

@@ -142,6 +142,24 @@ impl Feet {
         any
     }
 
+    /// Pushes those that are not held, and deeper than so many metres by the residual of all tasks, out of what they are in;
+    /// whether there are any.
+    pub(super) fn push_out(
+        &self,
+        targets: &mut Targets,
+        problem: &Problem,
+        residual: &[f64],
+        deeper: f64,
+    ) -> bool {
+        let mut any = false;
+        for foot in &self.all {
+            let rows = problem.compiled_tasks()[foot.task.index()].rows.clone();
+            let over = targets.get_mut(foot.task);
+            any |= over.is_ok_and(|over| over.push_out(&residual[rows], deeper));
+        }
+        any
+    }
+
     /// Whether one is deeper than so many metres; by the residual of all tasks.
     pub(super) fn is_sunk(&self, problem: &Problem, residual: &[f64], deeper: f64) -> bool {
         let deepest = -deeper * self.weight;

@@ -20,6 +20,8 @@ const STEPS: usize = 3;
 /// So many more while what is held has slipped, or a foot is in the ground, by more than this, metres.
 const MORE_STEPS: usize = 6;
 const SLIPPED: f64 = 5e-4;
+/// A foot that is in the ground by more than that all the same is pushed out of it in so many rounds of as many more.
+const PUSHES: usize = 10;
 /// A foot that is held and would go deeper into what it stands on, metres, is held firmly.
 const SUNK: f64 = 1e-3;
 /// What a place counts that is held, for the most that any place counts: so all others together hardly move it.
@@ -206,7 +208,7 @@ impl BodyFollower {
     /// Moves the body to where this frame's targets lead; whether all is finite, else it stays.
     fn descend(&mut self) -> bool {
         let steps = if self.followed { STEPS } else { FIRST_STEPS };
-        let (anchors, feet) = (&self.anchors, &self.feet);
+        let (anchors, feet, targets) = (&self.anchors, &self.feet, &mut self.targets);
         let slipped = |problem: &Problem, residual: &[f64]| {
             let tasks = problem.compiled_tasks().iter().zip(anchors);
             tasks
@@ -217,14 +219,21 @@ impl BodyFollower {
                 })
         };
         let within = [self.lower.as_slice(), &self.upper];
-        let follow = |frame: &mut ProblemOfFrame, x: &mut [f64]| {
-            let whole = frame.descend(&self.targets, within, x, steps);
+        let mut follow = |frame: &mut ProblemOfFrame, x: &mut [f64]| {
+            let mut whole = frame.descend(targets, within, x, steps);
             let (problem, residual) = (frame.problem(), frame.residual());
             let off = slipped(problem, residual) || feet.is_sunk(problem, residual, SLIPPED);
-            match whole && off {
-                true => frame.descend(&self.targets, within, x, MORE_STEPS),
-                false => whole,
+            if whole && off {
+                whole = frame.descend(targets, within, x, MORE_STEPS);
             }
+            for _ in 0..PUSHES {
+                let (problem, residual) = (frame.problem(), frame.residual());
+                if !whole || !feet.push_out(targets, problem, residual, SLIPPED) {
+                    break;
+                }
+                whole = frame.descend(targets, within, x, MORE_STEPS);
+            }
+            whole
         };
         let whole = match &mut self.clear {
             None => follow(&mut self.frame, &mut self.x),

@@ -10,7 +10,7 @@ use crate::motion::clip::MotionProblemBuilder;
 /// What a metre below the ground costs in a whole movement, for the most that any place counts: as much as one off what is held.
 const OVER: f64 = 200.0;
 /// What is held may be deeper than it came by so much, metres: where it stands it is on the edge, at which costs are not smooth.
-const SLACK: f64 = 3e-4;
+const SLACK: f64 = 2e-4;
 
 impl Retargeting<'_> {
     /// Keeps the soles over the ground, and as they stand in a movement frame by frame where all their limbs do: over what they

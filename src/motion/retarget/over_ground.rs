@@ -24,6 +24,8 @@ pub(super) struct OverGround {
     /// What a metre below the ground costs, and what a radian that a held foot is turned, if it is held firmly too.
     weights: [f64; 3],
     footing: Footing,
+    /// By how much what each ball stays over is raised, metres.
+    raised: Vec<f64>,
 }
 
 /// What a foot does on the ground.
@@ -48,6 +50,7 @@ impl OverGround {
                 heights: vec![0.0; sole.balls.len()],
                 levelling: 1.0,
             },
+            raised: vec![0.0; sole.balls.len()],
             sole: sole.clone(),
             weights: [over, TURNED, TURNED_FIRMLY].map(|weight| weight * heaviest),
         }
@@ -56,6 +59,27 @@ impl OverGround {
     /// Says what the foot does.
     pub(super) fn set(&mut self, footing: &Footing) {
         self.footing.clone_from(footing);
+        self.raised.fill(0.0);
+    }
+
+    /// Where a ball is deeper than so many metres by the residual, raises what each stays over by as much as it is deep: the
+    /// spring that the ground is comes to rest on it, however it is pressed, as by an augmented Lagrangian (Nocedal & Wright 2006,
+    /// "Numerical optimization", 17.4). Whether any was.
+    pub(super) fn push_out(&mut self, residual: &[f64], deeper: f64) -> bool {
+        let Footing::Over { heights, .. } = &mut self.footing else {
+            return false;
+        };
+        // As far as the spring is pressed what it pushes against is raised; the rest of it is depth.
+        let pressed = residual.iter().map(|row| -row / self.weights[0]);
+        let mut balls = pressed.clone().zip(&self.raised);
+        if !balls.any(|(pressed, raised)| pressed - raised > deeper) {
+            return false;
+        }
+        for ((height, raised), pressed) in heights.iter_mut().zip(&mut self.raised).zip(pressed) {
+            *height += pressed - *raised;
+            *raised = pressed;
+        }
+        true
     }
 
     /// What each direction's slope should be, and what a radian off it costs.
