@@ -15,6 +15,7 @@ mod hostile;
 mod hulls_of_many_corners;
 mod identities;
 mod mesh_files;
+mod narrow_gaps;
 mod paths_keep_clear;
 mod shapes;
 mod sphere_covers;

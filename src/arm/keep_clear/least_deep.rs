@@ -9,30 +9,26 @@ use crate::arm::workspace::ArmWorkspace;
 
 impl Arm {
     /// Stands at the solution found whose worst pair is nearest to being free, of those that there is time to look at; the workspace's own
-    /// x is one of them.
+    /// x is one of them. How far that pair is apart, metres.
     pub(super) fn stand_least_deep(
         &self,
         kept: &KeepClear,
         workspace: &mut ArmWorkspace,
         room: &mut ClearRoom,
         query: &Query<'_>,
-    ) -> Result<(), QueryError> {
-        let worst = |room: &mut ClearRoom, q: &[f64]| -> Result<f64, QueryError> {
-            let pairs = kept.collisions(self, room, q)?;
-            Ok(pairs.first().map_or(f64::INFINITY, |pair| pair.distance))
-        };
-        let mut best = worst(room, &workspace.x)?;
+    ) -> Result<f64, QueryError> {
+        let mut best = kept.worst(self, room, &workspace.x)?;
         for turn in 0..workspace.order.len().min(LOOKED_AT) {
             if query.is_late() {
                 break;
             }
             let place = workspace.order[turn].1;
-            let distance = worst(room, workspace.found_at(place))?;
+            let distance = kept.worst(self, room, workspace.found_at(place))?;
             if distance > best {
                 best = distance;
                 workspace.stand_at_found(place);
             }
         }
-        Ok(())
+        Ok(best)
     }
 }

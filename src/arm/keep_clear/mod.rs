@@ -1,5 +1,6 @@
 //! What an arm keeps clear of, compiled for its chain.
 
+mod along_freedom;
 mod by_spheres;
 mod least_deep;
 mod many_configurations;
@@ -65,7 +66,7 @@ impl Arm {
     /// for a world that changed takes microseconds.
     ///
     /// Where the answer of a plain arm touches something, further attempts follow, checked eight at a time, until one is
-    /// free; what a joint's freedom or another branch can give is thereby looked for. Which solution is wanted stays what
+    /// free, and where none is, the one that touches least is moved along the freedom that the target leaves. Which solution is wanted stays what
     /// the [search](super::Search) says: the first attempt from the start that is free, or the nearest that is. What no joint of the
     /// arm moves, as the base on its table, is judged once, by its shapes: where it touches, no solution is free, and none is searched for.
     ///
@@ -215,6 +216,12 @@ impl KeepClear {
         Ok(self
             .checker
             .collisions_with(&mut room.exact, &room.q_model)?)
+    }
+
+    /// How far the two are apart that are worst at a configuration of the arm, metres; infinite where all pairs are free.
+    fn worst(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Result<f64, QueryError> {
+        let pairs = self.collisions(arm, room, q)?;
+        Ok(pairs.first().map_or(f64::INFINITY, |pair| pair.distance))
     }
 
     /// Whether all pairs are far enough apart, by the exact check.

@@ -68,7 +68,7 @@ impl Arm {
         };
         workspace.take_twists(self, from);
         let n = self.joint_count();
-        let (mut motion, mut q) = (vec![0.0; n], vec![0.0; n]);
+        let mut q = vec![0.0; n];
         // One for all of them, not one each.
         let deadline = self.deadline();
         let mut best = f64::INFINITY;
@@ -77,25 +77,8 @@ impl Arm {
                 if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
                     return Ok(best.is_finite());
                 }
-                motion.fill(0.0);
-                motion[joint] = by;
-                workspace.project_to_null(from, &motion, 0.0);
-                let length = workspace
-                    .projected
-                    .iter()
-                    .map(|by| by * by)
-                    .sum::<f64>()
-                    .sqrt();
-                if length < 1e-3 * by.abs() {
+                if !self.stand_beside(workspace, from, joint, by) {
                     continue;
-                }
-                let bounds = self.serial.map.lower().iter().zip(self.serial.map.upper());
-                let moves = workspace.projected.iter().zip(&self.scale).zip(bounds);
-                for ((trial, from), ((way, scale), (lower, upper))) in
-                    workspace.trial.iter_mut().zip(from).zip(moves)
-                {
-                    let moved = from + by.abs() * way / (length * scale);
-                    *trial = moved.max(*lower).min(*upper);
                 }
                 let target = workspace.target();
                 let outcome = lanes.own_attempt(&target, &workspace.trial, deadline, &mut q);

@@ -85,10 +85,19 @@ impl Arm {
             found.number = before.1 + place;
             return Ok(());
         }
-        self.stand_least_deep(kept, workspace, room, query)?;
-        found.termination = match query.is_late() {
-            true => Termination::TimeLimit,
-            false => Termination::Stationary,
+        let least = self.stand_least_deep(kept, workspace, room, query)?;
+        // What the plain answer left of its own.
+        let left = (2 * self.attempts_at(query.target) as usize).saturating_sub(found.attempts);
+        let (free, more) = self.free_along_freedom(kept, workspace, room, query, (least, left))?;
+        found.attempts += more.attempts;
+        found.iterations += more.iterations;
+        if free {
+            (found.reached, found.number) = (true, found.attempts - 1);
+        }
+        found.termination = match (free, query.is_late()) {
+            (true, _) => Termination::Reached,
+            (_, true) => Termination::TimeLimit,
+            _ => Termination::Stationary,
         };
         Ok(())
     }

@@ -1,0 +1,138 @@
+//! Away from what touches, along the freedom that a target leaves.
+
+use super::{ClearRoom, KeepClear};
+use crate::arm::QueryError;
+use crate::arm::arm::Arm;
+use crate::arm::lanes_or_core::Query;
+use crate::arm::workspace::{ArmWorkspace, Errors};
+
+/// Steps are so long at first, and no shorter than so, radians.
+const STEPS: [f64; 2] = [0.2, 0.001];
+/// So many places are looked at.
+const TRIES: usize = 40;
+/// Directions whose cosine is more are one.
+const SAME: f64 = 0.95;
+
+/// What a search along the freedom spent.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Spent {
+    pub(super) attempts: usize,
+    pub(super) iterations: usize,
+}
+
+impl Arm {
+    /// Moves the workspace's x, whose worst pair is `worst` metres apart, along the freedom that the target leaves until it is free, by
+    /// compass search (Kolda, Lewis & Torczon 2003, "Optimization by direct search", algorithm 3): a step either way along each
+    /// direction, to the first place that touches less, and half as long where there is none; `most` attempts are made. Whether it is free; and what that took.
+    pub(super) fn free_along_freedom(
+        &self,
+        kept: &KeepClear,
+        workspace: &mut ArmWorkspace,
+        room: &mut ClearRoom,
+        query: &Query<'_>,
+        (mut worst, most): (f64, usize),
+    ) -> Result<(bool, Spent), QueryError> {
+        let mut spent = Spent::default();
+        if !self.has_freedom() {
+            return Ok((false, spent));
+        }
+        let n = self.joint_count();
+        let (mut at, mut q) = (workspace.x.clone(), vec![0.0; n]);
+        let [mut step, shortest] = STEPS;
+        while step >= shortest {
+            workspace.take_twists(self, &at);
+            let mut tried: Vec<Vec<f64>> = Vec::new();
+            let mut better = false;
+            'directions: for joint in 0..n {
+                for by in [step, -step] {
+                    if query.is_late() || spent.attempts >= most.min(TRIES) {
+                        return Ok((false, spent));
+                    }
+                    if !self.stand_beside(workspace, &at, joint, by)
+                        || tried.iter().any(|way| is_along(way, &workspace.trial, &at))
+                    {
+                        continue;
+                    }
+                    tried.push(
+                        workspace
+                            .trial
+                            .iter()
+                            .zip(&at)
+                            .map(|(to, at)| to - at)
+                            .collect(),
+                    );
+                    let Some(lanes) = self.lanes_within(&workspace.bounded_lanes) else {
+                        return Ok((false, spent));
+                    };
+                    let (target, deadline) = (workspace.target(), query.deadline);
+                    let outcome = lanes.own_attempt(&target, &workspace.trial, deadline, &mut q);
+                    spent.attempts += 1;
+                    spent.iterations += outcome.iterations as usize;
+                    if !outcome.reached {
+                        continue;
+                    }
+                    let there = kept.worst(self, room, &q)?;
+                    if there > worst {
+                        (worst, better) = (there, true);
+                        at.copy_from_slice(&q);
+                        workspace.x.copy_from_slice(&q);
+                        workspace.errors = Errors::of(&outcome);
+                        break 'directions;
+                    }
+                }
+            }
+            if worst.is_infinite() {
+                return Ok((true, spent));
+            }
+            if !better {
+                step *= 0.5;
+            }
+        }
+        Ok((false, spent))
+    }
+
+    /// Takes the place beside `from` for the workspace's trial: by so much, radians (a slide by what weighs as much), along what of a
+    /// joint's motion leaves the tool where it is, within the bounds of its question. Whether there is such a motion. The workspace's
+    /// Jacobian is that at `from`.
+    pub(super) fn stand_beside(
+        &self,
+        workspace: &mut ArmWorkspace,
+        from: &[f64],
+        joint: usize,
+        by: f64,
+    ) -> bool {
+        let mut motion = vec![0.0; from.len()];
+        motion[joint] = by;
+        workspace.project_to_null(from, &motion, 0.0);
+        let squares = workspace.projected.iter().map(|by| by * by);
+        let length = squares.sum::<f64>().sqrt();
+        if length < 1e-3 * by.abs() {
+            return false;
+        }
+        let bounds = workspace
+            .question
+            .lower
+            .iter()
+            .zip(&workspace.question.upper);
+        let moves = workspace.projected.iter().zip(&self.scale).zip(bounds);
+        for ((trial, from), ((way, scale), (lower, upper))) in
+            workspace.trial.iter_mut().zip(from).zip(moves)
+        {
+            let moved = from + by.abs() * way / (length * scale);
+            *trial = moved.max(*lower).min(*upper);
+        }
+        true
+    }
+}
+
+/// Whether a place lies about as far along a direction that is known, or against it where that is known too.
+fn is_along(known: &[f64], place: &[f64], from: &[f64]) -> bool {
+    let (mut product, mut squares) = (0.0, [0.0; 2]);
+    for ((known, place), from) in known.iter().zip(place).zip(from) {
+        let by = place - from;
+        product += known * by;
+        squares[0] += known * known;
+        squares[1] += by * by;
+    }
+    product > SAME * (squares[0] * squares[1]).sqrt()
+}

@@ -1,0 +1,89 @@
+//! Promise: where the freedom of an arm has room between obstacles for a hair's breadth alone, which random attempts miss, it is found.
+
+use kinopt::Arm;
+use kinopt::arm::Search;
+use kinopt::collision::{Checker, CollisionModel, World};
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::spatial::{Placement, Vector3};
+use support::arms::robot;
+use support::random::Random;
+use support::sample::cases;
+
+/// How far the arm is from both of two balls, metres.
+const ROOM: f64 = 3e-4;
+const BALL: f64 = 0.6;
+
+#[test]
+fn an_elbow_comes_between_two_balls() {
+    let robot = robot("franka_panda");
+    let model = robot.model();
+    let bodies = CollisionModel::of(&robot).unwrap();
+    let checker = Checker::covered(bodies.with_pairs_sampled(200, 1).unwrap());
+    let rest = model.neutral();
+    let plain = Arm::builder(&robot, "base", "flange").with_search(Search::Start);
+    let plain = plain.build().unwrap();
+    let mut random = Random::new(21);
+    let mut drawn = || -> Vec<f64> {
+        let limits = plain.limits();
+        limits.map(|l| random.within(l.lower, l.upper)).collect()
+    };
+    let (mut asked, mut reached) = (0, 0);
+    while asked < cases(200, 25) {
+        let (goal, start) = (drawn(), drawn());
+        let mut q = rest.clone();
+        plain.configuration(&goal, &mut q).unwrap();
+        let mut kinematics = ForwardKinematics::<f64>::new(model);
+        let placed = kinematics.place(&q).unwrap();
+        let [shoulder, elbow, wrist] = ["link2", "link4", "link6"]
+            .map(|name| placed[model.frame(name).unwrap().index()].translation);
+        let away = (wrist - shoulder).cross(elbow - shoulder);
+        // An arm that is stretched has no elbow to speak of.
+        if away.norm() < 0.02 || !checker.collisions(&q).unwrap().is_empty() {
+            continue;
+        }
+        let away = away * (1.0 / away.norm());
+        let beside = |sign: f64| {
+            let ball = |far: f64| {
+                let mut world = World::new();
+                let at = elbow + away * (sign * far);
+                world
+                    .add_sphere("ball", BALL, Placement::translation(at))
+                    .unwrap();
+                world
+            };
+            // The nearest at which it is clear by so much.
+            let (mut near, mut far) = (0.0, 2.0);
+            for _ in 0..40 {
+                let middle = 0.5 * (near + far);
+                let among = checker.clone().with_world(&ball(middle)).unwrap();
+                let among = among.with_margin(ROOM).unwrap();
+                let told = among.collisions(&q).unwrap();
+                match told.iter().any(|pair| pair.second == "ball") {
+                    true => near = middle,
+                    false => far = middle,
+                }
+            }
+            elbow + away * (sign * far)
+        };
+        let mut world = World::new();
+        for (name, sign) in [("left", -1.0), ("right", 1.0)] {
+            let place: Vector3<f64> = beside(sign);
+            world
+                .add_sphere(name, BALL, Placement::translation(place))
+                .unwrap();
+        }
+        let among = checker.clone().with_world(&world).unwrap();
+        let arm = plain.with_search(Search::Start).unwrap();
+        let arm = arm.with_checker(&among, &rest).unwrap();
+        let target = arm.base_from_tool(&goal).unwrap();
+        let solution = arm.solve(target, &start).unwrap();
+        asked += 1;
+        reached += usize::from(solution.reached);
+        assert_eq!(
+            solution.reached,
+            arm.collisions(&solution.q).unwrap().is_empty()
+        );
+        assert!(solution.reached || solution.goals_reached());
+    }
+    assert!(10 * reached >= 9 * asked, "{reached} of {asked}");
+}
