@@ -283,6 +283,12 @@ def test_what_is_wrong_is_named(nao: kinopt.Robot, tmp_path: Path) -> None:
         kinopt.retarget(tmp_path / "broken.npy", nao, MAP)
     with pytest.raises(InvalidValueError, match="bvh"):
         kinopt.retarget(tmp_path / "walk.fbx", nao, MAP)
+    joint = "OFFSET 0 0 0 CHANNELS 3 Zrotation Xrotation Yrotation End Site { OFFSET 0 1 0 }"
+    (tmp_path / "empty.bvh").write_text(f"HIERARCHY ROOT Hips {{ {joint} }} MOTION Frames: 0 Frame Time: 0.1")
+    empty = kinopt.MotionCapture.read(tmp_path / "empty.bvh")
+    for source in (tmp_path / "empty.bvh", empty, empty.clip, pickle.loads(pickle.dumps(empty.clip))):
+        with pytest.raises(InvalidValueError, match="no frames"):
+            kinopt.retarget(source, nao, MAP)
 
 
 def test_links_that_are_kept_clear_of_each_other_do_not_touch() -> None:

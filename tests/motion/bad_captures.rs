@@ -1,6 +1,7 @@
 //! Promise: captures that are odd come through, and what is wrong is named: one frame, limbs without length, bodies that are turned or
 //! lie, joints that are missing or not finite; what comes out is finite and within limits.
 
+use kinopt::animation::Clip;
 use kinopt::motion::retarget::{
     BodyMap, Capture, RetargetError, RetargetOptions, Retargeted, Retargeting, UpAxis,
 };
@@ -177,4 +178,33 @@ fn what_is_missing_is_named() {
         joint: "LeftHand".to_owned(),
     };
     assert_eq!(far.unwrap_err(), named);
+}
+
+/// A file of no frames was taken for one frame at rest; one that has a frame at rest is a movement.
+#[test]
+fn a_capture_of_no_frames_is_no_movement() {
+    let captured = |frames: &str| {
+        let end = "End Site { OFFSET 0 1 0 }";
+        let text = format!(
+            "HIERARCHY ROOT Hips {{ OFFSET 0 0 0 CHANNELS 3 Zrotation Xrotation Yrotation {end} }} MOTION {frames}"
+        );
+        kinopt::io::bvh::from_bytes(text.as_bytes(), "empty.bvh").unwrap()
+    };
+    let none = captured("Frames: 0 Frame Time: 0.1");
+    let again = serde_json::to_string(&none.clip).unwrap();
+    let again: Clip = serde_json::from_str(&again).unwrap();
+    let (own, lifted) = (&none.armature, none.armature.clone());
+    for clip in [
+        &none.clip,
+        &again,
+        &none.clip.at_rest_in(own, &lifted).unwrap(),
+    ] {
+        assert!(clip.is_empty() && clip.span() == [0.0, 0.0]);
+        let refused = Capture::of_clip(&none.armature, clip, 30.0);
+        assert_eq!(refused.unwrap_err(), RetargetError::NoFrames);
+    }
+    let rest = captured("Frames: 1 Frame Time: 0.1\n0 0 0");
+    assert!(!rest.clip.is_empty());
+    let capture = Capture::of_clip(&rest.armature, &rest.clip, 30.0).unwrap();
+    assert_eq!(capture.frames(), 1);
 }

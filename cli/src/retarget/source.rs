@@ -83,13 +83,6 @@ impl SourceOptions {
         let (capture, up) = match kind.as_str() {
             "bvh" | "glb" | "gltf" => {
                 let animated = AnimatedArmature::read(path)?;
-                if animated
-                    .frames
-                    .as_ref()
-                    .is_some_and(|frames| frames.count == 0)
-                {
-                    return Err(told(RetargetError::NoFrames));
-                }
                 let own = animated.frames.as_ref().map(|frames| 1.0 / frames.time);
                 let rate = said.or(own).unwrap_or(CLIP_RATE);
                 let clip = animated.clip(self.clip.as_deref())?;

@@ -42,13 +42,11 @@ def read_capture(
     arrays, y of files of animation).
 
     Raises ``FileError`` and ``InvalidFileError`` of a file, ``UnknownNameError`` for a clip or a skeleton that there is
-    not, ``InvalidValueError`` for other shapes and for numbers that are not finite, whose frame and joint it names.
+    not, ``InvalidValueError`` for other shapes, for no frames and for numbers that are not finite, whose frame and joint it names.
     """
     if isinstance(source, Capture):
         return source
     if isinstance(source, MotionCapture):
-        if source.frames == 0:
-            raise InvalidValueError("a capture of no frames")
         return Capture.of_clip(source.clip, 1.0 / source.frame_time if fps is None else fps, up or "y")
     if isinstance(source, Clip):
         return Capture.of_clip(source, CLIP_FPS if fps is None else fps, up or "y")
@@ -56,10 +54,7 @@ def read_capture(
         path = Path(source)
         kind = path.suffix.lower()
         if kind == ".bvh":
-            motion = MotionCapture.read(path)
-            if motion.frames == 0:
-                raise InvalidFileError(f"{path}: a capture of no frames")
-            return read_capture(motion, fps=fps, up=up)
+            return read_capture(MotionCapture.read(path), fps=fps, up=up)
         if kind in (".glb", ".gltf"):
             return read_capture(_clip(path, clip), fps=fps, up=up)
         if kind != ".npy":

@@ -67,7 +67,7 @@ impl Capture {
 
     /// What a clip's bones do, `fps` frames a second from its beginning to its end.
     ///
-    /// Raises `InvalidValueError` for a rate that is not positive.
+    /// Raises `InvalidValueError` for a rate that is not positive, and for a clip of a file without frames.
     #[staticmethod]
     #[pyo3(signature = (clip, fps, up = "y"))]
     fn of_clip(py: Python<'_>, clip: &Bound<'_, Clip>, fps: f64, up: &str) -> PyResult<Self> {

@@ -201,7 +201,7 @@ impl<'a> ClipBuilder<'a> {
         events.sort_by(|a, b| a.time.total_cmp(&b.time));
         Clip {
             name: self.name,
-            span: self.span.or(keyed).unwrap_or([0.0, 0.0]),
+            span: Some(self.span.or(keyed).unwrap_or([0.0, 0.0])),
             tracks: Arc::new(Tracks::new(curves)),
             constant,
             events,

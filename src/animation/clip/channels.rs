@@ -21,7 +21,7 @@ impl Clip {
             .iter()
             .map(|(bone, channel)| (*bone, channel.property()))
             .collect();
-        let at = || vec![self.span[0]];
+        let at = || vec![self.span()[0]];
         let (still, rest) = (&self.constant, armature.rest());
         for index in 0..still.bones() {
             let (now, then) = (still.local_of(bone(index)), rest.local_of(bone(index)));
@@ -66,7 +66,7 @@ impl Clip {
         let still = weights.zip(armature.rest().morph_weights()).enumerate();
         for (target, (&now, &then)) in still {
             if now != then && own.iter().all(|(moving, _)| *moving != target) {
-                let curve = KeyedCurve::step(vec![self.span[0]], vec![now]);
+                let curve = KeyedCurve::step(vec![self.span()[0]], vec![now]);
                 own.extend(curve.ok().map(|curve| (target, curve)));
             }
         }
@@ -100,9 +100,12 @@ impl Clip {
         for (target, curve) in morphs {
             let _ = builder.morph_weight(target, weight_now(curve));
         }
-        let [start, end] = self.span;
+        let [start, end] = self.span();
         let _ = builder.span(start, end);
-        Ok(builder.build().with_events_of(self))
+        let mut rebuilt = builder.build().with_events_of(self);
+        // An empty one stays so.
+        rebuilt.span = self.span;
+        Ok(rebuilt)
     }
 
     /// The clip with another one's events instead of its own.

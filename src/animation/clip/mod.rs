@@ -74,7 +74,8 @@ use super::{Armature, Pose, SizeMismatch};
 )]
 pub struct Clip {
     name: String,
-    span: [f32; 2],
+    /// None of a motion of no frames.
+    span: Option<[f32; 2]>,
     tracks: Arc<Tracks>,
     /// What does not move.
     constant: Pose,
@@ -91,17 +92,26 @@ impl Clip {
     getters! {
         /// Its name.
         pub fn name(&self) -> &str = &self.name;
-        /// The first and last moment, in seconds.
-        pub fn span(&self) -> [f32; 2] = self.span;
+        /// The first and last moment, in seconds; both 0 where it [is empty](Self::is_empty).
+        pub fn span(&self) -> [f32; 2] = self.span.unwrap_or_default();
+        /// Whether it has no moment at all, as what a file of motion capture without frames holds; the rest pose that is
+        /// sampled then is nobody's.
+        pub fn is_empty(&self) -> bool = self.span.is_none();
         /// How many bones it is for.
         pub fn bones(&self) -> usize = self.constant.bones();
+    }
+
+    /// The same, of no frames.
+    pub(crate) fn without_frames(mut self) -> Self {
+        self.span = None;
+        self
     }
 
     /// How long it lasts, in seconds.
     #[must_use]
     pub fn duration(&self) -> f64 {
         // Single precision would round, and a loop's end would be its start.
-        f64::from(self.span[1]) - f64::from(self.span[0])
+        f64::from(self.span()[1]) - f64::from(self.span()[0])
     }
 
     /// The same motion under another name.
@@ -133,7 +143,7 @@ impl Clip {
         pose: &mut Pose,
     ) -> Result<(), SizeMismatch> {
         self.constant.check_same_size(pose)?;
-        let [start, end] = self.span.map(f64::from);
+        let [start, end] = self.span().map(f64::from);
         let time = playback.within(start + elapsed, [start, end]) as f32;
         self.tracks.fill_constant(&self.constant, pose);
         self.tracks.sample(time, cursor.on(&self.tracks), pose);

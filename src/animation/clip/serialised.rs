@@ -11,7 +11,7 @@ use crate::skeleton::BoneId;
 #[derive(Serialize, Deserialize)]
 pub(super) struct Parts {
     name: String,
-    span: [f32; 2],
+    span: Option<[f32; 2]>,
     channels: Vec<(BoneId, Channel)>,
     /// By morph target.
     morphs: Vec<(usize, KeyedCurve<f32>)>,
@@ -59,7 +59,7 @@ impl TryFrom<Parts> for Clip {
             .with_rest_morph_weights(still.morph_weights())
             .map_err(|_| ArmatureError::TooMany { given: 0, most: 0 })?;
         let mut builder = Self::builder(parts.name, &armature);
-        let [start, end] = parts.span;
+        let [start, end] = parts.span.unwrap_or_default();
         builder.span(start, end)?;
         for (bone, channel) in parts.channels {
             builder.channel(bone, channel)?;
@@ -70,6 +70,10 @@ impl TryFrom<Parts> for Clip {
         for event in parts.events {
             builder.event(event.time, event.name)?;
         }
-        Ok(builder.build())
+        let clip = builder.build();
+        Ok(match parts.span {
+            Some(_) => clip,
+            None => clip.without_frames(),
+        })
     }
 }

@@ -55,10 +55,12 @@ fn clip(
     let mut builder = Clip::builder(stem.unwrap_or_default(), armature);
     // From the product in double precision, so that the error does not grow with the frames.
     let time = |frame: usize| (frame as f64 * motion.frame_time) as f32;
-    let last = time(motion.frames.saturating_sub(1));
-    builder.span(0.0, last)?;
+    let Some(last) = motion.frames.checked_sub(1) else {
+        return Ok(builder.build().without_frames());
+    };
+    builder.span(0.0, time(last))?;
     let row = joints.iter().map(|joint| joint.channels.len()).sum();
-    if row == 0 || motion.frames == 0 {
+    if row == 0 {
         return Ok(builder.build());
     }
     let times: Vec<f32> = (0..motion.frames).map(time).collect();

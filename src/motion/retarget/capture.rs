@@ -72,13 +72,17 @@ impl Capture {
     /// Of a clip's bones, at so many frames a second from its beginning to its end.
     ///
     /// # Errors
-    /// As [`new`](Self::new); more than 10 million frames; a clip of another armature counts as one without frames.
+    /// As [`new`](Self::new), no frame where the clip [is empty](Clip::is_empty); more than 10 million frames; a clip of another
+    /// armature counts as one without frames.
     pub fn of_clip(
         armature: &Armature,
         clip: &Clip,
         frame_rate: f64,
     ) -> Result<Self, RetargetError> {
         BadOption::check("frames a second", frame_rate, POSITIVE)?;
+        if clip.is_empty() {
+            return Err(RetargetError::NoFrames);
+        }
         let steps = (clip.duration() * frame_rate + 0.5).floor();
         if steps >= MOST_FRAMES as f64 {
             return Err(RetargetError::TooManyFrames {
