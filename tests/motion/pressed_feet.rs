@@ -57,3 +57,15 @@ fn feet_that_slide_over_the_ground_stop_no_body() {
         assert!(found.sunk < 8e-4, "{} m", found.sunk);
     }
 }
+
+/// A whole movement begins where frame by frame leads: from the body that stood still it came to feet 7.2 mm deep.
+#[test]
+fn feet_that_slide_are_over_the_ground_in_a_whole_movement() {
+    let robot = legs(SOLE);
+    let map = BodyMap::from_json(MAP, "legs").unwrap();
+    let capture = led_down(0.8, 0.15);
+    let fitted = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
+    let found = fitted.whole().unwrap();
+    check_limits(&robot, &found);
+    assert!(found.sunk < 1.5e-3, "{} m", found.sunk);
+}
