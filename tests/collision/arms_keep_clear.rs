@@ -27,6 +27,12 @@ fn panda(search: Search) -> Panda {
     }
 }
 
+/// A configuration within an arm's limits.
+pub(crate) fn drawn(arm: &Arm, random: &mut Random) -> Vec<f64> {
+    let limits = arm.limits();
+    limits.map(|l| random.within(l.lower, l.upper)).collect()
+}
+
 impl Panda {
     fn among(self, world: &World, margin: f64) -> Self {
         let checker = self.checker.with_world(world).unwrap();
@@ -39,8 +45,7 @@ impl Panda {
     }
 
     fn drawn(&self, random: &mut Random) -> Vec<f64> {
-        let limits = self.arm.limits();
-        limits.map(|l| random.within(l.lower, l.upper)).collect()
+        drawn(&self.arm, random)
     }
 
     /// A configuration that touches nothing.
@@ -463,10 +468,7 @@ fn pairs_that_are_added_after_the_spheres_were_made_are_kept_apart_too() {
     let mut random = Random::new(8);
     let mut touching = 0;
     for _ in 0..cases(200, 60) {
-        let q: Vec<f64> = arm
-            .limits()
-            .map(|l| random.within(l.lower, l.upper))
-            .collect();
+        let q = drawn(&arm, &mut random);
         if arm.collisions(&q).unwrap().is_empty() {
             continue;
         }
@@ -493,10 +495,7 @@ fn joints_that_the_arm_locks_stand_where_it_locks_them() {
     for _ in 0..cases(300, 60) {
         let checker = checker.clone().with_world(&cluttered(&mut random)).unwrap();
         arm = arm.with_checker(&checker, &q_model).unwrap();
-        let q: Vec<f64> = arm
-            .limits()
-            .map(|l| random.within(l.lower, l.upper))
-            .collect();
+        let q = drawn(&arm, &mut random);
         let solution = arm.solve(arm.base_from_tool(&q).unwrap(), &q).unwrap();
         let touched = arm.collisions(&solution.q).unwrap();
         reached += usize::from(solution.reached);

@@ -9,6 +9,8 @@ use support::arms::robot;
 use support::random::Random;
 use support::sample::cases;
 
+use crate::arms_keep_clear::drawn;
+
 /// How far the arm is from both of two balls, metres.
 const ROOM: f64 = 3e-4;
 const BALL: f64 = 0.6;
@@ -23,13 +25,9 @@ fn an_elbow_comes_between_two_balls() {
     let plain = Arm::builder(&robot, "base", "flange").with_search(Search::Start);
     let plain = plain.build().unwrap();
     let mut random = Random::new(21);
-    let mut drawn = || -> Vec<f64> {
-        let limits = plain.limits();
-        limits.map(|l| random.within(l.lower, l.upper)).collect()
-    };
     let (mut asked, mut reached) = (0, 0);
     while asked < cases(200, 25) {
-        let (goal, start) = (drawn(), drawn());
+        let [goal, start] = [(); 2].map(|()| drawn(&plain, &mut random));
         let mut q = rest.clone();
         plain.configuration(&goal, &mut q).unwrap();
         let mut kinematics = ForwardKinematics::<f64>::new(model);

@@ -8,11 +8,13 @@ use support::arms::robot;
 use support::random::Random;
 use support::sample::cases;
 
+use crate::arms_keep_clear::drawn;
+
 /// So few attempts that all of them may be looked at by their shapes.
 const ATTEMPTS: u32 = 32;
 
-fn boxes(random: &mut Random) -> World {
-    let mut world = World::new();
+/// Boxes about an arm.
+pub(crate) fn add_boxes(world: &mut World, random: &mut Random) {
     for index in 0..6 {
         let around = random.within(-3.1, 3.1);
         let (far, high) = (random.within(0.4, 0.8), random.within(0.1, 1.0));
@@ -20,7 +22,6 @@ fn boxes(random: &mut Random) -> World {
         let added = world.add_box(&format!("box {index}"), [0.15; 3], place);
         added.unwrap();
     }
-    world
 }
 
 /// The answers of an arm with coarse spheres and of one without any, to the same questions.
@@ -35,18 +36,15 @@ fn same_answers(search: Search) {
     let mut random = Random::new(9);
     let (mut told, mut unclear) = (0, 0);
     for _ in 0..cases(60, 12) {
-        let world = boxes(&mut random);
+        let mut world = World::new();
+        add_boxes(&mut world, &mut random);
         let arms = [&alone, &covered].map(|checker| {
             let builder = Arm::builder(&robot, "base", "flange").with_search(search);
             let arm = builder.with_attempts(ATTEMPTS).build().unwrap();
             let checker = checker.clone().with_world(&world).unwrap();
             arm.with_checker(&checker, &rest).unwrap()
         });
-        let mut drawn = || -> Vec<f64> {
-            let limits = arms[0].limits();
-            limits.map(|l| random.within(l.lower, l.upper)).collect()
-        };
-        let (goal, start) = (drawn(), drawn());
+        let [goal, start] = [(); 2].map(|()| drawn(&arms[0], &mut random));
         let target: Placement<f64> = arms[0].base_from_tool(&goal).unwrap();
         let [by_shapes, by_both] = arms.each_ref().map(|arm| {
             let all = arm.solve_all(target, &start).unwrap();

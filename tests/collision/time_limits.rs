@@ -14,6 +14,8 @@ use kinopt::{Problem, Solver};
 use support::random::Random;
 use support::sample::cases;
 
+use crate::arms_keep_clear::drawn;
+
 /// Lanes of the widest group: iterations in one lock step.
 const LOCK_STEP: usize = 8;
 /// Attempts that are compared between two looks at the clock, and the most iterations of one.
@@ -50,10 +52,7 @@ fn ends_at_once(search: Search, with_spheres: bool, most: (usize, usize)) {
     let patient = arm(|builder| builder);
     let mut random = Random::new(71);
     for _ in 0..cases(6, 2) {
-        let start: Vec<f64> = hurried
-            .limits()
-            .map(|l| random.within(l.lower, l.upper))
-            .collect();
+        let start = drawn(&hurried, &mut random);
         let target = hurried.base_from_tool(&start).unwrap();
         let [cut, whole] = [&hurried, &patient].map(|arm| arm.solve(target, &start).unwrap());
         assert_eq!(cut.termination, Termination::TimeLimit, "{search:?}");

@@ -9,6 +9,9 @@ use support::arms::robot;
 use support::random::Random;
 use support::sample::cases;
 
+use crate::arms_keep_clear::drawn;
+use crate::spheres_change_no_answer::add_boxes;
+
 struct Panda {
     checker: Checker,
     rest: Vec<f64>,
@@ -56,11 +59,6 @@ fn floor(height: f64) -> World {
     let place = Placement::translation(Vector3::new(0.0, 0.0, height));
     world.add("floor", Shape::half_space(), place).unwrap();
     world
-}
-
-fn drawn(arm: &Arm, random: &mut Random) -> Vec<f64> {
-    let limits = arm.limits();
-    limits.map(|l| random.within(l.lower, l.upper)).collect()
 }
 
 #[test]
@@ -114,14 +112,7 @@ fn a_plain_answer_that_touches_nothing_stays_the_answer() {
     let (mut kept, mut by_shapes) = (0, 0);
     for _ in 0..cases(500, 100) {
         let mut world = floor(-0.1);
-        for index in 0..6 {
-            let around = random.within(-3.1, 3.1);
-            let (far, high) = (random.within(0.4, 0.8), random.within(0.1, 1.0));
-            let place = Vector3::new(far * around.cos(), far * around.sin(), high);
-            world
-                .add_box(&format!("box {index}"), [0.15; 3], place)
-                .unwrap();
-        }
+        add_boxes(&mut world, &mut random);
         let arm = panda.among(&world);
         let (goal, start) = (drawn(&arm, &mut random), drawn(&arm, &mut random));
         let target = arm.base_from_tool(&goal).unwrap();

@@ -23,7 +23,8 @@ pub(super) struct Spent {
 impl Arm {
     /// Moves the workspace's x, whose worst pair is `worst` metres apart, along the freedom that the target leaves until it is free, by
     /// compass search (Kolda, Lewis & Torczon 2003, "Optimization by direct search", algorithm 3): a step either way along each
-    /// direction, to the first place that touches less, and half as long where there is none; `most` attempts are made. Whether it is free; and what that took.
+    /// direction, to the first place that touches less, and half as long where there is none; `most` attempts are made. Whether it is
+    /// free; and what that took.
     pub(super) fn free_along_freedom(
         &self,
         kept: &KeepClear,
@@ -53,14 +54,8 @@ impl Arm {
                     {
                         continue;
                     }
-                    tried.push(
-                        workspace
-                            .trial
-                            .iter()
-                            .zip(&at)
-                            .map(|(to, at)| to - at)
-                            .collect(),
-                    );
+                    let way = workspace.trial.iter().zip(&at).map(|(to, at)| to - at);
+                    tried.push(way.collect());
                     let Some(lanes) = self.lanes_within(&workspace.bounded_lanes) else {
                         return Ok((false, spent));
                     };
@@ -101,9 +96,12 @@ impl Arm {
         joint: usize,
         by: f64,
     ) -> bool {
-        let mut motion = vec![0.0; from.len()];
+        // Lent for the motion, so that nothing is allocated.
+        let mut motion = std::mem::take(&mut workspace.trial);
+        motion.fill(0.0);
         motion[joint] = by;
         workspace.project_to_null(from, &motion, 0.0);
+        workspace.trial = motion;
         let squares = workspace.projected.iter().map(|by| by * by);
         let length = squares.sum::<f64>().sqrt();
         if length < 1e-3 * by.abs() {
@@ -125,7 +123,7 @@ impl Arm {
     }
 }
 
-/// Whether a place lies about as far along a direction that is known, or against it where that is known too.
+/// Whether the way from one place to another goes about along one that is known.
 fn is_along(known: &[f64], place: &[f64], from: &[f64]) -> bool {
     let (mut product, mut squares) = (0.0, [0.0; 2]);
     for ((known, place), from) in known.iter().zip(place).zip(from) {

@@ -240,6 +240,12 @@ impl KeepClear {
         Ok(!self.spheres_decide() && !self.never_free && self.is_free(arm, room, q)?)
     }
 
+    /// Whether one configuration is free: by its spheres, or where these do not tell by its shapes.
+    fn is_clear(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Result<bool, QueryError> {
+        let by_spheres = self.surely_free(arm, room, q)? & 1 != 0;
+        Ok(by_spheres || self.is_free_by_shapes(arm, room, q)?)
+    }
+
     /// Which of up to eight configurations, bit by bit, are surely free: their spheres are, or without spheres all shapes.
     fn surely_free(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Result<u32, QueryError> {
         let n = arm.joint_count();

@@ -30,10 +30,7 @@ impl Arm {
     ) -> Result<(Found, Errors), QueryError> {
         let (mut found, mut errors) = self.answer_anywhere(query, solution)?;
         self.with_room(kept, |workspace, room| {
-            let q = &solution.q;
-            let free = found.reached
-                && (kept.surely_free(self, room, q)? & 1 != 0
-                    || kept.is_free_by_shapes(self, room, q)?);
+            let free = found.reached && kept.is_clear(self, room, &solution.q)?;
             if found.reached && !free {
                 workspace.x.copy_from_slice(&solution.q);
                 self.search_free(kept, workspace, room, query, &mut found)?;
@@ -269,8 +266,7 @@ impl Arm {
         let mut order = std::mem::take(&mut workspace.order);
         let mut free = Vec::with_capacity(order.len());
         for (distance, place) in order.drain(..) {
-            let q = workspace.found_at(place);
-            if kept.surely_free(self, room, q)? & 1 != 0 || kept.is_free_by_shapes(self, room, q)? {
+            if kept.is_clear(self, room, workspace.found_at(place))? {
                 free.push((distance, place));
             }
         }
