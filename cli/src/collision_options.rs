@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use kinopt::collision::{CollisionModel, MeshUse};
+use kinopt::collision::{Checker, CollisionModel, MeshUse, SphereModel};
 use kinopt::robot::Robot;
 
 use crate::failure::Outcome;
@@ -49,6 +49,39 @@ pub(crate) struct ShapeOptions {
     /// Leave meshes out that are not found, each with a note. Default: refuse the robot.
     #[arg(long, help_heading = COLLISIONS, hide_short_help = true)]
     leave_out_meshes: bool,
+}
+
+/// Spheres that cover a robot's shapes.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct SphereOption {
+    /// Spheres that cover the robot's shapes, by which configurations are looked through first. Default: made anew.
+    ///
+    /// As `kinopt spheres` writes them, or others: cuRobo's collision_spheres (.yml), or a robot's URDF of spheres. They are grown
+    /// by the gaps that they leave, so that no answer touches anything. Made anew they stick out by at most a tenth of the largest
+    /// shape, which takes up to seconds where shapes are meshes.
+    #[arg(long = "sphere-model", value_name = "FILE", help_heading = COLLISIONS, hide_short_help = true)]
+    file: Option<PathBuf>,
+}
+
+impl SphereOption {
+    pub(crate) fn is_given(&self) -> bool {
+        self.file.is_some()
+    }
+
+    /// What keeps a robot's shapes apart, but for pairs that random configurations never or always have touching.
+    pub(crate) fn checker(&self, model: CollisionModel) -> Outcome<Checker> {
+        let Some(file) = &self.file else {
+            return Ok(Checker::sampled(model));
+        };
+        let spheres = SphereModel::read(file, &model)?;
+        if spheres.gap() > 0.0 {
+            let (file, millimetres) = (file.display(), 1e3 * spheres.gap());
+            output::message(&format!(
+                "note: {file}: the spheres leave up to {millimetres:.3} mm of the shapes uncovered, and are grown by that"
+            ));
+        }
+        Ok(Checker::sampled_with_spheres(model, spheres))
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -1,8 +1,15 @@
 //! Promise: sphere models are read and written as others have them.
 
-use kinopt::collision::{CollisionModel, Fineness, SphereModel};
+use kinopt::Arm;
+use kinopt::collision::{Checker, CollisionModel, Fineness, SphereModel, World};
 use kinopt::robot::Robot;
+use kinopt::spatial::Vector3;
 use support::arms::robot;
+use support::random::Random;
+use support::sample::cases;
+
+use crate::arms_keep_clear::drawn;
+use crate::spheres_change_no_answer::add_boxes;
 
 /// As in cuRobo's own files: nested, with comments, flow and block style, and a sphere that is turned off.
 const CUROBO: &str = "
@@ -122,4 +129,101 @@ fn disabled_pairs_go_through_srdf() {
     );
     let srdf = kinopt::robot::Srdf::parse(&text, "panda.srdf", &robot).unwrap();
     assert_eq!(shapes.with_srdf(&srdf).pairs(), edited.pairs());
+}
+
+/// Spheres of a Panda, a third of each too small, as a file.
+fn small_spheres(shapes: &CollisionModel) -> String {
+    let spheres = SphereModel::of(shapes, Fineness::Overhang(0.03)).unwrap();
+    let mut text = "collision_spheres:\n".to_owned();
+    for group in spheres.groups() {
+        text.push_str(&format!("  {}:\n", group.name));
+        for ball in &group.spheres {
+            let [x, y, z] = ball.centre.to_array();
+            let radius = 0.67 * ball.radius;
+            text.push_str(&format!(
+                "    - {{center: [{x}, {y}, {z}], radius: {radius}}}\n"
+            ));
+        }
+    }
+    text
+}
+
+#[test]
+fn what_spheres_leave_uncovered_is_told_and_never_less_than_it_is() {
+    let shapes = CollisionModel::of(&robot("franka_panda")).unwrap();
+    let text = small_spheres(&shapes);
+    let small = SphereModel::parse(text.as_bytes(), "s.yml", &shapes).unwrap();
+    let mut random = Random::new(5);
+    for group in small.groups() {
+        let mut farthest = f64::NEG_INFINITY;
+        for object in shapes.objects_of(group.link) {
+            let bounds = object.shape.bounding_sphere();
+            for _ in 0..cases(20_000, 2_000) {
+                // Of points about the shape the nearest ones on it.
+                let about = [(); 3].map(|()| bounds.radius * random.within(-1.2, 1.2));
+                let point = bounds.centre + Vector3::from(about);
+                let depth = -object.shape.signed_distance(point);
+                if depth < 0.0 {
+                    continue;
+                }
+                let at = object.link_from_shape.apply(point);
+                let each = group.spheres.iter();
+                let out = each.map(|ball| (at - ball.centre).norm() - ball.radius);
+                farthest = farthest.max(out.fold(f64::INFINITY, f64::min));
+            }
+        }
+        assert!(
+            farthest <= group.gap,
+            "{}: {farthest} {}",
+            group.name,
+            group.gap
+        );
+        assert!(
+            group.gap < farthest + 0.02,
+            "{}: {farthest} {}",
+            group.name,
+            group.gap
+        );
+    }
+    assert!(small.gap() > 0.01);
+    // Those that cover leave none, of whatever shape.
+    for name in ["franka_panda", "universal_ur5e", "kuka_iiwa14"] {
+        let shapes = CollisionModel::of(&robot(name)).unwrap();
+        let spheres = SphereModel::of(&shapes, Fineness::Overhang(0.03)).unwrap();
+        let again = SphereModel::parse(spheres.to_yaml().as_bytes(), "s.yml", &shapes).unwrap();
+        assert_eq!((again.gap(), spheres.gap()), (0.0, 0.0), "{name}");
+    }
+}
+
+#[test]
+fn an_arm_whose_spheres_leave_gaps_answers_by_its_shapes_all_the_same() {
+    let robot = robot("franka_panda");
+    let shapes = CollisionModel::of(&robot).unwrap();
+    let shapes = shapes.with_pairs_sampled(300, 1).unwrap();
+    let text = small_spheres(&shapes);
+    let small = SphereModel::parse(text.as_bytes(), "s.yml", &shapes).unwrap();
+    let alone = Checker::new(shapes);
+    let rest = robot.model().neutral();
+    let mut random = Random::new(11);
+    let (mut reached, mut room) = (0, alone.workspace());
+    for _ in 0..cases(60, 15) {
+        let mut world = World::new();
+        add_boxes(&mut world, &mut random);
+        let by_shapes = alone.clone().with_world(&world).unwrap();
+        let covered = by_shapes.clone().with_spheres(small.clone());
+        let arm = Arm::new(&robot, "base", "flange").unwrap();
+        let arm = arm.with_checker(&covered, &rest).unwrap();
+        for _ in 0..4 {
+            let [goal, start] = [(); 2].map(|()| drawn(&arm, &mut random));
+            let target = arm.base_from_tool(&goal).unwrap();
+            let solution = arm.solve(target, &start).unwrap();
+            if solution.reached {
+                let mut q = rest.clone();
+                arm.configuration(&solution.q, &mut q).unwrap();
+                assert!(by_shapes.is_free(&mut room, &q).unwrap());
+                reached += 1;
+            }
+        }
+    }
+    assert!(reached > 20, "{reached}");
 }

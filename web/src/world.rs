@@ -176,6 +176,16 @@ impl CollisionModel {
         Ok(Self { checker })
     }
 
+    /// The same with spheres of a file's text by which configurations are looked through: cuRobo's `collision_spheres`, or the spheres of
+    /// a spherised URDF; `file` is its name, which says the format. They are grown by the gaps that they leave.
+    #[wasm_bindgen(js_name = withSpheres)]
+    pub fn with_spheres(&self, text: &str, file: &str) -> Result<Self, JsError> {
+        let model = self.checker.model();
+        let spheres = collision::SphereModel::parse(text.as_bytes(), file, model).map_err(raise)?;
+        let checker = self.checker.clone().with_spheres(spheres);
+        Ok(Self { checker })
+    }
+
     /// The links that have shapes.
     #[wasm_bindgen(getter)]
     pub fn links(&self) -> Vec<String> {

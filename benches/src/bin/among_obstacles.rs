@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let text = |key: &str| asked[key].as_str().ok_or(format!("`{key}` is missing"));
     let robot = Robot::read(text("robot")?)?;
     let model = CollisionModel::of(&robot)?.with_srdf(&Srdf::read(text("srdf")?, &robot)?);
-    let checker = Checker::new(model).with_margin(asked["margin"].as_f64().unwrap_or(0.0))?;
+    let checker = Checker::covered(model).with_margin(asked["margin"].as_f64().unwrap_or(0.0))?;
     let (base, tip) = (text("base")?, text("tip")?);
     let plain = Arm::new(&robot, base, tip)?;
     let rounds = asked["rounds"].as_u64().unwrap_or(5);

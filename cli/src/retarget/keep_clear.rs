@@ -7,7 +7,7 @@ use kinopt::motion::retarget::Retargeted;
 use kinopt::motion::retarget::folder::FolderQuestion;
 
 use super::target::Target;
-use crate::collision_options::ShapeOptions;
+use crate::collision_options::{ShapeOptions, SphereOption};
 use crate::failure::Outcome;
 use crate::help_headings::COLLISIONS;
 use crate::number_list::not_negative;
@@ -25,6 +25,9 @@ pub(super) struct KeepClearOptions {
 
     #[command(flatten)]
     shapes: ShapeOptions,
+
+    #[command(flatten)]
+    spheres: SphereOption,
 }
 
 impl KeepClearOptions {
@@ -51,7 +54,7 @@ impl KeepClearOptions {
                 target.loaded.kind()
             ));
         }
-        let checker = Checker::sampled(self.shapes.model(&target.robot)?);
+        let checker = self.spheres.checker(self.shapes.model(&target.robot)?)?;
         Ok(Some(checker.with_margin(margin)?))
     }
 }

@@ -7,7 +7,7 @@ use kinopt::arm::Arm;
 use kinopt::collision::{Checker, CollisionModel, World};
 use kinopt::robot::{Robot, Srdf};
 
-use crate::collision_options::ShapeOptions;
+use crate::collision_options::{ShapeOptions, SphereOption};
 use crate::failure::Outcome;
 use crate::help_headings::{COLLISIONS, TARGETS};
 use crate::loaded_model::LoadedModel;
@@ -33,13 +33,21 @@ pub(crate) struct ObstacleArguments {
 
     #[command(flatten)]
     shapes: ShapeOptions,
+
+    #[command(flatten)]
+    spheres: SphereOption,
 }
 
 impl ObstacleArguments {
     /// The first of the options that was given.
     pub(super) fn given(&self) -> Option<&'static str> {
-        let world = self.world.as_ref().map(|_| "--world");
-        world.or(self.margin.map(|_| "--margin"))
+        let given = [
+            (self.world.is_some(), "--world"),
+            (self.margin.is_some(), "--margin"),
+            (self.spheres.is_given(), "--sphere-model"),
+        ];
+        let mut given = given.into_iter();
+        given.find(|(given, _)| *given).map(|(_, name)| name)
     }
 
     /// What is to be kept clear of, if anything is: a robot by its collision shapes, a figure by capsules along its bones.
@@ -55,7 +63,17 @@ impl ObstacleArguments {
             None => World::new(),
         };
         let checker = match &loaded.robot {
-            Some(robot) => Checker::sampled(self.of_robot(robot, loaded.srdf.as_deref())?),
+            Some(robot) => {
+                let model = self.of_robot(robot, loaded.srdf.as_deref())?;
+                self.spheres.checker(model)?
+            }
+            None if self.spheres.is_given() => {
+                return Err(usage!(
+                    "--sphere-model is for robots with collision shapes, and {} is a {}",
+                    loaded.file,
+                    loaded.kind()
+                ));
+            }
             None => Checker::new(of_figure(loaded, option)?),
         };
         let checker = checker.with_world(&world)?;

@@ -23,12 +23,14 @@ use crate::world::Obstacle;
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct CollisionModel {
     pub(crate) inner: Arc<collision::CollisionModel>,
+    /// Those that were given; without any they are made where they are needed.
+    pub(crate) spheres: Option<Arc<collision::SphereModel>>,
 }
 
 impl From<collision::CollisionModel> for CollisionModel {
     fn from(inner: collision::CollisionModel) -> Self {
-        let inner = Arc::new(inner);
-        Self { inner }
+        let (inner, spheres) = (Arc::new(inner), None);
+        Self { inner, spheres }
     }
 }
 
@@ -43,6 +45,15 @@ pub(crate) struct Taking {
 }
 
 impl CollisionModel {
+    /// What keeps its shapes apart, in a world without obstacles.
+    pub(crate) fn checker(&self) -> collision::Checker {
+        let model = collision::CollisionModel::clone(&self.inner);
+        match &self.spheres {
+            Some(spheres) => collision::Checker::new(model).with_spheres((**spheres).clone()),
+            None => collision::Checker::covered(model),
+        }
+    }
+
     pub(crate) fn of(robot: &kinopt::robot::Robot, taking: &Taking) -> PyResult<Self> {
         let meshes = match taking.meshes.as_str() {
             "hull" => MeshUse::Hull,
@@ -63,6 +74,14 @@ impl CollisionModel {
             builder = builder.leaving_out_missing_meshes();
         }
         Ok(builder.build().or_raise()?.into())
+    }
+
+    /// The same with other pairs of links.
+    fn changed(&self, inner: collision::CollisionModel) -> Self {
+        Self {
+            inner: Arc::new(inner),
+            spheres: self.spheres.clone(),
+        }
     }
 
     fn names(&self, links: &[kinopt::model::FrameId]) -> Vec<String> {
@@ -150,7 +169,7 @@ impl CollisionModel {
     /// Raises `UnknownNameError` for a link without shapes.
     fn with_ignored(&self, first: &str, second: &str) -> PyResult<Self> {
         let model = collision::CollisionModel::clone(&self.inner);
-        Ok(model.with_ignored(first, second).or_raise()?.into())
+        Ok(self.changed(model.with_ignored(first, second).or_raise()?))
     }
 
     /// The same model with these two links kept apart.
@@ -158,7 +177,7 @@ impl CollisionModel {
     /// Raises `UnknownNameError` for a link without shapes.
     fn with_checked(&self, first: &str, second: &str) -> PyResult<Self> {
         let model = collision::CollisionModel::clone(&self.inner);
-        Ok(model.with_checked(first, second).or_raise()?.into())
+        Ok(self.changed(model.with_checked(first, second).or_raise()?))
     }
 
     /// The same model without the pairs that an SRDF file disables.
@@ -173,7 +192,7 @@ impl CollisionModel {
             )));
         }
         let model = collision::CollisionModel::clone(&self.inner);
-        Ok(model.with_srdf(srdf.inner()).into())
+        Ok(self.changed(model.with_srdf(srdf.inner())))
     }
 
     /// The same model without the pairs that touch in none of so many random configurations, or in at least 95 %.
@@ -183,7 +202,7 @@ impl CollisionModel {
     fn with_pairs_sampled(&self, py: Python<'_>, samples: u64, seed: u64) -> PyResult<Self> {
         let model = collision::CollisionModel::clone(&self.inner);
         let sampled = py.detach(|| model.with_pairs_sampled(samples, seed));
-        Ok(sampled.or_raise()?.into())
+        Ok(self.changed(sampled.or_raise()?))
     }
 
     /// The same model without the pairs that touch at a configuration, shape (nq,).
@@ -192,7 +211,7 @@ impl CollisionModel {
     fn with_touching_ignored(&self, q: &Bound<'_, PyAny>) -> PyResult<Self> {
         let q = arrays::vector_of(q, "q", self.inner.model().configuration_len())?;
         let model = collision::CollisionModel::clone(&self.inner);
-        Ok(model.with_touching_ignored(&q).or_raise()?.into())
+        Ok(self.changed(model.with_touching_ignored(&q).or_raise()?))
     }
 
     /// An SRDF document that disables every pair of links with shapes that is not kept apart.
@@ -220,14 +239,27 @@ impl CollisionModel {
         Ok(spheres.or_raise()?.into())
     }
 
+    /// The same model with spheres by which its configurations are looked through, instead of those that are made anew where it is given
+    /// to an `Arm` or a `Problem`. They are grown by the gaps that they leave, so that nothing is called free that is not.
+    fn with_spheres(&self, spheres: &SphereModel) -> Self {
+        Self {
+            inner: Arc::clone(&self.inner),
+            spheres: Some(Arc::clone(&spheres.inner)),
+        }
+    }
+
     #[classmethod]
     fn _rebuild(_class: &Bound<'_, PyType>, json: &str) -> PyResult<Self> {
-        let inner: collision::CollisionModel = serde_json::from_str(json).or_raise()?;
-        Ok(inner.into())
+        type Parts = (collision::CollisionModel, Option<collision::SphereModel>);
+        let (inner, spheres): Parts = serde_json::from_str(json).or_raise()?;
+        Ok(Self {
+            inner: Arc::new(inner),
+            spheres: spheres.map(Arc::new),
+        })
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        pickling::by_json::<Self>(py, &*self.inner)
+        pickling::by_json::<Self>(py, &(&*self.inner, self.spheres.as_deref()))
     }
 
     fn __repr__(&self) -> String {

@@ -1,7 +1,5 @@
 //! What is kept clear of: the options `world`, `margin` and `collision_model` of arms and problems.
 
-use std::sync::Arc;
-
 use kinopt::collision::{Checker, CollisionModel as Shapes};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -17,7 +15,7 @@ use crate::world::World;
 pub(crate) struct Obstacles {
     world: Option<kinopt::collision::World>,
     margin: Option<f64>,
-    model: Option<Arc<Shapes>>,
+    shapes: Option<Checker>,
 }
 
 impl Obstacles {
@@ -33,13 +31,13 @@ impl Obstacles {
         });
         let margin = given("margin")?.map(|value| number(&value, "margin"));
         let model = given("collision_model")?.map(|value| match value.cast::<CollisionModel>() {
-            Ok(model) => Ok(Arc::clone(&model.get().inner)),
+            Ok(model) => Ok(model.get().checker()),
             Err(_) => Err(invalid(format!(
                 "collision_model must be a kinopt.CollisionModel, not {value}"
             ))),
         });
         Ok(Self {
-            model: model.transpose()?,
+            shapes: model.transpose()?,
             world: world.transpose()?,
             margin: margin.transpose()?,
         })
@@ -48,11 +46,11 @@ impl Obstacles {
     /// The checker of a robot, of a rig with a skin, or of anything with shapes that were given; none where there is nothing to keep
     /// clear of.
     pub(crate) fn checker(&self, of: &Bound<'_, PyAny>) -> PyResult<Option<Checker>> {
-        if self.world.is_none() && self.margin.is_none() && self.model.is_none() {
+        if self.world.is_none() && self.margin.is_none() && self.shapes.is_none() {
             return Ok(None);
         }
-        let checker = if let Some(model) = &self.model {
-            Checker::covered((**model).clone())
+        let checker = if let Some(shapes) = &self.shapes {
+            shapes.clone()
         } else if let Ok(robot) = of.cast::<Robot>() {
             robot.get().checker()?
         } else if let Ok(rig) = of.cast::<Rig>() {

@@ -34,7 +34,8 @@ fn numbers(Ball { centre, radius }: &Ball) -> [f64; 4] {
 #[pymethods]
 impl SphereModel {
     /// Reads spheres that others made: cuRobo's `collision_spheres` (`.yml`, `.yaml`), or the spheres of a spherised URDF as
-    /// foam and VAMP have it. They are taken as they are; how far they stick out of the model's shapes is measured.
+    /// foam and VAMP have it. They are taken as they are; how far they stick out of the model's shapes is measured, and how much of
+    /// those they leave uncovered.
     ///
     /// Raises `FileError` where it cannot be read, `InvalidFileError` for what is wrong in it, a link that the model does
     /// not have among it.
@@ -59,6 +60,12 @@ impl SphereModel {
     #[getter]
     fn overhang(&self) -> f64 {
         self.inner.overhang()
+    }
+
+    /// No point of the shapes lies farther outside all spheres of its link, in metres: 0 where they cover all shapes.
+    #[getter]
+    fn gap(&self) -> f64 {
+        self.inner.gap()
     }
 
     /// By link: an array of shape (N, 4), x, y, z and the radius of each sphere in the link's frame, metres.

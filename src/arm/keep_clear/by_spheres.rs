@@ -7,7 +7,8 @@ use crate::collision::in_lanes::CHECKED;
 impl Arm {
     /// Which configurations of the arm, one after another in `q`, are surely clear: the spheres that cover its links come nowhere
     /// nearer than the margin. Eight are checked at once in SIMD lanes, which is some twenty times as fast as
-    /// [`collisions`](Self::collisions); where the spheres stick out of the shapes, one that is not clear by them may still be free.
+    /// [`collisions`](Self::collisions); where the spheres stick out of the shapes, one that is not clear by them may still be free. Links
+    /// that stand so near each other that their spheres nearly always meet, as a wrist's, are told apart by their shapes.
     /// Where there are no spheres, or what they cannot say is asked (an attached obstacle), the shapes decide. All are clear where the arm
     /// has no [checker](Self::with_checker).
     ///
@@ -42,10 +43,12 @@ impl Arm {
         self.with_room(kept, |_, room| {
             let n = self.joint_count();
             for (group, several) in q.chunks(CHECKED * n).enumerate() {
-                let sure = kept.surely_free(self, room, several)?;
+                let by_spheres = kept.free_by_spheres(self, room, several)?;
                 for (lane, q) in several.chunks_exact(n).enumerate() {
-                    let is_free = sure >> lane & 1 != 0
-                        || by_shapes && kept.is_free_by_shapes(self, room, q)?;
+                    let is_free = match by_spheres >> lane & 1 != 0 {
+                        true => kept.close_are_apart(self, room, q)?,
+                        false => by_shapes && kept.is_free_by_shapes(self, room, q)?,
+                    };
                     if !is_free {
                         each(group * CHECKED + lane);
                     }

@@ -33,6 +33,8 @@ pub(super) struct KeepClear {
     never_free: bool,
     /// Where the chain can be placed in lanes and there are spheres.
     lanes: Option<InLanes>,
+    /// Pairs of links that lanes leave out, by their places in the checker's model: they are too close for spheres to tell.
+    close_pairs: Vec<[usize; 2]>,
 }
 
 /// Spheres and solids in the base's frame.
@@ -173,7 +175,10 @@ impl KeepClear {
         let lanes = chain
             .zip(checker.spheres())
             .and_then(|(chain, spheres)| InLanes::new(chain, &q, &placed, &own, checker, spheres));
+        let joints_to = |place: usize| own.joints_to(checker.model().links().get(place).copied());
+        let moves = |pair: &&[usize; 2]| joints_to(pair[0]) != joints_to(pair[1]);
         Ok(Self {
+            close_pairs: (checker.close_pairs().iter().filter(moves).copied()).collect(),
             cautious: checker
                 .clone()
                 .with_margin(path_steps::cautious(checker.margin()))?,
@@ -242,12 +247,36 @@ impl KeepClear {
 
     /// Whether one configuration is free: by its spheres, or where these do not tell by its shapes.
     fn is_clear(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Result<bool, QueryError> {
-        let by_spheres = self.surely_free(arm, room, q)? & 1 != 0;
-        Ok(by_spheres || self.is_free_by_shapes(arm, room, q)?)
+        let by_spheres = self.free_by_spheres(arm, room, q)? & 1 != 0;
+        match by_spheres {
+            true => self.close_are_apart(arm, room, q),
+            false => self.is_free_by_shapes(arm, room, q),
+        }
     }
 
-    /// Which of up to eight configurations, bit by bit, are surely free: their spheres are, or without spheres all shapes.
-    fn surely_free(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Result<u32, QueryError> {
+    /// Whether one that is free by its spheres is so by the shapes of those links too that are too close for spheres.
+    fn close_are_apart(
+        &self,
+        arm: &Arm,
+        room: &mut ClearRoom,
+        q: &[f64],
+    ) -> Result<bool, QueryError> {
+        if self.close_pairs.is_empty() || self.lanes.is_none() {
+            return Ok(true);
+        }
+        arm.configuration(q, &mut room.q_model)?;
+        let (pairs, exact) = (&self.close_pairs, &mut room.exact);
+        Ok(self.checker.are_apart(pairs, exact, &room.q_model)?)
+    }
+
+    /// Which of up to eight configurations, bit by bit, are free by their spheres but for [close pairs](Self::close_are_apart), or without
+    /// spheres by all shapes.
+    fn free_by_spheres(
+        &self,
+        arm: &Arm,
+        room: &mut ClearRoom,
+        q: &[f64],
+    ) -> Result<u32, QueryError> {
         let n = arm.joint_count();
         if self.never_free {
             return Ok(0);
@@ -345,11 +374,13 @@ impl InLanes {
         let counts = |pair: &[usize; 2]| bodies[pair[0]].0.joints != bodies[pair[1]].0.joints;
         // The checker's own pairs and links: spheres may have been made before those were changed.
         let model = checker.model();
+        let close = checker.close_pairs();
+        let close = |pair: &&[FrameId; 2]| close.contains(&pair.map(|link| model.place_of(link)));
         let place = |link: &FrameId| spheres.groups().iter().position(|g| g.link == *link);
         if !model.links().iter().all(|link| place(link).is_some()) {
             return None;
         }
-        let pairs = model.pairs().iter();
+        let pairs = model.pairs().iter().filter(|pair| !close(pair));
         let pairs = pairs.filter_map(|[a, b]| Some([place(a)?, place(b)?]));
         let pairs = pairs.filter(counts).collect();
         let obstacles = checker.world().obstacles();

@@ -181,7 +181,8 @@ impl Arm {
             }
             for first in gathered.clone().step_by(CHECKED) {
                 let group = first..(first + CHECKED).min(gathered.end);
-                let bits = kept.surely_free(self, room, &seeds[group.start * n..group.end * n])?;
+                let bits =
+                    kept.free_by_spheres(self, room, &seeds[group.start * n..group.end * n])?;
                 for place in group {
                     if bits >> (place - first) & 1 != 0 {
                         seeds.copy_within(place * n..(place + 1) * n, free * n);
@@ -232,15 +233,18 @@ impl Arm {
             for (_, place) in group {
                 several.extend_from_slice(workspace.found_at(*place));
             }
-            let free = kept.surely_free(self, room, &several)?;
-            let sure = (free.trailing_zeros() as usize).min(group.len());
-            first = group.get(sure).map(|(_, place)| *place);
-            for (_, place) in &group[..sure.min(room.by_shapes)] {
-                if query.is_late() {
-                    break;
-                }
-                room.by_shapes -= 1;
-                if kept.is_free_by_shapes(self, room, workspace.found_at(*place))? {
+            let by_spheres = kept.free_by_spheres(self, room, &several)?;
+            for (lane, (_, place)) in group.iter().enumerate() {
+                let q = workspace.found_at(*place);
+                let free = if by_spheres >> lane & 1 != 0 {
+                    kept.close_are_apart(self, room, q)?
+                } else if room.by_shapes > 0 && !query.is_late() {
+                    room.by_shapes -= 1;
+                    kept.is_free_by_shapes(self, room, q)?
+                } else {
+                    false
+                };
+                if free {
                     first = Some(*place);
                     break;
                 }

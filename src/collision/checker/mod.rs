@@ -1,6 +1,7 @@
 //! Whether a robot keeps clear of a world and of itself.
 
 mod clearance;
+mod close_pairs;
 mod continuous_check;
 mod error;
 mod keep_clear;
@@ -57,6 +58,8 @@ pub struct Checker {
     world: World,
     margin: f64,
     scene: Arc<Scene>,
+    /// Links whose spheres nearly always meet, by their places in the model.
+    close_pairs: Arc<[[usize; 2]]>,
 }
 
 impl Checker {
@@ -72,17 +75,21 @@ impl Checker {
             spheres,
             world,
             margin: 0.0,
+            close_pairs: Arc::default(),
         }
     }
 
     /// The same with spheres that cover the robot's shapes, by which [arms](crate::Arm) check eight configurations at once,
-    /// and which tell most pairs of links apart before their shapes are looked at.
+    /// and which tell most pairs of links apart before their shapes are looked at. Those of a model that leaves [gaps](SphereModel::gap)
+    /// are grown by them.
     #[must_use]
     pub fn with_spheres(mut self, spheres: SphereModel) -> Self {
+        let spheres = spheres.grown_to_cover();
         let scene = Arc::unwrap_or_clone(self.scene);
         self.scene = Arc::new(scene.covered_by(&spheres));
-        self.spheres = Some(Arc::new(spheres));
-        self
+        let mut checker = self.with_close_pairs_found(&spheres);
+        checker.spheres = Some(Arc::new(spheres));
+        checker
     }
 
     /// The same robot in another world, as that stands now.

@@ -23,13 +23,13 @@ impl Checker {
     /// As [`covered`](Self::covered), without the pairs that a thousand random configurations never or always have touching.
     #[must_use]
     pub fn sampled(model: CollisionModel) -> Self {
-        // Nothing is drawn where a joint cannot be; all pairs are kept then.
-        Self::covered(
-            model
-                .clone()
-                .with_pairs_sampled(SAMPLES, SEED)
-                .unwrap_or(model),
-        )
+        Self::covered(usual_pairs(model))
+    }
+
+    /// As [`sampled`](Self::sampled), but with spheres that cover the shapes already, which takes far less time.
+    #[must_use]
+    pub fn sampled_with_spheres(model: CollisionModel, spheres: SphereModel) -> Self {
+        Self::new(usual_pairs(model)).with_spheres(spheres)
     }
 
     /// As [`new`](Self::new), with spheres that cover the shapes.
@@ -48,4 +48,10 @@ impl Checker {
             Err(_) => checker,
         }
     }
+}
+
+fn usual_pairs(model: CollisionModel) -> CollisionModel {
+    let sampled = model.clone().with_pairs_sampled(SAMPLES, SEED);
+    // Nothing is drawn where a joint cannot be; all pairs are kept then.
+    sampled.unwrap_or(model)
 }

@@ -4,7 +4,7 @@ use super::CheckerError;
 use super::motion_bound::MotionBound;
 use super::placed_shapes::{PartShape, PlacedShapes, part_to_part};
 use super::scene_placements::SceneRoom;
-use super::sphere_cover::Cover;
+use super::sphere_cover::{Cover, PlacedCover};
 use crate::collision::box_tree::BoxTree;
 use crate::collision::model::pairs_apart;
 use crate::collision::{
@@ -203,19 +203,42 @@ impl Scene {
         within: f64,
         room: &mut SceneRoom,
     ) -> Option<Separation> {
-        if let (Some(first), Some(second)) = (&self.parts[a].cover, &self.parts[b].cover) {
-            let at = [&placements[a], &placements[b]];
-            room.covers[a].place(first, at[0]);
-            room.covers[b].place(second, at[1]);
-            if !room.covers[a].meets(&room.covers[b], within) {
-                return None;
-            }
-            room.covers[a].place_spheres(first, at[0]);
-            room.covers[b].place_spheres(second, at[1]);
-            if room.covers[a].is_apart(&room.covers[b], within) {
-                return None;
-            }
+        if !self.covers_meet([a, b], placements, within, &mut room.covers) {
+            return None;
         }
+        self.apart_by_shapes([a, b], placements, within, room)
+    }
+
+    /// Whether the spheres around two parts meet, or may as there are none.
+    pub(super) fn covers_meet(
+        &self,
+        [a, b]: [usize; 2],
+        placements: &[Placement<f64>],
+        within: f64,
+        covers: &mut [PlacedCover],
+    ) -> bool {
+        let (Some(first), Some(second)) = (&self.parts[a].cover, &self.parts[b].cover) else {
+            return true;
+        };
+        let at = [&placements[a], &placements[b]];
+        covers[a].place(first, at[0]);
+        covers[b].place(second, at[1]);
+        if !covers[a].meets(&covers[b], within) {
+            return false;
+        }
+        covers[a].place_spheres(first, at[0]);
+        covers[b].place_spheres(second, at[1]);
+        !covers[a].is_apart(&covers[b], within)
+    }
+
+    /// How far two parts are apart, if that is at most `within`, whatever their spheres say.
+    pub(super) fn apart_by_shapes(
+        &self,
+        [a, b]: [usize; 2],
+        placements: &[Placement<f64>],
+        within: f64,
+        room: &mut SceneRoom,
+    ) -> Option<Separation> {
         self.place(a, placements, room);
         self.place(b, placements, room);
         let placed = |part: usize| {

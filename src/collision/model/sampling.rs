@@ -19,23 +19,15 @@ impl CollisionModel {
     /// # Errors
     /// The model's lengths are no numbers.
     pub fn with_pairs_sampled(mut self, samples: u64, seed: u64) -> Result<Self, ModelError> {
-        let mut kinematics = ForwardKinematics::of_configurations(&self.model, &self.links);
         let bounds = self.bounds();
-        let mut x = vec![0.0; self.map.variables()];
         let mut touched = vec![0_u64; self.pairs.len()];
-        for sample in 0..samples {
-            let mut q = self.model.random_configuration(seed.wrapping_add(sample));
-            self.map.reduce(&q, &mut x)?;
-            self.map.expand_within_limits(&x, &mut q)?;
-            let Ok(placed) = kinematics.place(&q) else {
-                continue;
-            };
+        self.visit_samples(samples, seed, |placed| {
             for (pair, touched) in self.pairs.iter().zip(&mut touched) {
-                let at = pair.map(|link| self.position(link));
+                let at = pair.map(|link| self.place_of(link));
                 let [a, b] = at.map(|at| (&placed[at], &bounds[at]));
                 *touched += u64::from(self.touch(*pair, a, b));
             }
-        }
+        })?;
         let always = ALWAYS * samples as f64;
         let mut touched = touched.into_iter();
         self.pairs.retain(|_| {
@@ -43,6 +35,29 @@ impl CollisionModel {
             samples == 0 || (count > 0 && (count as f64) < always)
         });
         Ok(self)
+    }
+
+    /// Visits where the links with shapes stand in random configurations, within all limits and with followers where they belong.
+    ///
+    /// # Errors
+    /// The model's lengths are no numbers.
+    pub(crate) fn visit_samples(
+        &self,
+        samples: u64,
+        seed: u64,
+        mut each: impl FnMut(&[Placement<f64>]),
+    ) -> Result<(), ModelError> {
+        let mut kinematics = ForwardKinematics::of_configurations(&self.model, &self.links);
+        let mut x = vec![0.0; self.map.variables()];
+        for sample in 0..samples {
+            let mut q = self.model.random_configuration(seed.wrapping_add(sample));
+            self.map.reduce(&q, &mut x)?;
+            self.map.expand_within_limits(&x, &mut q)?;
+            if let Ok(placed) = kinematics.place(&q) {
+                each(placed);
+            }
+        }
+        Ok(())
     }
 
     /// The same model without the pairs that touch at a configuration, as where a figure rests or a robot is parked.
@@ -54,7 +69,7 @@ impl CollisionModel {
         let placed = kinematics.place(q)?;
         let bounds = self.bounds();
         let apart = self.pairs.iter().filter(|pair| {
-            let at = pair.map(|link| self.position(link));
+            let at = pair.map(|link| self.place_of(link));
             let [a, b] = at.map(|at| (&placed[at], &bounds[at]));
             !self.touch(**pair, a, b)
         });
@@ -63,7 +78,7 @@ impl CollisionModel {
     }
 
     /// Where a link stands among those with shapes.
-    fn position(&self, link: FrameId) -> usize {
+    pub(crate) fn place_of(&self, link: FrameId) -> usize {
         self.links.binary_search(&link).unwrap_or(0)
     }
 

@@ -55,6 +55,12 @@ impl Cell {
             .min((self.heart - about).norm() + self.reach())
     }
 
+    /// A point of the solid, where one is known.
+    pub(super) fn point(&self) -> Option<Vector3<f64>> {
+        // What is outside knows one where that was the nearest.
+        (self.depth >= 0.0 || self.heart != self.centre).then_some(self.heart)
+    }
+
     /// Whether it lies well within the solid, so that it may stay large.
     fn is_inner(&self) -> bool {
         self.depth >= 2.0 * self.reach()
@@ -74,14 +80,17 @@ const SQRT_3: f64 = 1.732_050_807_568_877_4;
 /// A link of so many cells is finer than anything needs.
 const MOST: usize = 4_000_000;
 
-/// Cells at the surface, no wider than `finest`, and larger ones within; `None` where there would be millions.
-pub(super) fn cells(solid: &Solid<'_>, finest: f64) -> Option<(Vec<Cell>, Vec<Cell>)> {
+/// One that holds all of a solid.
+pub(super) fn whole(solid: &Solid<'_>) -> Option<Cell> {
     let bounds = solid.bounds();
     let size = bounds.max - bounds.min;
     let half = 0.5 * size.x.max(size.y).max(size.z) * (1.0 + 1e-12);
-    let mut rest: Vec<Cell> = Cell::new(solid, bounds.centre(), half)
-        .into_iter()
-        .collect();
+    Cell::new(solid, bounds.centre(), half)
+}
+
+/// Cells at the surface, no wider than `finest`, and larger ones within; `None` where there would be millions.
+pub(super) fn cells(solid: &Solid<'_>, finest: f64) -> Option<(Vec<Cell>, Vec<Cell>)> {
+    let mut rest: Vec<Cell> = whole(solid).into_iter().collect();
     let (mut surface, mut inner) = (Vec::new(), Vec::new());
     while let Some(cell) = rest.pop() {
         if cell.is_inner() {

@@ -4,6 +4,7 @@ mod candidates;
 mod cells;
 mod cover;
 mod enclosing;
+mod gap;
 mod link_cover;
 mod read;
 mod rows;
@@ -36,7 +37,7 @@ pub enum Fineness {
 /// Spheres that together cover every shape of a [`CollisionModel`], inside and all, by link.
 ///
 /// What no sphere touches no shape touches; a sphere touches at most [`overhang`](Self::overhang) before a shape
-/// does.
+/// does. Those that are [read](Self::read) may leave [gaps](SphereGroup::gap).
 ///
 /// ```
 /// # #[cfg(feature = "urdf")] {
@@ -74,6 +75,9 @@ pub struct SphereGroup {
     pub bound: Ball,
     /// In the link's frame.
     pub spheres: Vec<Ball>,
+    /// No point of the link's shapes lies farther outside all spheres, metres: 0 of spheres that cover them, more of some
+    /// that others made.
+    pub gap: f64,
 }
 
 impl SphereGroup {
@@ -83,7 +87,13 @@ impl SphereGroup {
             name: name.to_owned(),
             bound: enclosing(&spheres),
             spheres,
+            gap: 0.0,
         }
+    }
+
+    /// The same, of spheres that leave so much uncovered, metres.
+    fn with_gap(self, gap: f64) -> Self {
+        Self { gap, ..self }
     }
 }
 
@@ -144,6 +154,20 @@ impl SphereModel {
         }
     }
 
+    /// The same grown by what they leave uncovered, so that they cover.
+    pub(super) fn grown_to_cover(mut self) -> Self {
+        let mut most: f64 = 0.0;
+        for group in &mut self.groups {
+            let gap = std::mem::take(&mut group.gap);
+            for ball in group.spheres.iter_mut().chain([&mut group.bound]) {
+                ball.radius += gap;
+            }
+            most = most.max(gap);
+        }
+        self.overhang += most;
+        self
+    }
+
     getters! {
         /// By link, in the model's order.
         pub fn groups(&self) -> &[SphereGroup] = &self.groups;
@@ -151,6 +175,8 @@ impl SphereModel {
         pub fn pairs(&self) -> &[[usize; 2]] = &self.pairs;
         /// No sphere sticks out of its link's shapes any further, in metres.
         pub fn overhang(&self) -> f64 = self.overhang;
+        /// No point of the shapes lies farther outside all spheres of its link, metres: 0 where they cover all shapes.
+        pub fn gap(&self) -> f64 = self.groups.iter().fold(0.0, |most, group| group.gap.max(most));
         /// How many spheres there are.
         pub fn count(&self) -> usize = self.groups.iter().map(|group| group.spheres.len()).sum();
     }

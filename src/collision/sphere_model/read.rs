@@ -5,7 +5,7 @@ use std::path::Path;
 #[cfg(feature = "urdf")]
 use super::NamedSpheres;
 use super::solid::Solid;
-use super::{SphereGroup, SphereModel, yaml};
+use super::{SphereGroup, SphereModel, gap, yaml};
 use crate::collision::CollisionModel;
 #[cfg(feature = "urdf")]
 use crate::collision::ShapeKind;
@@ -20,8 +20,8 @@ impl SphereModel {
     /// Spheres that others made: cuRobo's `collision_spheres` (`.yaml`, `.yml`), or with feature `urdf` the spheres of a
     /// spherised URDF, whose links are found by their names.
     ///
-    /// They are taken as they are: that they cover the shapes is the word of who made them. How far they stick out of
-    /// the model's shapes is measured; where a link has none, its spheres are its shape. Which of them are kept apart
+    /// They are taken as they are. How far they stick out of the model's shapes is measured, and how much of those they leave
+    /// uncovered, their [gap](SphereGroup::gap), by which a [`Checker`](crate::collision::Checker) grows them; where a link has no shapes, its spheres are its shape. Which of them are kept apart
     /// the model says, and of links without shapes there that they are not adjacent.
     ///
     /// # Errors
@@ -62,14 +62,17 @@ impl SphereModel {
             }
             let found = model.model().frame(&name);
             let link = found.map_err(|error| invalid(error.into()))?;
-            let solid = Solid::new(model.objects_of(link));
+            let objects: Vec<_> = model.objects_of(link).collect();
+            let solid = Solid::new(objects.iter().copied());
+            let mut uncovered = 0.0;
             if !solid.is_empty() {
+                uncovered = gap::gap(&objects, &spheres);
                 let out = spheres
                     .iter()
                     .map(|s| s.radius + solid.signed_distance(s.centre));
                 overhang = out.fold(overhang, f64::max);
             }
-            groups.push(SphereGroup::new(link, &name, spheres));
+            groups.push(SphereGroup::new(link, &name, spheres).with_gap(uncovered));
         }
         groups.sort_by_key(|group| group.link);
         if let Some(twice) = groups.windows(2).find(|two| two[0].link == two[1].link) {

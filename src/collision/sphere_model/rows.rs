@@ -3,6 +3,9 @@
 use crate::collision::Ball;
 use crate::spatial::{Placement, Vector3};
 
+/// What rounding takes from a length.
+const ROUNDING: f64 = 1e-12;
+
 /// Covers a capsule by spheres on its axis, as few as stick out no further than `overhang`, and as small as they
 /// may be then.
 ///
@@ -39,6 +42,38 @@ pub(super) fn row(
         }
     };
     (0..=between as usize).map(sphere).collect()
+}
+
+/// Whether balls hold a capsule, as a [row] does: those on its axis, each of which holds all of it between two places.
+pub(super) fn holds(
+    balls: &[Ball],
+    radius: f64,
+    length: f64,
+    link_from_shape: &Placement<f64>,
+) -> bool {
+    let rounding = ROUNDING * (radius + length + link_from_shape.translation.norm());
+    let own = link_from_shape.inverse();
+    let on_axis = balls.iter().filter_map(|ball| {
+        let centre = own.apply(ball.centre);
+        let beside = (centre.x * centre.x + centre.y * centre.y).sqrt();
+        (beside <= rounding).then_some((centre.z, ball.radius + rounding))
+    });
+    let on_axis: Vec<(f64, f64)> = on_axis.collect();
+    let ends = [-0.5 * length, 0.5 * length];
+    let is_round = |end: f64| (on_axis.iter()).any(|(z, ball)| (z - end).abs() + radius <= *ball);
+    let mut held: Vec<[f64; 2]> = (on_axis.iter())
+        .filter(|(_, ball)| *ball >= radius)
+        .map(|(z, ball)| (z, (ball * ball - radius * radius).sqrt()))
+        .map(|(z, half)| [z - half, z + half])
+        .collect();
+    held.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let end = held
+        .iter()
+        .fold(ends[0], |end, held| match held[0] <= end + rounding {
+            true => end.max(held[1]),
+            false => end,
+        });
+    ends.into_iter().all(is_round) && end + rounding >= ends[1]
 }
 
 /// The inset at which the sides and the poles need the same radius, and that radius.

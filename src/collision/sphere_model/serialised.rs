@@ -22,6 +22,8 @@ struct Group {
     name: String,
     /// x, y, z and the radius.
     spheres: Vec<[f64; 4]>,
+    #[serde(default)]
+    gap: f64,
 }
 
 impl From<SphereModel> for Parts {
@@ -29,6 +31,7 @@ impl From<SphereModel> for Parts {
         let numbers = |Ball { centre, radius }: &Ball| [centre.x, centre.y, centre.z, *radius];
         let group = |group: SphereGroup| Group {
             link: group.link,
+            gap: group.gap,
             spheres: group.spheres.iter().map(numbers).collect(),
             name: group.name,
         };
@@ -53,7 +56,8 @@ impl TryFrom<Parts> for SphereModel {
         let group = |group: Group| {
             let spheres = group.spheres.into_iter().map(ball);
             let spheres = spheres.collect::<Result<_, BadOption>>()?;
-            Ok(SphereGroup::new(group.link, &group.name, spheres))
+            BadOption::check("gap", group.gap, NOT_NEGATIVE)?;
+            Ok(SphereGroup::new(group.link, &group.name, spheres).with_gap(group.gap))
         };
         let groups = parts.groups.into_iter().map(group);
         let groups: Vec<_> = groups.collect::<Result<_, BadOption>>()?;
