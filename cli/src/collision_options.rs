@@ -59,18 +59,18 @@ pub(crate) struct SphereOption {
     /// As `kinopt spheres` writes them, or others: cuRobo's collision_spheres (.yml), or a robot's URDF of spheres. They are grown
     /// by the gaps that they leave, so that no answer touches anything. Made anew they stick out by at most a tenth of the largest
     /// shape, which takes up to seconds where shapes are meshes.
-    #[arg(long = "sphere-model", value_name = "FILE", help_heading = COLLISIONS, hide_short_help = true)]
-    file: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", help_heading = COLLISIONS, hide_short_help = true)]
+    sphere_model: Option<PathBuf>,
 }
 
 impl SphereOption {
     pub(crate) fn is_given(&self) -> bool {
-        self.file.is_some()
+        self.sphere_model.is_some()
     }
 
     /// What keeps a robot's shapes apart, but for pairs that random configurations never or always have touching.
     pub(crate) fn checker(&self, model: CollisionModel) -> Outcome<Checker> {
-        let Some(file) = &self.file else {
+        let Some(file) = &self.sphere_model else {
             return Ok(Checker::sampled(model));
         };
         let spheres = SphereModel::read(file, &model)?;

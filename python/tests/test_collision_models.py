@@ -77,6 +77,43 @@ def test_spheres_go_through_files(ur5e: kinopt.Robot, tmp_path: Path) -> None:
         kinopt.SphereModel.read(tmp_path / "bad.yml", model)
 
 
+def test_an_arm_takes_spheres_and_grows_them_by_what_they_leave(tmp_path: Path) -> None:
+    panda = kinopt.Robot.from_urdf(MODELS / "franka_panda.urdf")
+    shapes = panda.collision_model().with_pairs_sampled(300)
+    spheres = shapes.spheres(0.03)
+    assert spheres.gap == 0.0
+    lines = ["collision_spheres:"]
+    for link, own in spheres.spheres.items():
+        lines.append(f"  {link}:")
+        lines += [f"    - {{center: [{x}, {y}, {z}], radius: {0.7 * radius}}}" for x, y, z, radius in own]
+    (tmp_path / "small.yml").write_text("\n".join(lines))
+    small = kinopt.SphereModel.read(tmp_path / "small.yml", shapes)
+    assert 0.01 < small.gap < 0.1
+    world = kinopt.World()
+    world.add_box("post", (0.1, 0.1, 0.6), (0.45, 0.0, 0.3))
+    random = np.random.default_rng(3)
+    arms = [
+        kinopt.Arm(panda, "base", "flange", world=world, collision_model=shapes.with_spheres(own))
+        for own in (spheres, small)
+    ]
+    by_shapes = kinopt.Arm(panda, "base", "flange", world=world, collision_model=shapes)
+    start = np.array([0.0, -0.8, 0.0, -2.4, 0.0, 1.6, 0.8])
+    for q in random.uniform(arms[0].lower, arms[0].upper, (40, 7)):
+        # Only what nothing touches is free, and what is clear by spheres that cover is clear.
+        is_free = not by_shapes.collisions(q)
+        assert all(is_free or not arm.clear_by_spheres(q[None])[0] for arm in arms)
+        solved = arms[1].solve(arms[1].base_from_tool(q), start)
+        assert not solved.reached or not by_shapes.collisions(solved.q)
+    # They go with the shapes, whatever pairs are kept apart, and through pickles.
+    changed = shapes.with_spheres(small).with_ignored("base", "hand")
+    poses = random.uniform(arms[0].lower, arms[0].upper, (200, 7))
+    clear = [
+        kinopt.Arm(panda, "base", "flange", world=world, collision_model=own).clear_by_spheres(poses)
+        for own in (changed, pickle.loads(pickle.dumps(changed)))
+    ]
+    assert (clear[0] == clear[1]).all() and 0 < clear[0].sum() < 200
+
+
 def test_meshes_are_found_or_told(tmp_path: Path) -> None:
     mesh = '<collision><geometry><mesh filename="package://lamp/meshes/arm.obj"/></geometry></collision>'
     text = f'<robot name="lamp"><link name="arm">{mesh}</link></robot>'

@@ -118,6 +118,11 @@ test("an arm keeps clear of a box, and says what it touches", () => {
     const solution = arm.solve(target);
     assert.ok(solution.goalsReached || !solution.reached);
     assert.deepEqual(arm.collisions(solution.q), solution.reached ? [] : arm.collisions(solution.q));
+    // Spheres of a file change no verdict, grown by what they leave uncovered.
+    const spheres = "collision_spheres:\n" + shapes.links.map((link) => `  ${link}:\n    - {center: [0, 0, 0], radius: 0.01}\n`).join("");
+    const covered = Arm.keepingClear(robot, "base", "flange", shapes.withSpheres(spheres, "small.yml"), world, 0.01);
+    assert.equal(covered.solve(target).reached, solution.reached);
+    assert.throws(() => shapes.withSpheres("collision_spheres:\n  palm:\n    - {center: [0, 0, 0], radius: 1}\n", "bad.yml"), /palm/);
     world.move("shelf", [target[12], target[13], target[14]]);
     const blocked = arm.withWorld(world, 0.01).collisions([0, 0.4, 0, -1.8, 0, 2.2, 0.8]);
     assert.ok(blocked.some(({ second, distance }) => second.includes("shelf") && distance < 0.01), JSON.stringify(blocked));

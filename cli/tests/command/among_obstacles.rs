@@ -79,3 +79,42 @@ fn a_world_is_for_what_has_shapes() {
     refused!("solve {panda} --target {POSE} --margin -1" => 2, "--margin | `-1` is below 0");
     refused!("solve {panda} --base base --target {POSE} --world {table}.gone" => 1, "table.json.gone");
 }
+
+#[test]
+fn spheres_of_a_file_change_no_verdict_even_where_they_leave_gaps() {
+    let folder = Folder::new("spheres-of-a-file");
+    let table = model("worlds/table.json");
+    let panda = model("franka_panda.urdf");
+    let out = folder.file("panda.yml");
+    answer!("spheres {panda} --overhang 0.04 --samples 0 --out {out}");
+    let text = std::fs::read_to_string(&out).unwrap();
+    // All of one size, as they would be by a slip.
+    let small = text.lines().map(|line| match line.split_once("radius") {
+        Some((before, _)) => format!(
+            "{before}radius: 0.02{}\n",
+            if line.ends_with('}') { "}" } else { "" }
+        ),
+        None => format!("{line}\n"),
+    });
+    let small = folder.text("small.yml", &small.collect::<String>());
+    for (file, note) in [(&out, false), (&small, true)] {
+        let free = with(POSE, &format!("--sphere-model {file}"));
+        assert_eq!(free["reached"], true);
+        let inside = with(
+            "flange=0.6,0,0.18,0,1,0,0",
+            &format!("--sphere-model {file}"),
+        );
+        assert_eq!(
+            (&inside["reached"], &inside["goals_reached"]),
+            (&false.into(), &true.into())
+        );
+        let told = kinopt!(
+            "solve {panda} --base base --target {POSE} --world {table} --sphere-model {file}"
+        );
+        let told = stderr(&told);
+        assert_eq!(told.contains("of the shapes uncovered"), note, "{told}");
+    }
+    let humanoid = model("humanoid/humanoid.json");
+    refused!("solve {humanoid} --target left_hand=0.3,0.4,1.5 --sphere-model {out}" => 2, "--sphere-model is for robots");
+    refused!("solve {panda} --base base --target {POSE} --sphere-model {out}.gone" => 1, "panda.yml.gone");
+}
