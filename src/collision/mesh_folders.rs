@@ -33,9 +33,14 @@ impl MeshFolders {
                     places.push(folder.join(rest));
                 }
             }
-            // From the robot's file upward: the package itself, or one beside.
-            let beside = self.beside.iter().flat_map(|folder| folder.ancestors());
-            for folder in beside {
+            // From the robot's file upward, beyond where a relative name begins: the package itself, or one beside.
+            let whole = |folder: &PathBuf| {
+                // The folder of a file without one is where the program runs.
+                let whole = std::path::absolute(Path::new(".").join(folder));
+                whole.unwrap_or_else(|_| folder.clone())
+            };
+            let beside = self.beside.as_ref().map(whole);
+            for folder in beside.iter().flat_map(|folder| folder.ancestors()) {
                 if is_named(folder, name) {
                     places.push(folder.join(rest));
                 }

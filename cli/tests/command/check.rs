@@ -144,3 +144,34 @@ fn what_is_wrong_with_a_world_is_one_line() {
     refused!("check {robot} --world {attached}" => 1, "hand");
     refused!("check {robot} --world {robot}" => 1, ".json");
 }
+
+#[test]
+fn meshes_of_a_package_are_found_from_within_it() {
+    let folder = Folder::new("check-within-a-package");
+    for inner in ["lamp/urdf", "lamp/meshes"] {
+        std::fs::create_dir_all(folder.file(inner)).unwrap();
+    }
+    let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    folder.text("lamp/meshes/arm.obj", corners);
+    let mesh = r#"<mesh filename="package://lamp/meshes/arm.obj"/>"#;
+    let link =
+        format!(r#"<link name="arm"><collision><geometry>{mesh}</geometry></collision></link>"#);
+    folder.text(
+        "lamp/urdf/lamp.urdf",
+        format!(r#"<robot name="lamp">{link}</robot>"#),
+    );
+    // The folders above a relative name are those above where the command runs.
+    for (place, robot) in [
+        ("lamp/urdf", "lamp.urdf"),
+        ("lamp", "urdf/lamp.urdf"),
+        (".", "lamp/urdf/lamp.urdf"),
+    ] {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_kinopt"));
+        let run = command
+            .current_dir(folder.file(place))
+            .args(["check", robot])
+            .output()
+            .unwrap();
+        assert!(run.status.success(), "{place}: {}", stderr(&run));
+    }
+}
