@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use kinopt::collision::{Checker, Collision, World};
+use kinopt::collision::{Checker, Collision};
 use serde::Serialize;
 
 use crate::collision_document::CollisionDocument;
@@ -15,6 +15,7 @@ use crate::number_list::{self, Numbers};
 use crate::output;
 use crate::outside_limits::OutsideLimits;
 use crate::table::Table;
+use crate::world_file;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -92,15 +93,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         _ => loaded.rest(),
     };
     loaded.close_loops(&mut q)?;
-    let world = match &arguments.world {
-        Some(path) => World::read(path)?,
-        None => World::new(),
-    };
-    for obstacle in world.obstacles() {
-        for note in obstacle.shape.notes() {
-            output::message(&format!("note: obstacle {}: {note}", obstacle.name));
-        }
-    }
+    let world = world_file::read(arguments.world.as_deref())?;
     let model = (arguments.collisions).model(robot, &arguments.model_options)?;
     let checker = Checker::new(model)
         .with_world(&world)?

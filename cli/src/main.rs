@@ -51,6 +51,7 @@ mod table;
 mod target;
 mod targets_file;
 mod weights_choice;
+mod world_file;
 
 use std::process::ExitCode;
 

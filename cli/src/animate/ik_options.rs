@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use kinopt::animation::curve::KeyedCurve;
 use kinopt::animation::{Armature, Clip, EulerClip};
-use kinopt::collision::World;
 use kinopt::glam::{DVec3, Vec3};
 use kinopt::io::rig::Rig;
 use kinopt::motion::clip_ik::{ClipIk, KeyframeIk, Reach, ground_speed};
@@ -18,7 +17,7 @@ use super::ik_report::IkReport;
 use crate::animated_armature::extension;
 use crate::choices::{AXES, among, first_given};
 use crate::failure::Outcome;
-use crate::{number_list, numpy_file};
+use crate::{number_list, numpy_file, world_file};
 
 /// What is asked over the clip.
 #[derive(Args, Debug)]
@@ -164,7 +163,10 @@ impl IkOptions {
         };
         ik = ik.travel(travel.unwrap_or(Vec3::ZERO));
         if let Some(file) = &self.ground {
-            let (world, up) = (World::read(file)?, Vector3::from(up.as_dvec3().to_array()));
+            let (world, up) = (
+                world_file::read(Some(file))?,
+                Vector3::from(up.as_dvec3().to_array()),
+            );
             ik = ik.ground(move |at| {
                 let at = Vector3::from(at.to_array());
                 world.top(at, up).unwrap_or(0.0).max(0.0)

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use kinopt::arm::Arm;
-use kinopt::collision::{Checker, CollisionModel, World};
+use kinopt::collision::{Checker, CollisionModel};
 use kinopt::robot::{Robot, Srdf};
 
 use crate::collision_options::{ShapeOptions, SphereOption};
@@ -12,6 +12,7 @@ use crate::failure::Outcome;
 use crate::help_headings::{COLLISIONS, TARGETS};
 use crate::loaded_model::LoadedModel;
 use crate::number_list::not_negative;
+use crate::world_file;
 
 /// Options about collisions.
 #[derive(Args, Clone, Debug)]
@@ -58,10 +59,7 @@ impl ObstacleArguments {
         let Some(option) = self.given() else {
             return Ok(None);
         };
-        let world = match &self.world {
-            Some(file) => World::read(file)?,
-            None => World::new(),
-        };
+        let world = world_file::read(self.world.as_deref())?;
         let checker = match &loaded.robot {
             Some(robot) => {
                 let model = self.of_robot(robot, loaded.srdf.as_deref())?;

@@ -118,3 +118,22 @@ fn spheres_of_a_file_change_no_verdict_even_where_they_leave_gaps() {
     refused!("solve {humanoid} --target left_hand=0.3,0.4,1.5 --sphere-model {out}" => 2, "--sphere-model is for robots");
     refused!("solve {panda} --base base --target {POSE} --sphere-model {out}.gone" => 1, "panda.yml.gone");
 }
+
+#[test]
+fn what_was_mended_of_a_world_is_told() {
+    let folder = Folder::new("mended-world");
+    let sheet = r#"{"meshes": [{"name": "sheet", "vertices": [[0.6, 0, 0.1], [0.7, 0, 0.1], [0.6, 0.1, 0.1]], "triangles": [[0, 1, 2]]}]}"#;
+    let (panda, world) = (model("franka_panda.urdf"), folder.text("world.json", sheet));
+    let ask = format!("{panda} --world {world}");
+    for line in [
+        "solve {} --base base --target flange=0.45,0.05,0.42,0,1,0,0",
+        "check {}",
+    ] {
+        let run = kinopt!("{}", line.replace("{}", &ask));
+        assert!(
+            stderr(&run).contains("note: obstacle sheet: "),
+            "{line}: {}",
+            stderr(&run)
+        );
+    }
+}
