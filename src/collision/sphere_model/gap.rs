@@ -1,9 +1,9 @@
 //! How much of a solid others' spheres leave uncovered.
 
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use super::cells::{Cell, whole};
+use super::ranked::Ranked;
 use super::rows;
 use super::solid::Solid;
 use crate::collision::{Ball, CollisionObject, ShapeKind};
@@ -30,13 +30,13 @@ pub(super) fn gap(objects: &[&CollisionObject], spheres: &[Ball]) -> f64 {
     let at_most = |cell: Cell| {
         let each = spheres.iter();
         let out = each.map(|ball| cell.needs(ball.centre) - ball.radius);
-        Bound(out.fold(f64::INFINITY, f64::min), cell)
+        Ranked(out.fold(f64::INFINITY, f64::min), cell)
     };
     let precision = PRECISION * solid.bounds().half_diagonal();
-    let mut heap: BinaryHeap<Bound> = whole(solid).into_iter().map(at_most).collect();
+    let mut heap: BinaryHeap<Ranked<Cell>> = whole(solid).into_iter().map(at_most).collect();
     let mut at_least: f64 = 0.0;
     let mut looked_at = 0;
-    while let Some(Bound(most, cell)) = heap.pop() {
+    while let Some(Ranked(most, cell)) = heap.pop() {
         if most <= 0.0 {
             return 0.0;
         }
@@ -60,27 +60,4 @@ fn is_held(object: &CollisionObject, spheres: &[Ball]) -> bool {
         _ => return false,
     };
     rows::holds(spheres, radius, length, &object.link_from_shape)
-}
-
-/// A cell by how far its points may lie outside.
-struct Bound(f64, Cell);
-
-impl PartialEq for Bound {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Bound {}
-
-impl PartialOrd for Bound {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Bound {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.0.total_cmp(&other.0)
-    }
 }

@@ -6,6 +6,7 @@ mod cover;
 mod enclosing;
 mod gap;
 mod link_cover;
+mod ranked;
 mod read;
 mod rows;
 #[cfg(feature = "serde")]

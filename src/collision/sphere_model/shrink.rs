@@ -1,9 +1,9 @@
 //! Balls that stick out less: moved, and no larger than their cells need.
 
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use super::cells::Cell;
+use super::ranked::Ranked;
 use super::solid::Solid;
 use crate::collision::Ball;
 use crate::spatial::Vector3;
@@ -45,34 +45,11 @@ pub(super) fn shrunk(solid: &Solid<'_>, ball: Ball, cells: &[Cell], overhang: f6
     (Ball { centre, radius }, out.max(0.0))
 }
 
-/// By what it needs.
-struct Asking(f64, u32, Cell);
-
-impl PartialEq for Asking {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Asking {}
-
-impl PartialOrd for Asking {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Asking {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.0.total_cmp(&other.0)
-    }
-}
-
 /// The radius that the cells need, those that need most looked at in parts.
 fn tight(solid: &Solid<'_>, centre: Vector3<f64>, cells: &[Cell]) -> f64 {
-    let asking = |times: u32| move |cell: Cell| Asking(cell.needs(centre), times, cell);
-    let mut heap: BinaryHeap<Asking> = cells.iter().copied().map(asking(0)).collect();
-    while let Some(Asking(needs, times, cell)) = heap.pop() {
+    let asking = |times: u32| move |cell: Cell| Ranked(cell.needs(centre), (times, cell));
+    let mut heap: BinaryHeap<Ranked<(u32, Cell)>> = cells.iter().copied().map(asking(0)).collect();
+    while let Some(Ranked(needs, (times, cell))) = heap.pop() {
         if times == SPLITS {
             return needs;
         }
