@@ -289,6 +289,18 @@ def test_what_is_wrong_is_named(nao: kinopt.Robot, tmp_path: Path) -> None:
     for source in (tmp_path / "empty.bvh", empty, empty.clip, pickle.loads(pickle.dumps(empty.clip))):
         with pytest.raises(InvalidValueError, match="no frames"):
             kinopt.retarget(source, nao, MAP)
+    # What is wrong with a file's numbers names the file.
+    damaged = sway(4)
+    damaged[2, 1, 0] = np.nan
+    np.save(tmp_path / "nan.npy", damaged)
+    for name, words in [("empty.bvh", "no frames"), ("nan.npy", "frame 2: the place of joint")]:
+        with pytest.raises(InvalidValueError, match=f"{name}: .*{words}"):
+            kinopt.retarget(tmp_path / name, nao, MAP)
+    half = (tmp_path / "nan.npy").read_bytes()[:200]
+    for name, data in [("none.npy", b""), ("text.npy", b"no array"), ("half.npy", half)]:
+        (tmp_path / name).write_bytes(data)
+        with pytest.raises(InvalidFileError, match=f"{name}: no NumPy array, or a damaged one"):
+            kinopt.retarget(tmp_path / name, nao, MAP)
 
 
 def test_links_that_are_kept_clear_of_each_other_do_not_touch() -> None:

@@ -52,17 +52,27 @@ def read_capture(
         return Capture.of_clip(source, CLIP_FPS if fps is None else fps, up or "y")
     if isinstance(source, (str, os.PathLike)):
         path = Path(source)
-        kind = path.suffix.lower()
-        if kind == ".bvh":
-            return read_capture(MotionCapture.read(path), fps=fps, up=up)
-        if kind in (".glb", ".gltf"):
-            return read_capture(_clip(path, clip), fps=fps, up=up)
-        if kind != ".npy":
-            raise InvalidValueError(f"{path}: a movement is read of {_FILES}")
-        return read_capture(_array(path), joints=joints, skeleton=skeleton, fps=fps, up=up)
+        held = _held_by(path, clip)
+        try:
+            return read_capture(held, joints=joints, skeleton=skeleton, fps=fps, up=up)
+        except InvalidValueError as error:
+            # Which of many files it is.
+            raise type(error)(f"{path}: {error}") from None
     array: Any = np.asarray(source)
     names = list(joints) if joints is not None else _joints_of(array, skeleton)
     return Capture(array, names, ARRAY_FPS if fps is None else fps, up or "z")
+
+
+def _held_by(path: Path, clip: str | None) -> Any:
+    """What a file holds: a capture, a clip or an array."""
+    kind = path.suffix.lower()
+    if kind == ".bvh":
+        return MotionCapture.read(path)
+    if kind in (".glb", ".gltf"):
+        return _clip(path, clip)
+    if kind != ".npy":
+        raise InvalidValueError(f"{path}: a movement is read of {_FILES}")
+    return _array(path)
 
 
 def _clip(path: Path, name: str | None) -> Clip:
@@ -77,8 +87,9 @@ def _array(path: Path) -> Any:
         return np.load(path, allow_pickle=False)
     except OSError as error:
         raise FileError(f"{path}: cannot be read: {error}") from None
-    except ValueError as error:
-        raise InvalidFileError(f"{path}: {error}") from None
+    except (ValueError, EOFError):
+        # NumPy's own words advise to unpickle it.
+        raise InvalidFileError(f"{path}: no NumPy array, or a damaged one") from None
 
 
 def _joints_of(array: Any, skeleton: str | None) -> list[str]:
