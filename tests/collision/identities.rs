@@ -200,3 +200,29 @@ fn a_plane_is_as_low_as_what_stands_on_it() {
         }
     }
 }
+
+/// A cloud is above a floor by its lowest point less the radius of the points, however both are turned.
+#[test]
+fn a_cloud_over_a_floor_is_nearer_by_its_radius() {
+    let mut random = Random::new(77);
+    for radius in [0.01, 0.2] {
+        let points: Vec<Vector3<f64>> = (0..20).map(|_| random.vector(0.5).into()).collect();
+        let cloud = Shape::points(points.clone(), radius).unwrap();
+        let [world_from_cloud, world_from_floor] =
+            [0.3, 2.0].map(|size: f64| placed(&mut random, size));
+        let floor_from_cloud = world_from_floor.inverse() * world_from_cloud;
+        let heights = points.iter().map(|&point| floor_from_cloud.apply(point).z);
+        let expected = heights.fold(f64::INFINITY, f64::min) - radius;
+        let floor = Shape::half_space();
+        let told = separation(&floor, &world_from_floor, &cloud, &world_from_cloud);
+        assert!(
+            (told.distance - expected).abs() < 1e-12,
+            "{told:?} {expected}"
+        );
+        let told = separation(&cloud, &world_from_cloud, &floor, &world_from_floor);
+        assert!(
+            (told.distance - expected).abs() < 1e-12,
+            "{told:?} {expected}"
+        );
+    }
+}

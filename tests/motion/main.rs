@@ -27,6 +27,7 @@ mod path_world;
 mod paths_of_joints;
 mod planted_swings;
 mod pressed_feet;
+mod rate_factors;
 mod retargeted_clear;
 mod retargeted_feet;
 mod retargeted_soles;

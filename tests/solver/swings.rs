@@ -1,12 +1,12 @@
 //! Promise: a swing beyond its cone, round or elliptic, is put to the nearest place of it.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::Problem;
 use kinopt::model::{BallLimits, Limits, Model};
 use kinopt::problem::Evaluation;
-use kinopt::solver::LeastSquares;
+use kinopt::solver::{LeastSquares, Termination};
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::Posture;
+use kinopt::task::{Point, Posture};
+use kinopt::{Problem, Solver};
 use support::random::Random;
 
 #[test]
@@ -46,5 +46,34 @@ fn a_swing_is_put_to_the_nearest_place_of_its_ellipse() {
             assert!(aside.abs() < 1e-9, "{}: {aside:e}", told());
             assert!(way[0] * normal[0] + way[1] * normal[1] > 0.0, "{}", told());
         }
+    }
+}
+
+/// With its swing at the edge and a hinge on either of its limits a body that misses is at rest: what its limits hold
+/// counts for nothing.
+#[test]
+fn a_miss_at_an_edge_and_at_limits_is_at_rest() {
+    let [x, _, z] = Vector3::UNITS;
+    for side in [-1.0, 1.0] {
+        let mut builder = Model::builder("arm");
+        let cone = BallLimits::cone(0.5, Limits::UNBOUNDED);
+        let hip = builder.ball("hip", None, Placement::identity(), z, Some(cone));
+        let at = Placement::translation(z);
+        let slide = builder.prismatic("slide", Some(hip), at, x, Limits::new(-0.2, 0.2));
+        let tip = builder.frame("tip", Some(slide), at);
+        let model = builder.build().unwrap();
+        let mut tasks = Problem::builder(&model);
+        tasks.add(Point::new(tip, [5.0 * side, 0.3, 0.1]));
+        let problem = tasks.build().unwrap();
+        let start = [1.0, 0.0, 0.0, 0.0, 0.01];
+        let solution = Solver::default().solve_once(&problem, &start).unwrap();
+        assert_eq!(solution.termination, Termination::Stationary);
+        assert!(
+            !solution.reached && solution.active_limits().count() >= 2,
+            "{}",
+            solution.explain()
+        );
+        let left = solution.projected_gradient.unwrap();
+        assert!(left < 1e-6, "{left} {}", solution.explain());
     }
 }

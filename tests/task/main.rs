@@ -5,6 +5,7 @@ mod derivative_routes;
 mod error_units;
 mod look_at_from_behind;
 mod mouse_rays;
+mod moved_targets;
 mod numeric_residuals;
 mod posture_weights;
 mod room_and_bases;

@@ -39,14 +39,25 @@ fn the_speed_of_the_file_is_kept_whatever_the_joint() {
 }
 
 #[test]
-fn nothing_zero_and_less_are_no_speed() {
+fn nothing_zero_and_less_are_no_speed_and_no_force() {
     let robot = star(&[
-        ("revolute", "<limit lower='-1' upper='1' velocity='0'/>"),
-        ("prismatic", "<limit lower='-1' upper='1' velocity='-1'/>"),
+        (
+            "revolute",
+            "<limit lower='-1' upper='1' velocity='0' effort='0'/>",
+        ),
+        (
+            "prismatic",
+            "<limit lower='-1' upper='1' velocity='-1' effort='-1'/>",
+        ),
         ("continuous", ""),
-        ("fixed", "<limit lower='0' upper='0' velocity='1'/>"),
+        (
+            "fixed",
+            "<limit lower='0' upper='0' velocity='1' effort='1'/>",
+        ),
     ]);
     assert_eq!(speeds(&robot), [None; 4]);
+    let mut ids = robot.model().joint_ids();
+    assert!(ids.all(|joint| robot.effort_limit(joint).is_none()));
     let other = Robot::read("models/franka_panda.urdf").unwrap();
     let beyond = other.model().joint_ids().last().unwrap();
     assert_eq!(robot.velocity_limit(beyond), None);
