@@ -31,6 +31,8 @@ pub(super) struct BoundedDescent {
     residual: Vec<f64>,
     trial_residual: Vec<f64>,
     equations: NormalEquations,
+    /// Those of where a refused step leads.
+    equations_there: NormalEquations,
     factor: BranchedMatrix,
     /// JᵀJ times the step.
     curved: Vec<f64>,
@@ -52,6 +54,7 @@ impl BoundedDescent {
             residual: vec![0.0; rows],
             trial_residual: vec![0.0; rows],
             factor: equations.matrix().clone(),
+            equations_there: equations.clone(),
             equations,
             curved: vec![0.0; n],
             step: vec![0.0; n],
@@ -127,7 +130,6 @@ impl BoundedDescent {
                     if let Some(lower) = self.go_on(problem, x, cost) {
                         return Some((lower, None));
                     }
-                    problem.normal_equations(x, &self.residual, &mut self.equations);
                 }
             }
             is_first = false;
@@ -154,9 +156,12 @@ impl BoundedDescent {
         self.trial.copy_from_slice(x);
         self.step_on(problem);
         problem.residual(&self.trial, &mut self.trial_residual);
-        problem.normal_equations(&self.trial, &self.trial_residual, &mut self.equations);
+        let there = &mut self.equations_there;
+        problem.normal_equations(&self.trial, &self.trial_residual, there);
         let at = std::mem::take(&mut self.trial);
+        std::mem::swap(&mut self.equations, &mut self.equations_there);
         let is_solved = self.solve(problem, &at);
+        std::mem::swap(&mut self.equations, &mut self.equations_there);
         self.trial = at;
         self.step_on(problem);
         problem.residual(&self.trial, &mut self.trial_residual);
