@@ -14,6 +14,8 @@ pub(crate) struct ParameterScratch {
     step: Vec<Dual<CHUNK>>,
     dual: DualScratch,
     rows: Vec<f64>,
+    /// By row of a task, what it counts before weighting.
+    counts: Vec<f64>,
     rotations: Vec<Matrix3<f64>>,
     /// By joint: what pushes on it and on what it carries, or how fast it moves.
     by_joint: Vec<Vector3<f64>>,
@@ -47,21 +49,29 @@ impl Evaluation<'_> {
             }
             Self::gather(self.scratch, task);
             let residual = self.question.residual(index);
-            memory.read(self.scratch.placed(), task.rows.len());
             let target = slopes.target_mut(index);
-            for first in (0..target.len()).step_by(CHUNK) {
-                let count = CHUNK.min(target.len() - first);
-                memory.move_target(residual, target.len(), first, count);
-                for ((row, c), weight) in memory.dual.residual.iter().zip(c).zip(&task.weights) {
-                    let by = factor * c * weight;
-                    let slopes = target[first..first + count].iter_mut();
-                    for (slope, derivative) in slopes.zip(row.derivatives()) {
-                        *slope += by * derivative;
+            memory.counts.clear();
+            let counts = c.iter().zip(&task.weights);
+            memory
+                .counts
+                .extend(counts.map(|(c, weight)| factor * c * weight));
+            let (frames, joints) = self.scratch.placed();
+            if !target.is_empty()
+                && !residual.add_target_slopes(frames, joints, &memory.counts, target)
+            {
+                memory.read((frames, joints), task.rows.len());
+                for first in (0..target.len()).step_by(CHUNK) {
+                    let count = CHUNK.min(target.len() - first);
+                    memory.move_target(residual, target.len(), first, count);
+                    for (row, by) in memory.dual.residual.iter().zip(&memory.counts) {
+                        let slopes = target[first..first + count].iter_mut();
+                        for (slope, derivative) in slopes.zip(row.derivatives()) {
+                            *slope += by * derivative;
+                        }
                     }
                 }
             }
             memory.rows.resize(task.rows.len(), 0.0);
-            let (frames, joints) = self.scratch.placed();
             residual.evaluate(frames, joints, &mut memory.rows);
             let blocks = task.blocks.iter();
             for (block, slope) in blocks.zip(slopes.weights_of(own_block, task)) {

@@ -30,6 +30,14 @@ pub(crate) trait ErasedResidual: Send + Sync + Any {
         residual: &mut [Dual<CHUNK>],
     );
 
+    fn add_target_slopes(
+        &self,
+        frames: &[Placement<f64>],
+        joints: &[f64],
+        counts: &[f64],
+        slopes: &mut [f64],
+    ) -> bool;
+
     /// Writes the exact local derivatives; `jacobian` has its shape and is zero.
     fn differentiate(
         &self,
@@ -108,6 +116,16 @@ impl<R: Residual> ErasedResidual for R {
         residual: &mut [Dual<CHUNK>],
     ) {
         Residual::evaluate_moved(self, frames, joints, step, residual);
+    }
+
+    fn add_target_slopes(
+        &self,
+        frames: &[Placement<f64>],
+        joints: &[f64],
+        counts: &[f64],
+        slopes: &mut [f64],
+    ) -> bool {
+        Residual::add_target_slopes(self, frames, joints, counts, slopes)
     }
 
     fn differentiate(

@@ -74,6 +74,21 @@ impl Orientation {
             *row = value;
         }
     }
+
+    /// Adds how a sum of the miss's rows changes as the target turns about its own axes by s. The miss is then
+    /// log(exp(φ) exp(−R_target s)), whose derivative by R_target s is −J_r⁻¹(φ) = −J_l⁻¹(φ)ᵀ.
+    pub(super) fn add_turned_target(
+        target: Matrix3<f64>,
+        rotation: Matrix3<f64>,
+        counts: Vector3<f64>,
+        slopes: &mut [f64],
+    ) {
+        let by_turn = rotation_log_jacobian(Self::miss(target, rotation).into()) * counts;
+        let own = target.transpose_mul(by_turn).to_array();
+        for (slope, own) in slopes.iter_mut().zip(own) {
+            *slope -= own;
+        }
+    }
 }
 
 impl Residual for Orientation {
@@ -107,6 +122,19 @@ impl Residual for Orientation {
         let placed = in_base(frames);
         let target = turned(self.target, step);
         residual.copy_from_slice(&Self::miss_from(target, placed.rotation));
+    }
+
+    fn add_target_slopes(
+        &self,
+        frames: &[Placement<f64>],
+        _joints: &[f64],
+        counts: &[f64],
+        slopes: &mut [f64],
+    ) -> bool {
+        let &[x, y, z] = counts else { return false };
+        let (rotation, counts) = (in_base(frames).rotation, Vector3::new(x, y, z));
+        Self::add_turned_target(self.target, rotation, counts, slopes);
+        true
     }
 
     fn differentiate(

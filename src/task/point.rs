@@ -84,6 +84,19 @@ impl Residual for Point {
         residual.copy_from_slice(&miss.to_array());
     }
 
+    fn add_target_slopes(
+        &self,
+        _frames: &[Placement<f64>],
+        _joints: &[f64],
+        counts: &[f64],
+        slopes: &mut [f64],
+    ) -> bool {
+        for (slope, count) in slopes.iter_mut().zip(counts) {
+            *slope -= count;
+        }
+        true
+    }
+
     fn differentiate(
         &self,
         frames: &[Placement<f64>],

@@ -231,6 +231,31 @@ impl Residual for Pose {
         orientation.copy_from_slice(&turn);
     }
 
+    fn add_target_slopes(
+        &self,
+        frames: &[Placement<f64>],
+        _joints: &[f64],
+        counts: &[f64],
+        slopes: &mut [f64],
+    ) -> bool {
+        let (&[x, y, z, rx, ry, rz], None) = (counts, &self.goal) else {
+            return false;
+        };
+        let target = self.target.rotation;
+        let along = target.transpose_mul(Vector3::new(x, y, z)).to_array();
+        for (slope, own) in slopes.iter_mut().zip(along) {
+            *slope -= own;
+        }
+        let (rotation, turned) = (in_base(frames).rotation, slopes.get_mut(3..));
+        let rotation = match &self.frame_from_tool {
+            Some(tool) => rotation * tool.rotation,
+            None => rotation,
+        };
+        let turned = turned.unwrap_or_default();
+        Orientation::add_turned_target(target, rotation, Vector3::new(rx, ry, rz), turned);
+        true
+    }
+
     fn differentiate(
         &self,
         frames: &[Placement<f64>],

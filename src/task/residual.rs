@@ -117,6 +117,19 @@ pub trait Residual: Clone + Send + Sync + 'static {
         self.evaluate(frames, joints, residual);
     }
 
+    /// Adds how Σ cᵢ rᵢ changes with each number that [`evaluate_moved`](Self::evaluate_moved) moves the target by, at none,
+    /// and returns true, or returns false to leave that to dual numbers. `counts` are the cᵢ, one a row.
+    fn add_target_slopes(
+        &self,
+        frames: &[Placement<f64>],
+        joints: &[f64],
+        counts: &[f64],
+        slopes: &mut [f64],
+    ) -> bool {
+        let _ = (frames, joints, counts, slopes);
+        false
+    }
+
     /// Whether rows of it may vanish within some room, as those of an interval do, so that they have an edge, where a
     /// solution may have no derivative. Saying no saves derivatives a look for it.
     fn has_edges(&self) -> bool {

@@ -11,6 +11,7 @@ mod posture_weights;
 mod room_and_bases;
 mod rooms;
 mod support_points;
+mod target_slopes;
 mod task_residuals;
 mod whole_bodies;
 mod wrong_shapes;

@@ -197,9 +197,14 @@ impl Directions {
         reduced.clear();
         for direction in &self.list {
             let start = reduced.len();
-            reduced.resize(start + rows, 0.0);
             let columns = slopes[direction.first * rows..].chunks_exact(rows.max(1));
-            for (column, by) in columns.zip(direction.by).take(direction.count) {
+            let mut columns = columns.zip(direction.by).take(direction.count);
+            match columns.next() {
+                Some((column, 1.0)) => reduced.extend_from_slice(column),
+                Some((column, by)) => reduced.extend(column.iter().map(|entry| by * entry)),
+                None => reduced.resize(start + rows, 0.0),
+            }
+            for (column, by) in columns.filter(|(_, by)| *by != 0.0) {
                 for (sum, entry) in reduced[start..].iter_mut().zip(column) {
                     *sum += by * entry;
                 }

@@ -50,30 +50,30 @@ impl System {
     pub(super) fn take_held(&mut self, place: &Place) {
         self.free = place.directions.len();
         let (held, rows) = (&place.roles.held, place.jacobian.nrows());
-        self.held.clear();
-        for column in place.along.chunks_exact(rows.max(1)) {
-            self.held.extend(held.iter().map(|&row| column[row]));
-        }
         let count = held.len();
         self.multipliers.clear();
         self.multipliers.resize(count, 0.0);
-        for column in self.held.chunks_exact(count.max(1)) {
-            for (squared, entry) in self.multipliers.iter_mut().zip(column) {
-                *squared += entry * entry;
-            }
-        }
-        let longest = self
-            .multipliers
-            .iter()
-            .fold(0.0_f64, |most, own| most.max(*own));
-        let least = NO_RANK * longest.sqrt();
         if place.roles.pulled.is_empty() && count > 0 {
-            return self.held_space.factorise_columns(&self.held, count, least);
+            if count == rows {
+                return self
+                    .held_space
+                    .factorise_columns(&place.along, count, NO_RANK);
+            }
+            self.held.clear();
+            for column in place.along.chunks_exact(rows) {
+                self.held.extend(held.iter().map(|&row| column[row]));
+            }
+            return self
+                .held_space
+                .factorise_columns(&self.held, count, NO_RANK);
         }
         self.held.clear();
         for &row in held {
             self.held.extend(place.row(row));
         }
+        let squares = self.held.chunks_exact(self.free.max(1));
+        let longest = squares.fold(0.0_f64, |most, row| most.max(inner(row, row)));
+        let least = NO_RANK * longest.sqrt();
         self.held_space.factorise(&self.held, self.free, least);
     }
 
@@ -125,24 +125,26 @@ impl System {
         scratch: &mut Scratch,
         place: &mut Place,
     ) -> usize {
+        let (free, nullity) = (self.free, self.nullity());
+        self.pulled.clear();
+        self.null.clear();
+        if place.roles.pulled.is_empty() {
+            // Nothing pushes against an edge either.
+            self.bends = false;
+            self.reduced.clear();
+            self.reduced_space.factorise(&[], nullity, 0.0);
+            return nullity;
+        }
         let largest = place
             .counts
             .iter()
             .fold(0.0_f64, |most, c| most.max(c.abs()));
         let steepest = place.longest_column();
         self.bends = largest > STRAIGHT * steepest;
-        self.pulled.clear();
         for &row in &place.roles.pulled {
             self.pulled.extend(place.row(row));
         }
         self.add_edges(place);
-        let (free, nullity) = (self.free, self.nullity());
-        self.null.clear();
-        if self.pulled.is_empty() {
-            self.reduced.clear();
-            self.reduced_space.factorise(&[], nullity, 0.0);
-            return nullity;
-        }
         self.null.resize(free * nullity, 0.0);
         for (k, direction) in self.null.chunks_exact_mut(free.max(1)).enumerate() {
             self.held_space.null_direction(k, direction);

@@ -1,5 +1,7 @@
 //! The rows of a matrix of any rank: what they span, what they leave alone, and their pseudoinverse.
 
+use std::ops::Range;
+
 use super::cholesky;
 use super::dense::{add_scaled, dot};
 use super::householder::HouseholderQr;
@@ -24,6 +26,8 @@ pub(crate) struct RowSpace {
     is_gram: bool,
     refinements: usize,
     matrix: Vec<f64>,
+    /// Which of the rows each column of it is in, from the first to behind the last.
+    spans: Vec<(usize, usize)>,
     gram: Vec<f64>,
     pivot_column: Vec<f64>,
     rest: Vec<f64>,
@@ -94,8 +98,9 @@ impl RowSpace {
     }
 
     /// As [`factorise`](Self::factorise), where [`null_direction`](Self::null_direction) is not asked for, of a matrix of
-    /// so many rows by its columns, many entries of which may be zero.
-    pub(crate) fn factorise_columns(&mut self, entries: &[f64], rows: usize, least: f64) {
+    /// so many rows by its columns, many entries of which may be zero; rows add no rank of which at most `share` of the
+    /// longest one's length is left.
+    pub(crate) fn factorise_columns(&mut self, entries: &[f64], rows: usize, share: f64) {
         self.rows = rows;
         self.columns = entries.len().checked_div(rows).unwrap_or(0);
         self.is_gram = rows <= self.columns && rows > 0 && self.take_gram(entries);
@@ -105,7 +110,9 @@ impl RowSpace {
             for row in 0..rows {
                 transposed.extend(entries.iter().skip(row).step_by(rows));
             }
-            self.factorise(&transposed, self.columns, least);
+            let squares = transposed.chunks_exact(self.columns.max(1));
+            let longest = squares.fold(0.0_f64, |most, row| most.max(dot(row, row)));
+            self.factorise(&transposed, self.columns, share * longest.sqrt());
             self.matrix = transposed;
         }
     }
@@ -115,17 +122,17 @@ impl RowSpace {
         let count = self.rows;
         self.gram.clear();
         self.gram.resize(count * count, 0.0);
+        self.spans.clear();
+        // A limb's columns are in the rows of its own tip alone.
         for column in entries.chunks_exact(count) {
-            for (k, &entry) in column
-                .iter()
-                .enumerate()
-                .filter(|(_, entry)| **entry != 0.0)
-            {
-                add_scaled(
-                    &mut self.gram[k * count..=k * count + k],
-                    entry,
-                    &column[..=k],
-                );
+            let from = column.iter().position(|entry| *entry != 0.0);
+            let from = from.unwrap_or(count);
+            let last = column[from..].iter().rposition(|entry| *entry != 0.0);
+            let to = last.map_or(from, |last| from + last + 1);
+            self.spans.push((from, to));
+            for k in from..to {
+                let row = &mut self.gram[k * count + from..=k * count + k];
+                add_scaled(row, column[k], &column[from..=k]);
             }
         }
         let longest = (0..count).fold(0.0_f64, |most, k| most.max(self.gram[k * count + k]));
@@ -239,44 +246,55 @@ impl RowSpace {
         self.left = pivoted;
     }
 
+    /// The columns of A where they are not zero, with which rows those are.
+    fn own_columns(&self) -> impl Iterator<Item = (Range<usize>, &[f64])> {
+        let columns = self.matrix.chunks_exact(self.rows.max(1));
+        let spans = self.spans.iter().map(|&(from, to)| from..to);
+        spans
+            .zip(columns)
+            .map(|(rows, column)| (rows.clone(), &column[rows]))
+    }
+
     /// y = Aᵀ (A Aᵀ)⁻¹ b, and again for what that leaves of b.
     fn solve_gram(&mut self, b: &[f64], y: &mut [f64]) {
-        let columns = self.matrix.chunks_exact(self.rows.max(1));
+        let mut rest = std::mem::take(&mut self.rest);
         y.fill(0.0);
         for round in 0..=self.refinements {
-            self.rest.clear();
-            self.rest.extend_from_slice(b);
+            rest.clear();
+            rest.extend_from_slice(b);
             if round > 0 {
-                for (column, &y) in columns.clone().zip(&*y) {
-                    add_scaled(&mut self.rest, -y, column);
+                for ((rows, column), y) in self.own_columns().zip(&*y) {
+                    add_scaled(&mut rest[rows], -y, column);
                 }
             }
-            cholesky::substitute(&self.gram, self.rows, &mut self.rest);
-            for (column, y) in columns.clone().zip(&mut *y) {
-                *y += dot(column, &self.rest);
+            cholesky::substitute(&self.gram, self.rows, &mut rest);
+            for ((rows, column), y) in self.own_columns().zip(&mut *y) {
+                *y += dot(column, &rest[rows]);
             }
         }
+        self.rest = rest;
     }
 
     /// λ = (A Aᵀ)⁻¹ A g, and again for what that leaves of g.
     fn solve_gram_transposed(&mut self, g: &[f64], lambda: &mut [f64]) {
-        let columns = self.matrix.chunks_exact(self.rows.max(1));
+        let mut rest = std::mem::take(&mut self.rest);
         lambda.fill(0.0);
         for round in 0..=self.refinements {
-            self.rest.clear();
-            self.rest.resize(self.rows, 0.0);
-            for (column, g) in columns.clone().zip(g) {
+            rest.clear();
+            rest.resize(self.rows, 0.0);
+            for ((rows, column), g) in self.own_columns().zip(g) {
                 let left = match round {
                     0 => *g,
-                    _ => g - dot(column, lambda),
+                    _ => g - dot(column, &lambda[rows.clone()]),
                 };
                 if left != 0.0 {
-                    add_scaled(&mut self.rest, left, column);
+                    add_scaled(&mut rest[rows], left, column);
                 }
             }
-            cholesky::substitute(&self.gram, self.rows, &mut self.rest);
-            add_scaled(lambda, 1.0, &self.rest);
+            cholesky::substitute(&self.gram, self.rows, &mut rest);
+            add_scaled(lambda, 1.0, &rest);
         }
+        self.rest = rest;
     }
 }
 

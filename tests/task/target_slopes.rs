@@ -1,0 +1,75 @@
+//! Promise: what a task says by hand of its target's slopes is what dual numbers say.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::model::{FrameId, Model};
+use kinopt::scalar::{Dual, Scalar};
+use kinopt::spatial::{Placement, Vector3, rotation_exp};
+use kinopt::task::{Orientation, Point, Pose, Residual};
+use support::random::Random;
+
+fn anywhere(random: &mut Random) -> Placement<f64> {
+    let mut own = || Vector3::from([0; 3].map(|_| random.within(-1.0, 1.0)));
+    Placement::new(rotation_exp(own() * 1.8), own())
+}
+
+/// By the dual numbers of `evaluate_moved`.
+fn expected(own: &impl Residual, frames: &[Placement<f64>], counts: &[f64]) -> Vec<f64> {
+    let frames: Vec<Placement<Dual<6>>> = frames.iter().map(Placement::constant).collect();
+    let step: Vec<_> = (0..own.target_len())
+        .map(|k| Dual::variable(0.0, k))
+        .collect();
+    let mut rows = vec![Dual::zero(); counts.len()];
+    own.evaluate_moved(&frames, &[], &step, &mut rows);
+    let slope = |k: usize| {
+        rows.iter()
+            .zip(counts)
+            .map(|(row, c)| c * row.derivatives()[k])
+            .sum()
+    };
+    (0..own.target_len()).map(slope).collect()
+}
+
+fn agree(own: &impl Residual, frames: &[Placement<f64>], random: &mut Random) {
+    let rows = own.rows().iter().map(|rows| rows.count).sum();
+    let counts: Vec<f64> = (0..rows).map(|_| random.within(-1.0, 1.0)).collect();
+    let mut slopes = vec![0.25; own.target_len()];
+    assert!(own.add_target_slopes(frames, &[], &counts, &mut slopes));
+    for (slope, expected) in slopes.iter().zip(expected(own, frames, &counts)) {
+        assert!(
+            (slope - 0.25 - expected).abs() < 1e-12,
+            "{slope} {expected}"
+        );
+    }
+}
+
+#[test]
+fn by_hand_they_are_what_dual_numbers_say() {
+    let mut builder = Model::builder("frames");
+    let [hand, base]: [FrameId; 2] =
+        ["hand", "base"].map(|name| builder.frame(name, None, Placement::identity()));
+    builder.build().unwrap();
+    let mut random = Random::new(77);
+    for case in 0..200 {
+        let [target, placed, tool] = [0; 3].map(|_| anywhere(&mut random));
+        let mut frames = vec![placed];
+        let mut pose = Pose::new(hand, target);
+        let mut turn = Orientation::new(hand, target.rotation);
+        let mut point = Point::new(hand, target.translation);
+        if case % 2 == 1 {
+            frames.push(anywhere(&mut random));
+            pose = pose.relative_to(base);
+            turn = turn.relative_to(base);
+            point = point.relative_to(base);
+        }
+        agree(&pose, &frames, &mut random);
+        agree(&pose.with_tool(tool), &frames, &mut random);
+        agree(&turn, &frames, &mut random);
+        agree(&point, &frames, &mut random);
+        // Where it is asked to be.
+        let reached = match frames.get(1) {
+            Some(base) => base.inverse() * frames[0],
+            None => frames[0],
+        };
+        agree(&Pose::new(hand, reached), &frames[..1], &mut random);
+    }
+}
