@@ -96,7 +96,7 @@ fn spheres_of_a_file_change_no_verdict_even_where_they_leave_gaps() {
         ),
         None => format!("{line}\n"),
     });
-    let small = folder.text("small.yml", &small.collect::<String>());
+    let small = folder.text("small.yml", small.collect::<String>());
     for (file, note) in [(&out, false), (&small, true)] {
         let free = with(POSE, &format!("--sphere-model {file}"));
         assert_eq!(free["reached"], true);
