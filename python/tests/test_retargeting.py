@@ -354,6 +354,27 @@ def test_a_figure_does_the_movement_in_its_own_file(tmp_path: Path) -> None:
     assert np.allclose(heights(written.clips[0], "Head", times), heights(capture.clip, "Head", times), rtol=0.04)
 
 
+def test_a_rig_whose_up_is_z_stands_in_a_written_scene(tmp_path: Path) -> None:
+    rig = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
+    found = kinopt.retarget(STEPS, rig, fps=30)
+    scene = kinopt.Scene.of_skeleton(rig.skeleton, rig.mesh, rig.weights)
+    scene = kinopt.Scene(scene.armature, scene.meshes, [found.clip(scene, "Steps")])
+    scene.write(tmp_path / "steps.glb", up=(0, 0, 1))
+    clip = kinopt.Scene.read(tmp_path / "steps.glb").clips[0]
+    times = [0.5, 2.0, 3.5]
+    assert np.all(np.subtract(heights(clip, "head", times), heights(clip, "left_foot", times)) > 1.0)
+    with pytest.raises(kinopt.InvalidValueError, match="axis up"):
+        scene.to_bytes(up=(0, 0, 0))
+
+
+def test_a_map_of_another_robot_is_completed_by_names(nao: kinopt.Robot) -> None:
+    other = {"drives": {"g1.urdf": {"Hips": "pelvis_link"}}}
+    found = kinopt.retarget(STEPS, nao, other, fps=30)
+    guessed = kinopt.retarget(STEPS, nao, fps=30)
+    assert np.array_equal(found.q, guessed.q) and found.map["drives"] == guessed.map["drives"]
+    assert "names tell" in found.notes[0]
+
+
 def test_what_is_no_figure_is_refused(nao: kinopt.Robot, tmp_path: Path) -> None:
     with pytest.raises(InvalidValueError, match="rig"):
         FigureTarget(nao)

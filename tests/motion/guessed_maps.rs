@@ -1,9 +1,10 @@
 //! Promise: known skeletons and bodies are told by their names whatever stands before them, others by what their names say; a
-//! guess says what it leaves out, is read again as it was written, and is refused where names tell of no body.
+//! guess says what it leaves out, is read again as it was written, and is refused where names tell of no body. A map without drives
+//! of a model is completed by names, and of one with drives the same is said of the joints that drive.
 
 use kinopt::Model;
 use kinopt::model::{JointId, Limits, ModelBuilder};
-use kinopt::motion::retarget::{BodyMap, BodyPart, Capture, KnownSkeleton, RetargetError};
+use kinopt::motion::retarget::{BodyMap, BodyPart, Capture, KnownSkeleton, RetargetError, UpAxis};
 use kinopt::spatial::{Placement, Vector3};
 
 /// A model whose only sense is its frames' names.
@@ -345,6 +346,84 @@ fn the_limb_that_is_short_is_told_with_its_side() {
             assert_eq!(of_limbs(told(&lengths)), [short]);
         }
     }
+}
+
+#[test]
+fn a_map_of_another_robot_is_completed_by_names_and_keeps_what_it_says() {
+    let humanoid = model(&HUMANOID);
+    let lafan = KnownSkeleton::named("lafan1").unwrap();
+    let capture = capture(lafan.joints());
+    let guess = BodyMap::guess(&capture, &humanoid).unwrap();
+    for text in [
+        r#"{"fps": 60, "up": "y", "drives": {"g1.urdf": {"Hips": "pelvis_link"}}}"#,
+        r#"{"fps": 60, "up": "y"}"#,
+    ] {
+        let map = BodyMap::from_json(text, "body.urdf").unwrap();
+        let completed = map.completed(&capture, &humanoid).unwrap();
+        assert_eq!(
+            (completed.skeleton, completed.map.frame_rate),
+            (guess.skeleton, Some(60.0))
+        );
+        assert_eq!(completed.map.up, Some(UpAxis::Y));
+        assert_eq!(drives(&completed.map), drives(&guess.map));
+        assert_eq!(completed.map.contacts, guess.map.contacts);
+    }
+    // Drives of its own stay as they are.
+    let text =
+        r#"{"drives": {"g1.urdf": {"Hips": "pelvis_link"}, "body.urdf": {"Hips": "pelvis"}}}"#;
+    let map = BodyMap::from_json(text, "body.urdf").unwrap();
+    let completed = map.completed(&capture, &humanoid).unwrap();
+    let own = [("Hips".to_owned(), "pelvis".to_owned())];
+    assert_eq!(drives(&completed.map), own);
+}
+
+#[test]
+fn of_a_given_map_the_joints_that_drive_are_looked_at_and_no_others() {
+    let joints = [
+        "hips",
+        "left_thigh",
+        "left_shin",
+        "left_foot",
+        "right_thigh",
+        "right_shin",
+        "right_foot",
+    ];
+    // Lying along y, the left thigh without length.
+    let places = [
+        [0.0, 1.0, 0.0],
+        [0.1, 0.9, 0.0],
+        [0.1, 0.9, 0.0],
+        [0.1, 0.1, 0.0],
+        [-0.1, 0.9, 0.0],
+        [-0.1, 0.5, 0.0],
+        [-0.1, 0.1, 0.0],
+    ];
+    let capture = Capture::new(joints.map(str::to_owned).to_vec(), &places.concat(), 30.0).unwrap();
+    let humanoid = model(&HUMANOID);
+    let looked_at = |text: &str| {
+        let map = BodyMap::from_json(text, "body.urdf").unwrap();
+        map.completed(&capture, &humanoid).unwrap()
+    };
+    let drives = joints.map(|joint| {
+        let frame = if joint == "hips" { "pelvis" } else { joint };
+        format!("\"{joint}\": \"{frame}\"")
+    });
+    let all = looked_at(&format!("{{\"drives\": {{{}}}}}", drives.join(", ")));
+    assert!(
+        all.notes
+            .iter()
+            .any(|note| note.contains("left thigh has no length")),
+        "{:?}",
+        all.notes
+    );
+    assert_eq!(all.up, Some(UpAxis::Y));
+    let right: Vec<&str> = drives
+        .iter()
+        .map(String::as_str)
+        .filter(|own| !own.contains("left"))
+        .collect();
+    let right = looked_at(&format!("{{\"drives\": {{{}}}}}", right.join(", ")));
+    assert_eq!((right.notes, right.up), (Vec::new(), None));
 }
 
 #[test]

@@ -14,7 +14,7 @@ use crate::output;
 #[derive(Args, Debug)]
 pub(super) struct MapOptions {
     /// Which joint of the source drives which frame: a .json file, as below, which may hold several robots' drives under the
-    /// names of their files; or the skeleton that the source is of: cmu, lafan1, mixamo or smpl. Default: as names tell.
+    /// names of their files, or none for this one; or the skeleton that the source is of: cmu, lafan1, mixamo or smpl. Default: as names tell.
     #[arg(long, value_name = "FILE|NAME")]
     map: Option<PathBuf>,
 
@@ -85,11 +85,26 @@ impl MapChoice {
         let capture = &source.capture;
         let told = |error: RetargetError| failure!("{file}: {error}");
         let guess = match self {
-            Self::Given(_, map) => return Ok(map.clone()),
+            Self::Given(_, map) => map.clone().completed(capture, model),
             Self::Skeleton(skeleton) => BodyMap::from_skeleton(skeleton, capture, model),
             Self::Guessed => BodyMap::guess(capture, model),
         };
-        let guess = guess.map_err(told)?;
+        let guess = guess.map_err(|error| match self {
+            Self::Given(map, given) if given.drives.is_empty() => {
+                failure!("{map}: it drives nothing of this target, and of {file} {error}")
+            }
+            _ => told(error),
+        })?;
+        match self {
+            Self::Given(map, given) if given.drives.is_empty() => {
+                output::message(&format!(
+                    "note: {map}: it drives nothing of this target, so names tell what"
+                ));
+                say_parts(file, &guess);
+            }
+            Self::Given(..) => {}
+            _ => say_parts(file, &guess),
+        }
         say(file, &guess, source.up);
         Ok(guess.map)
     }
@@ -115,7 +130,8 @@ fn is_of_map(error: &RetargetError) -> bool {
     }
 }
 
-fn say(file: &str, guess: &MapGuess, up: UpAxis) {
+/// What a guess is by.
+fn say_parts(file: &str, guess: &MapGuess) {
     let by = |known: Option<&'static str>, names: &str| match known {
         Some(known) => format!("the {names} of {known}"),
         None => format!("what {names} tell"),
@@ -127,6 +143,10 @@ fn say(file: &str, guess: &MapGuess, up: UpAxis) {
         by(guess.skeleton, "joints' names"),
         by(guess.body, "frames' names"),
     ));
+}
+
+/// What is to be looked at.
+fn say(file: &str, guess: &MapGuess, up: UpAxis) {
     if let Some(along) = guess.up.filter(|along| *along != up) {
         let name = |axis| match axis {
             UpAxis::Y => "y",

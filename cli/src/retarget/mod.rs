@@ -45,7 +45,7 @@ Examples:
   kinopt retarget captures g1.urdf --base-joint free --out movements --format csv
                                                a folder, in parallel; given again it goes on where it was
 
-The map, with all but drives left out where it may be:
+The map, of which what is left out goes by names and by the file:
   {\"joints\": [\"Hips\", \"LeftFoot\", …], \"fps\": 120, \"up\": \"z\",
    \"drives\": {\"Hips\": \"pelvis\", \"LeftFoot\": {\"frame\": \"left_ankle\", \"weight\": 2, \"offset\": [0, 0, -0.05]}},
    \"contacts\": [\"LeftFoot\"]}";

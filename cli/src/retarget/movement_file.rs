@@ -7,8 +7,10 @@ use clap::ValueEnum;
 use kinopt::animation::Armature;
 use kinopt::io::bvh;
 use kinopt::io::gltf::{self, Scene, WriteOptions};
-use kinopt::motion::retarget::Retargeted;
 use kinopt::motion::retarget::folder::unfinished;
+use kinopt::motion::retarget::{FigureTarget, Retargeted, UpAxis};
+use kinopt::skeleton::Skeleton;
+use kinopt::spatial::{Placement, Vector3};
 use serde::Serialize;
 
 use super::target::{BASE, Target};
@@ -115,10 +117,9 @@ impl Format {
             let own = match (&loaded.scene, &loaded.capture) {
                 (Some(scene), _) => scene.file.scene().armature.clone(),
                 (None, Some(capture)) => capture.armature.clone(),
-                _ => Armature::of_skeleton(skeleton),
+                _ => return write_rig_as_bvh(skeleton, figure.up(), found, to),
             };
-            let poses = figure.poses(&own, own.rest(), &found.q)?;
-            return Ok(bvh::write_poses(&own, &poses, found.frame_rate, to)?);
+            return write_bvh(figure, &own, found, to);
         }
         if let Some(scene) = &loaded.scene {
             let file = scene.file.clone();
@@ -136,8 +137,24 @@ impl Format {
         };
         let clip = figure.clip(name, &scene.armature, &found.q, found.frame_rate)?;
         scene.clips.push(clip);
-        Ok(gltf::write(&scene, &WriteOptions::default(), to)?)
+        let mut options = WriteOptions::default();
+        options.up = figure.up().into();
+        Ok(gltf::write(&scene, &options, to)?)
     }
+}
+
+/// A rig stands along y there, as what reads these files takes for granted.
+fn write_rig_as_bvh(skeleton: &Skeleton, up: UpAxis, found: &Retargeted, to: &Path) -> Outcome<()> {
+    let y_from_z = UpAxis::Y.turned_to_z().transpose();
+    let turn = Placement::new(y_from_z * up.turned_to_z(), Vector3::zero());
+    let standing = skeleton.placed(turn)?;
+    let figure = FigureTarget::new(&standing, UpAxis::Y)?;
+    write_bvh(&figure, &Armature::of_skeleton(&standing), found, to)
+}
+
+fn write_bvh(figure: &FigureTarget, own: &Armature, found: &Retargeted, to: &Path) -> Outcome<()> {
+    let poses = figure.poses(own, own.rest(), &found.q)?;
+    Ok(bvh::write_poses(own, &poses, found.frame_rate, to)?)
 }
 
 fn as_npz(found: &Retargeted, names: &[String]) -> Outcome<Vec<u8>> {

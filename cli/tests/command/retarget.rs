@@ -130,7 +130,7 @@ fn what_is_wrong_is_told_and_nothing_is_written() {
     let short = array(&folder, "short.npy", &sway(3)[..200]);
     let foreign = folder.text(
         "foreign.json",
-        r#"{"drives": {"g1.urdf": {"hips": "pelvis"}}}"#,
+        r#"{"joints": ["hips", "left", "right"], "drives": {"g1.urdf": {"hips": "pelvis"}}}"#,
     );
     let nobody = folder.text("nobody.json", MAP.replace("torso", "pelvis"));
     let nothing = folder.text(
@@ -157,7 +157,7 @@ fn what_is_wrong_is_told_and_nothing_is_written() {
         (
             format!("{source} {robot} --map {foreign} --out {out}"),
             1,
-            "aldebaran_nao.urdf",
+            "foreign.json: it drives nothing of this target, and",
         ),
         (
             format!("{source} {robot} --map {nobody} --out {out}"),

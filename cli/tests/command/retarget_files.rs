@@ -84,11 +84,11 @@ fn figures_move_as_the_source_did() {
         // Onto itself.
         assert!(told["mean_error"].as_f64().unwrap() < 0.02, "{told}");
     }
-    // What was written, read again, moves the rig where it moved.
+    // What was written, read again, moves the rig where it moved: either stands along y, as files of its kind do.
     let named = "humanoid";
     for (source, options) in [
-        (&glb, format!("--clip {named} --up z --fps 10")),
-        (&bvh, "--up z".to_owned()),
+        (&glb, format!("--clip {named} --fps 10")),
+        (&bvh, String::new()),
     ] {
         let again = folder.file("again.json");
         let told = answer!("retarget {source} {rig} {options} --out {again}");
@@ -99,10 +99,38 @@ fn figures_move_as_the_source_did() {
     }
     // A scene's file gets one clip more, in its own axes.
     let more = folder.file("more.glb");
-    let told = answer!("retarget {bvh} {glb} --up z --target-up z --fps 10 --out {more}");
+    let told = answer!("retarget {bvh} {glb} --fps 10 --out {more}");
     assert!(told["mean_error"].as_f64().unwrap() < 0.03, "{told}");
     let info = answer!("info {more}");
     assert_eq!(list(&info["clips"]).len(), 2);
+    // Upright, though the rig stands along z.
+    for file in [&glb, &bvh] {
+        let placed = answer!("fk {file} --frame left_foot --frame head");
+        let up = |frame: &str| placed["frames"][frame]["position"][1].as_f64().unwrap();
+        assert!(up("head") - up("left_foot") > 1.0, "{file}: {placed}");
+    }
+}
+
+#[test]
+fn a_map_of_another_robot_is_completed_by_names() {
+    let folder = Folder::new("retarget-map-of-another");
+    let (rig, robot) = (humanoid(), model("aldebaran_nao.urdf"));
+    let (map, out) = (folder.file("map.json"), folder.file("walk.json"));
+    std::fs::write(
+        &map,
+        r#"{"fps": 10, "drives": {"g1.urdf": {"pelvis": "torso"}}}"#,
+    )
+    .unwrap();
+    let run = kinopt!("retarget {rig} {robot} --map {map} --base-joint free --fps 10 --out {out}");
+    let told = String::from_utf8(run.stderr).unwrap();
+    assert_eq!(run.status.code(), Some(0), "{told}");
+    assert!(
+        told.contains("map.json: it drives nothing of this target"),
+        "{told}"
+    );
+    let guessed = folder.file("guessed.json");
+    let _ = answer!("retarget {rig} {robot} --base-joint free --fps 10 --out {guessed}");
+    assert_eq!(json(&out), json(&guessed));
 }
 
 #[test]

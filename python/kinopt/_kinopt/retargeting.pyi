@@ -80,6 +80,9 @@ def capture_retargeted(
     list[tuple[int, str]],
     str | None,
 ]: ...
+def map_completed(
+    map: str, capture: Capture, target: _Target
+) -> tuple[str | None, list[str]]: ...
 def map_guessed(
     capture: Capture, target: _Target
 ) -> tuple[str, str | None, str | None, list[str]]: ...

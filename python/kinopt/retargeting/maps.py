@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias, Union
 
-from .._kinopt.retargeting import Capture, map_guessed, map_of_skeleton, skeleton_joints
+from .._kinopt.retargeting import Capture, map_completed, map_guessed, map_of_skeleton, skeleton_joints
 from ..errors import FileError, InvalidFileError, InvalidValueError
 from .targets import Target
 
@@ -53,6 +53,15 @@ def guess_map(capture: Capture, target: Target, skeleton: str | None = None) -> 
     guessed = map_guessed(capture, target) if skeleton is None else map_of_skeleton(skeleton, capture, target)
     text, known, body, notes = guessed
     return MapGuess(json.loads(text), known, body, notes)
+
+
+def completed(map: dict[str, Any], capture: Capture, target: Target) -> tuple[dict[str, Any], list[str]]:
+    """A map, with drives by names where it has none of the target, and what is to be looked at.
+
+    Raises what ``guess_map`` does where there are none, and ``InvalidValueError`` for what is wrong with the map.
+    """
+    text, notes = map_completed(json.dumps(map), capture, target)
+    return map if text is None else json.loads(text), notes
 
 
 def is_skeleton(map: MapLike) -> bool:

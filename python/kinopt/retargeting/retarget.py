@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from .._kinopt.retargeting import Capture, capture_retargeted
-from .maps import MapLike, guess_map, is_skeleton, read_map
+from .maps import MapLike, completed, guess_map, is_skeleton, read_map
 from .movement import GivenUp, LimitMet, Retargeted, Touching
 from .sources import Source, read_capture
 from .targets import Target, TargetLike, read_target
@@ -53,6 +53,8 @@ def asked(
     if given is None:
         guess = guess_map(capture, target, skeleton)
         given, notes = guess.map, guess.notes
+    else:
+        given, notes = completed(given, capture, target)
     return Question(capture, target, given, notes, options)
 
 
@@ -81,7 +83,7 @@ def retarget(
 
     ``map``: a dict or a .json file (which joint drives which frame), the name of the skeleton that the capture is of ("cmu", "lafan1",
     "mixamo", "smpl"), or None, where it is guessed by ``guess_map``; the result has it. One file may hold the maps of several
-    robots, by the names of their files.
+    robots, by the names of their files; where it drives nothing of this one, drives are guessed.
 
     Limbs are scaled by their lengths, the ground is found, feet are held where they stand. Frame by frame no frame knows
     what comes; with ``whole`` all are solved as one: smooth, and feet stand as still as frame by frame (``slip`` tells how still). ``contact_speed`` (m/s) and

@@ -240,7 +240,7 @@ impl CollisionModel {
     }
 
     /// The same model with spheres by which its configurations are looked through, instead of those that are made anew where it is given
-    /// to an `Arm` or a `Problem`. They are grown by the gaps that they leave, so that nothing is called free that is not.
+    /// to an `Arm` or a `Problem`. They are grown by the gaps that they leave, so that nothing is called free that is not. Raises nothing.
     fn with_spheres(&self, spheres: &SphereModel) -> Self {
         Self {
             inner: Arc::clone(&self.inner),

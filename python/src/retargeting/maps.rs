@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 
 use super::axis_name;
 use super::capture::Capture;
-use super::question::target_of;
+use super::question::{read_map, target_of};
 use crate::error::OrRaise;
 
 /// A guessed map: JSON, the known skeleton, the known body, and notes.
@@ -47,6 +47,29 @@ pub(super) fn map_of_skeleton(
     let skeleton = KnownSkeleton::named(skeleton).or_raise()?;
     let guess = BodyMap::from_skeleton(&skeleton, &capture.get().inner, robot.model());
     guess.or_raise().map(|guess| told(guess, capture.get().up))
+}
+
+/// A map given in JSON: the same with drives by names, where it has none of the target, and notes.
+#[pyfunction]
+pub(super) fn map_completed(
+    map: &str,
+    capture: &Bound<'_, Capture>,
+    target: &Bound<'_, PyAny>,
+) -> PyResult<(Option<String>, Vec<String>)> {
+    let robot = target_of(target)?;
+    let map = read_map(map, &robot)?;
+    let lacks = map.drives.is_empty();
+    let guess = map
+        .completed(&capture.get().inner, robot.model())
+        .or_raise()?;
+    let (map, .., mut notes) = told(guess, capture.get().up);
+    if lacks {
+        notes.insert(
+            0,
+            "the map drives nothing of the target, so names tell what".to_owned(),
+        );
+    }
+    Ok((lacks.then_some(map), notes))
 }
 
 /// The names of the known skeletons.

@@ -22,7 +22,7 @@ pub(crate) mod retargeting {
         figure_target::FigureTarget,
         folder::{folder_begun, unfinished},
         live::Live,
-        maps::{map_guessed, map_of_skeleton, skeleton_joints, skeleton_names},
+        maps::{map_completed, map_guessed, map_of_skeleton, skeleton_joints, skeleton_names},
         movement::capture_retargeted,
     };
 }

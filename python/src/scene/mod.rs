@@ -48,9 +48,10 @@ impl From<gltf::Scene> for Scene {
     }
 }
 
-fn options(keys_per_second: f32) -> WriteOptions {
+fn options(keys_per_second: f32, up: [f32; 3]) -> WriteOptions {
     let mut options = WriteOptions::default();
     options.keys_per_second = keys_per_second;
+    options.up = up.into();
     options
 }
 
@@ -129,10 +130,18 @@ impl Scene {
     /// Writes the scene to a file, which should end in .glb. Curves that glTF does not have become
     /// `keys_per_second` keys.
     ///
-    /// Raises `FileError`, and `InvalidValueError` for parts that do not go together.
-    #[pyo3(signature = (path, keys_per_second = 30.0))]
-    fn write(&self, py: Python<'_>, path: PathBuf, keys_per_second: f32) -> PyResult<()> {
-        let options = options(keys_per_second);
+    /// `up` is the scene's axis up: where that is not y, glTF's, a node above all bones stands them up.
+    ///
+    /// Raises `FileError`, and `InvalidValueError` for parts that do not go together and an `up` without direction.
+    #[pyo3(signature = (path, keys_per_second = 30.0, *, up = [0.0, 1.0, 0.0]))]
+    fn write(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        keys_per_second: f32,
+        up: [f32; 3],
+    ) -> PyResult<()> {
+        let options = options(keys_per_second, up);
         py.detach(|| gltf::write(&self.inner, &options, &path))
             .or_raise()
     }
@@ -140,13 +149,14 @@ impl Scene {
     /// The bytes of a .glb file of the scene, as `write` has it.
     ///
     /// Raises `InvalidValueError` for parts that do not go together.
-    #[pyo3(signature = (keys_per_second = 30.0))]
+    #[pyo3(signature = (keys_per_second = 30.0, *, up = [0.0, 1.0, 0.0]))]
     fn to_bytes<'py>(
         &self,
         py: Python<'py>,
         keys_per_second: f32,
+        up: [f32; 3],
     ) -> PyResult<Bound<'py, PyBytes>> {
-        let options = options(keys_per_second);
+        let options = options(keys_per_second, up);
         let bytes = py
             .detach(|| gltf::to_bytes(&self.inner, &options))
             .or_raise()?;

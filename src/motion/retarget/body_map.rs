@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
+use glam::Vec3;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{self, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 
 use super::RetargetError;
-use crate::model::UnknownName;
-use crate::spatial::Vector3;
+use crate::spatial::{Matrix3, Vector3};
 
 /// What a captured joint drives.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +36,27 @@ pub enum UpAxis {
     /// As in robotics.
     #[default]
     Z,
+}
+
+impl UpAxis {
+    /// The turn that stands up along z what stands up along this axis: by a quarter about x, or none.
+    #[must_use]
+    pub fn turned_to_z(self) -> Matrix3<f64> {
+        let [x, y, z] = Vector3::UNITS;
+        match self {
+            Self::Y => Matrix3::from_columns(x, z, y * -1.0),
+            Self::Z => Matrix3::identity(),
+        }
+    }
+}
+
+impl From<UpAxis> for Vec3 {
+    fn from(up: UpAxis) -> Self {
+        match up {
+            UpAxis::Y => Self::Y,
+            UpAxis::Z => Self::Z,
+        }
+    }
 }
 
 /// A map from a capture to a model.
@@ -65,7 +86,8 @@ struct File {
     fps: Option<f64>,
     #[serde(default)]
     up: Option<UpAxis>,
-    drives: BTreeMap<String, Value>,
+    #[serde(default)]
+    drives: Option<BTreeMap<String, Value>>,
     #[serde(default)]
     contacts: Option<Vec<String>>,
 }
@@ -172,11 +194,11 @@ impl BodyMap {
     ///  "contacts": ["LeftFoot"]}
     /// ```
     ///
-    /// All but `drives` may be left out. One file may hold the drives of several robots, under the names of their files:
-    /// `robot` says which of them is meant.
+    /// All may be left out. One file may hold the drives of several robots, under the names of their files: `robot` says which
+    /// of them is meant. A map without drives of that robot has none, and is [completed](Self::completed) by names.
     ///
     /// # Errors
-    /// Text that is none such, or drives of other robots only; the error says where, or lists them.
+    /// Text that is none such, the error says where; and `drives` of nothing.
     pub fn from_json(text: &str, robot: &str) -> Result<Self, RetargetError> {
         let wrong = |error: serde_json::Error| RetargetError::Map(error.to_string());
         if text.trim_start().starts_with('[') {
@@ -191,16 +213,19 @@ impl BodyMap {
             contacts,
             ..
         } = serde_json::from_str(text).map_err(wrong)?;
+        if drives.as_ref().is_some_and(BTreeMap::is_empty) {
+            return Err(RetargetError::NoDrives {
+                model: robot.to_owned(),
+            });
+        }
+        let drives = drives.unwrap_or_default();
         let of_robots = |value: &Value| value.is_object() && value.get("frame").is_none();
         let drives = match drives.values().any(of_robots) {
             false => drives,
-            true => {
-                let unknown = || {
-                    UnknownName::new("robot of the map", robot, drives.keys().map(String::as_str))
-                };
-                let own = drives.get(robot).ok_or_else(unknown)?;
-                serde_json::from_value(own.clone()).map_err(wrong)?
-            }
+            true => match drives.get(robot) {
+                Some(own) => serde_json::from_value(own.clone()).map_err(wrong)?,
+                None => BTreeMap::new(),
+            },
         };
         let drives = drives.into_iter().map(|(joint, value)| {
             let told = |error| RetargetError::Map(format!("drives: {joint}: {error}"));

@@ -9,7 +9,7 @@ use super::{RetargetError, UpAxis};
 use crate::animation::{Armature, Clip, Pose, PoseAngles};
 use crate::robot::{BaseJoint, Robot};
 use crate::skeleton::{BoneId, Skeleton};
-use crate::spatial::{Matrix3, Placement, Vector3};
+use crate::spatial::{Placement, Vector3};
 
 /// What a free base has of a configuration: x, y, z and a quaternion w, x, y, z.
 const BASE: usize = 7;
@@ -51,7 +51,7 @@ impl FigureTarget {
     /// What a skeleton or a robot refuses: a bone called as a joint of the base.
     pub fn new(skeleton: &Skeleton, up: UpAxis) -> Result<Self, RetargetError> {
         let placed = match up {
-            UpAxis::Y => skeleton.placed(Placement::new(z_from_y(), Vector3::zero()))?,
+            UpAxis::Y => skeleton.placed(Placement::new(up.turned_to_z(), Vector3::zero()))?,
             UpAxis::Z => skeleton.clone(),
         };
         let robot = Robot::new(placed.model().clone(), Vec::new())?;
@@ -163,10 +163,4 @@ impl FigureTarget {
         let way = file_from_upright * way;
         Affine3A::from_rotation_translation(turn.as_quat().normalize(), way.as_vec3())
     }
-}
-
-/// From y upward to z upward.
-fn z_from_y() -> Matrix3<f64> {
-    let [x, y, z] = Vector3::UNITS;
-    Matrix3::from_columns(x, z, y * -1.0)
 }

@@ -34,6 +34,17 @@ pub struct MapGuess {
     pub notes: Vec<String>,
 }
 
+/// The joints of a capture that are parts of a body by their names, and the known skeleton that they are of.
+fn parts_of_capture(capture: &Capture) -> (BTreeMap<BodyPart, usize>, Option<&'static str>) {
+    let known = KnownSkeleton::of_joints(capture.names());
+    let skeleton = known.as_ref().map(KnownSkeleton::name);
+    let parts = match known.and_then(|known| known.parts_in(capture.names())) {
+        Some(parts) => parts,
+        None => parts_of(capture.names().iter().map(String::as_str)),
+    };
+    (parts, skeleton)
+}
+
 impl BodyMap {
     /// Guesses which joint of a capture drives which frame of a model: by the [known](KnownSkeleton) skeletons and bodies
     /// where all their names are there, else by what names tell (`LeftUpLeg`, `l_thigh`, `left_hip_pitch_link`).
@@ -41,13 +52,34 @@ impl BodyMap {
     /// # Errors
     /// A capture or a model whose names tell of no body; the error lists some of them.
     pub fn guess(capture: &Capture, model: &Model) -> Result<MapGuess, RetargetError> {
-        let known = KnownSkeleton::of_joints(capture.names());
-        let skeleton = known.as_ref().map(KnownSkeleton::name);
-        let joints = match known.and_then(|known| known.parts_in(capture.names())) {
-            Some(parts) => parts,
-            None => parts_of(capture.names().iter().map(String::as_str)),
-        };
+        let (joints, skeleton) = parts_of_capture(capture);
         Self::of_parts(capture, joints, skeleton, model)
+    }
+
+    /// The map with drives [as names tell](Self::guess) where it has none, and what is to be looked at of the joints that drive.
+    ///
+    /// # Errors
+    /// Without drives what `guess` refuses.
+    pub fn completed(self, capture: &Capture, model: &Model) -> Result<MapGuess, RetargetError> {
+        if self.drives.is_empty() {
+            let guess = Self::guess(capture, model)?;
+            let map = Self {
+                drives: guess.map.drives,
+                contacts: self.contacts.or(guess.map.contacts),
+                ..self
+            };
+            return Ok(MapGuess { map, ..guess });
+        }
+        let (mut parts, _) = parts_of_capture(capture);
+        let drives = |joint: &String| self.drives.iter().any(|drive| drive.joint == *joint);
+        parts.retain(|_, joint| drives(&capture.names()[*joint]));
+        Ok(MapGuess {
+            map: self,
+            skeleton: None,
+            body: None,
+            up: stands_along(capture, &parts),
+            notes: Proportions::of(capture, &parts).faults(),
+        })
     }
 
     /// The map from a known skeleton to a model, which may be known as well.

@@ -17,6 +17,8 @@ export function visiting() {
         /** A page that opened the humanoid, and all that it said on the console. */
         async opened(options) {
             const page = await site.browser.newPage({ viewport: { width: 900, height: 640 }, colorScheme: "light", ...options });
+            // As a machine with much other work needs: no test is about time.
+            page.setDefaultTimeout(300_000);
             const said = [];
             // What software drawing says of itself is no word of the page, nor which version of Collada a file is of.
             page.on("console", (message) => /GPU stall|GL Driver|ColladaLoader: File version/.test(message.text()) || said.push(message.text()));

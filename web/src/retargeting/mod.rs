@@ -57,7 +57,7 @@ struct Mapped {
 }
 
 impl Mapped {
-    /// By a map in JSON, or by one that is guessed from names.
+    /// By a map in JSON, what it leaves out guessed from names.
     fn new(
         robot: &Robot,
         clip: &Clip,
@@ -72,19 +72,19 @@ impl Mapped {
         };
         let fps = options.number("fps")?.unwrap_or(30.0);
         let capture = Capture::of_clip(clip.armature(), clip.inner(), fps).map_err(raise)?;
-        let (map, guessed, notes) = match map {
+        let map = match map {
             Some(map) => {
                 let map = BodyMap::from_json(&map, robot.inner.name());
                 let wrong = |error| raise(format_args!("the map: {error}"));
-                (map.map_err(wrong)?, None, Vec::new())
+                map.map_err(wrong)?
             }
-            None => {
-                let guess = BodyMap::guess(&capture, robot.inner.model()).map_err(raise)?;
-                (guess.map, guess.up, guess.notes)
-            }
+            None => BodyMap::default(),
         };
+        let guess = map
+            .completed(&capture, robot.inner.model())
+            .map_err(raise)?;
         let mut how = RetargetOptions {
-            up: told.or(guessed).unwrap_or(UpAxis::Y),
+            up: told.or(guess.up).unwrap_or(UpAxis::Y),
             ..RetargetOptions::default()
         };
         let contacts = &mut how.contacts;
@@ -92,9 +92,9 @@ impl Mapped {
         contacts.height = options.number("contactHeight")?.unwrap_or(contacts.height);
         Ok(Self {
             capture,
-            map,
+            map: guess.map,
             options: how,
-            notes,
+            notes: guess.notes,
         })
     }
 
