@@ -95,6 +95,7 @@ pub(crate) fn legs(feet: &str) -> Robot {
         for (parent, child, at) in [
             ("shank", "heel_string", "0 0 -0.28"),
             ("foot", "toe", "0.14 0 -0.03"),
+            ("thigh", "hip_mark", "0.03 0.02 0.06"),
         ] {
             let name = link(&format!("{child}_mount"));
             joint(&name, "fixed", &link(parent), &link(child), at, "");

@@ -1,15 +1,15 @@
 //! Promise: a drag that comes to rest short of a target that its body could reach on the same branch goes on to it, a frame's
-//! moves at a time and with what is pinned near its place; one that cannot rests as quietly as ever.
+//! moves at a time and with what is pinned near its place; one that cannot rests as quietly as ever, and none flips.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::Problem;
 use kinopt::ik::Drag;
 use kinopt::io::rig::Rig;
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::model::FrameId;
+use kinopt::model::{FrameId, Limits, Model};
 use kinopt::problem::TaskId;
-use kinopt::spatial::Vector3;
+use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Point, Posture};
+use kinopt::{Problem, Solver};
 use support::random::Random;
 use support::sample::cases;
 
@@ -139,4 +139,44 @@ fn a_target_out_of_reach_is_rested_at() {
         let moves = scene.drag.q().iter().zip(&rest);
         assert!(moves.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-5);
     }
+}
+
+/// Two links whose shoulder's limit is in the way of the side on which the elbow bends: only bent to the other side would
+/// they reach. A solver that may search goes there; a drag that rests does not flip.
+#[test]
+fn a_way_to_another_branch_is_no_way_out() {
+    let mut builder = Model::builder("two links");
+    let axis = Vector3::UNITS[2];
+    let link = Placement::translation(Vector3::new(1.0, 0.0, 0.0));
+    let limits = Limits::new(-0.1, 3.0);
+    let shoulder = builder.revolute("shoulder", None, Placement::identity(), axis, limits);
+    let limits = Limits::new(-3.0, 3.0);
+    let elbow = builder.revolute("elbow", Some(shoulder), link, axis, limits);
+    let tip = builder.frame("tip", Some(elbow), link);
+    let model = builder.build().unwrap();
+    // Elbows of 0.6 rad to either side of the line to the target, the shoulder at 0.3 rad off it.
+    let target = Vector3::new(2.0 * 0.3_f64.cos(), 0.0, 0.0);
+    let mut tasks = Problem::builder(&model);
+    tasks.add(Point::new(tip, target));
+    let problem = tasks.build().unwrap();
+    let flipped = Solver::default()
+        .solve_once(&problem, &[0.3, -0.6])
+        .unwrap();
+    assert!(flipped.reached && flipped.q[1] < -0.5, "{:?}", flipped.q);
+    let mut drag = Drag::new(problem, &[0.0, 0.6]).unwrap();
+    let mut frames = 0;
+    while frames < 20 || (!drag.rests() && frames < 400) {
+        drag.advance();
+        frames += 1;
+        assert!(drag.q()[1] > 0.1, "frame {frames}: {:?}", drag.q());
+    }
+    assert!(drag.rests() && !drag.solution().reached, "{frames}");
+    // The shoulder at its limit, and the elbow where the tip is nearest then: on the line from it to the target.
+    let from_elbow = target - Vector3::new(0.1_f64.cos(), -0.1_f64.sin(), 0.0);
+    let nearest = 0.1 + (from_elbow.y / from_elbow.x).atan();
+    let [shoulder, elbow] = [drag.q()[0], drag.q()[1]];
+    assert!(
+        shoulder == -0.1 && (elbow - nearest).abs() < 1e-3,
+        "{elbow} {nearest}"
+    );
 }

@@ -1,0 +1,102 @@
+//! Promise: what hardly moves stands only as high over the ground as is asked for.
+
+use glam::Vec3;
+use kinopt::animation::{Armature, Clip};
+use kinopt::motion::ContactDetection;
+use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting};
+
+use crate::clip_ik::{HIPS, bend, figure, planted};
+use crate::retargeted_feet::{MAP, RATE, legs};
+
+/// A person on the right foot, the left one held still this high for the middle second of three, metres.
+fn crane(lifted: f64) -> Vec<f64> {
+    let mut numbers = Vec::new();
+    for frame in 0..300 {
+        let time = f64::from(frame) / RATE;
+        let up = ((time - 0.5) / 0.5).clamp(0.0, 1.0) - ((time - 2.0) / 0.5).clamp(0.0, 1.0);
+        numbers.extend([0.1, 0.0, 1.35]);
+        for (y, lift) in [(0.12, lifted * up), (-0.12, 0.0)] {
+            let bent = 0.1 + 0.2 * lift;
+            for [x, z] in [
+                [0.0, 0.88],
+                [bent, 0.48 + 0.5 * lift],
+                [0.0, 0.09 + lift],
+                [0.17, 0.03 + lift],
+            ] {
+                numbers.extend([x, y, z]);
+            }
+        }
+    }
+    numbers
+}
+
+#[test]
+fn a_foot_held_still_in_the_air_stands_there_only_below_the_height_asked_for() {
+    let robot = legs("");
+    let map = BodyMap::from_json(MAP, "legs").unwrap();
+    let capture = Capture::new(map.joints.clone(), &crane(0.3), RATE).unwrap();
+    // The model is two thirds as large: its foot is lifted by 0.2 m.
+    for (height, stands_aloft) in [(0.1, false), (0.3, true), (f64::INFINITY, true)] {
+        let mut options = RetargetOptions::default();
+        options.contacts = ContactDetection {
+            height,
+            ..options.contacts
+        };
+        let retargeting = Retargeting::new(&robot, &map, &capture, options).unwrap();
+        let found = retargeting.per_frame().unwrap();
+        let toe = found
+            .standing
+            .iter()
+            .position(|name| name == "left_toe")
+            .unwrap();
+        let stands = |frame: usize| found.contacts[frame * found.standing.len() + toe];
+        assert!(stands(20) && stands(290) && !stands(75), "{height}");
+        assert_eq!(stands(150), stands_aloft, "{height}");
+    }
+}
+
+/// Both feet on the ground, the left one lifted by this much for the middle second of three, metres.
+fn lifted(armature: &Armature, lift: f32) -> Clip {
+    let times: Vec<f32> = (0..=90).map(|k| k as f32 / 30.0).collect();
+    let poses = times.iter().map(|&time| {
+        let mut pose = armature.rest().clone();
+        let up = ((time - 0.5) / 0.5).clamp(0.0, 1.0) - ((time - 2.0) / 0.5).clamp(0.0, 1.0);
+        for (side, lift) in [("l", lift * up), ("r", 0.0)] {
+            let limb = ["thigh", "shin", "foot"]
+                .map(|part| armature.bone(&format!("{part}.{side}")).unwrap());
+            bend(&mut pose, limb, Vec3::new(0.0, lift - HIPS + 0.05, 0.0));
+        }
+        pose
+    });
+    let poses: Vec<_> = poses.collect();
+    Clip::through_poses("crane", armature, &times, &poses).unwrap()
+}
+
+/// Over a clip the height is a share of the leg's length unless it is asked for.
+#[test]
+fn a_clip_s_foot_held_still_in_the_air_is_no_stance() {
+    let armature = figure();
+    let foot = armature.bone("foot.l").unwrap();
+    let stances = |lift: f32, detection: Option<ContactDetection>| {
+        let mut solver = planted(&armature);
+        if let Some(detection) = detection {
+            solver = solver.detection(detection);
+        }
+        let edited = solver.solve(&lifted(&armature, lift)).unwrap();
+        edited
+            .stances
+            .iter()
+            .filter(|stance| stance.bone == foot)
+            .count()
+    };
+    let up_to = |height: f64| {
+        Some(ContactDetection {
+            height,
+            ..ContactDetection::default()
+        })
+    };
+    assert_eq!(stances(0.4, None), 2);
+    assert_eq!(stances(0.4, up_to(0.35)), 2);
+    assert_eq!(stances(0.4, up_to(0.45)), 3);
+    assert_eq!(stances(0.4, up_to(f64::INFINITY)), 3);
+}

@@ -1,0 +1,34 @@
+//! Promise: what is driven by a point of a frame goes where a frame at that point would go.
+
+use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting};
+use kinopt::robot::{BaseJoint, Robot};
+
+use crate::retargeted_feet::{MAP, RATE, check_limits, legs, person};
+
+/// A person's hips, beside the joints that the model's thighs turn about.
+const BESIDE: [f64; 3] = [0.03, 0.02, 0.06];
+
+#[test]
+fn hips_driven_beside_their_joints_go_as_frames_there_would() {
+    let robot = legs("");
+    let map = BodyMap::from_json(MAP, "legs").unwrap();
+    let capture = Capture::new(map.joints.clone(), &person(), RATE).unwrap();
+    let [mut by_points, mut by_frames] = [map.clone(), map];
+    for drive in &mut by_points.drives {
+        if drive.frame.ends_with("_thigh") {
+            drive.offset = BESIDE.into();
+        }
+    }
+    for drive in &mut by_frames.drives {
+        drive.frame = drive.frame.replace("_thigh", "_hip_mark");
+    }
+    let options = RetargetOptions::default();
+    let [by_points, by_frames] = [by_points, by_frames].map(|map| {
+        let found = Retargeting::new(&robot, &map, &capture, options.clone()).unwrap();
+        found.per_frame().unwrap()
+    });
+    check_limits(&robot, &by_points);
+    let ends = by_points.q.iter().zip(&by_frames.q);
+    let off = ends.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(off < 1e-6, "{off}");
+}

@@ -1,0 +1,109 @@
+//! Promise: what a problem keeps clear of may be one's own. A body that is dragged into it comes up to it and stays there: a step
+//! that is not free is not taken, however short.
+
+use kinopt::Problem;
+use kinopt::ik::Drag;
+use kinopt::model::{FrameId, Limits, Model};
+use kinopt::problem::{ClearanceCheck, Collision, KeepClear};
+use kinopt::scalar::Scalar;
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{Point, Quantity, Residual, Rows, Task};
+
+/// What moves stops so far before the table, metres.
+const STAND_OFF: f64 = 1e-3;
+
+/// How deep the frame's origin is under the table, z = 0.
+#[derive(Clone, Debug)]
+struct Depth(FrameId);
+
+impl Residual for Depth {
+    fn kind(&self) -> &'static str {
+        "depth"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.0]
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Metres, 1)]
+    }
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+        residual[0] = (-frames[0].translation.z).max(S::zero());
+    }
+}
+
+/// Checks heights, the second number of a configuration.
+#[derive(Clone, Debug)]
+struct OverTable;
+
+impl ClearanceCheck for OverTable {
+    fn collisions(&mut self, q: &[f64]) -> Vec<Collision> {
+        let under = (q[1] < 0.0).then(|| Collision::new("tool", "table", q[1]));
+        under.into_iter().collect()
+    }
+
+    fn blocked(&mut self, _from: &[f64], to: &[f64]) -> Option<Collision> {
+        self.collisions(to).pop().map(Collision::met_on_the_way)
+    }
+
+    fn free_share(&mut self, from: &[f64], to: &[f64]) -> f64 {
+        match to[1] < STAND_OFF {
+            true => ((from[1] - STAND_OFF) / (from[1] - to[1])).max(0.0),
+            false => 1.0,
+        }
+    }
+}
+
+struct Table(FrameId);
+
+impl KeepClear for Table {
+    type Clearance = Depth;
+    type Check = OverTable;
+
+    fn configuration_len(&self) -> usize {
+        2
+    }
+
+    fn clearance(&self) -> Task<Depth> {
+        Task::new(Depth(self.0))
+    }
+
+    fn check(&self) -> OverTable {
+        OverTable
+    }
+}
+
+#[test]
+fn a_drag_into_it_comes_up_to_it() {
+    let mut builder = Model::builder("two slides");
+    let limits = Limits::new(-1.0, 1.0);
+    let at = Placement::identity();
+    let [ahead, _, up] = Vector3::UNITS;
+    let along = builder.prismatic("along", None, at, ahead, limits);
+    let height = builder.prismatic("height", Some(along), at, up, limits);
+    let tool = builder.frame("tool", Some(height), at);
+    let model = builder.build().unwrap();
+    for (under, longest) in [
+        (0.05, 0.13),
+        (0.4, 0.13),
+        (0.05, f64::INFINITY),
+        (0.4, f64::INFINITY),
+    ] {
+        let mut tasks = Problem::builder(&model);
+        let goal = Vector3::new(0.5, 0.0, -under);
+        tasks.add(Point::new(tool, goal));
+        tasks.keep_clear(&Table(tool));
+        let problem = tasks.build().unwrap();
+        let drag = Drag::new(problem, &[0.0, 0.3]).unwrap();
+        let mut drag = drag.with_max_move(longest).unwrap();
+        for frame in 0..60 {
+            drag.advance();
+            assert!(drag.q()[1] >= 0.0, "{under}, {frame}: {:?}", drag.q());
+        }
+        assert!(drag.q()[1] <= STAND_OFF + 1e-9, "{under}: {:?}", drag.q());
+        assert_eq!(drag.solution().collisions()[0].second, "table");
+        assert!(!drag.solution().reached);
+    }
+}
