@@ -3,6 +3,7 @@
 mod any_chain;
 mod chains_with_followers;
 mod derivatives;
+mod elbow_sides;
 mod freedom;
 mod huge_numbers;
 mod jacobian;

@@ -1,7 +1,6 @@
 //! Promise: what is driven by a point of a frame goes where a frame at that point would go.
 
 use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting};
-use kinopt::robot::{BaseJoint, Robot};
 
 use crate::retargeted_feet::{MAP, RATE, check_limits, legs, person};
 

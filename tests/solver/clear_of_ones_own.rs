@@ -1,5 +1,6 @@
 //! Promise: what a problem keeps clear of may be one's own. A body that is dragged into it comes up to it and stays there: a step
 //! that is not free is not taken, however short.
+#![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
 use kinopt::ik::Drag;

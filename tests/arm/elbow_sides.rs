@@ -1,0 +1,61 @@
+//! Promise: an arm that is stretched out towards a target beyond its reach comes back with its elbow on the side that it was on.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::Solution;
+use kinopt::arm::Arm;
+use kinopt::spatial::{Placement, Vector3};
+use support::arms::{distance, robot};
+
+/// Metres between two targets.
+const STEP: f64 = 3e-4;
+const STEPS: usize = 200;
+
+#[test]
+fn an_elbow_comes_back_on_its_side() {
+    let robot = robot("universal_ur5e");
+    let arm = Arm::builder(&robot, "base", "flange");
+    let arm = arm.with_atlas(false).build().unwrap();
+    for elbow in [0.5, -0.5] {
+        for lift in [-1.9, -1.2, -0.6] {
+            for wrist in [[-1.7, -1.1, 0.2], [0.4, 1.3, -0.8], [1.9, 0.9, 1.5]] {
+                for way in [[0.0; 3], [0.1, 0.07, -0.05]] {
+                    let start = [0.3, lift, elbow, wrist[0], wrist[1], wrist[2]];
+                    check(&arm, &start, way.into());
+                }
+            }
+        }
+    }
+}
+
+/// Out of reach along the way from the shoulder, or a little beside it, and back.
+fn check(arm: &Arm, start: &[f64; 6], beside: Vector3<f64>) {
+    let first = arm.base_from_tool(start).unwrap();
+    let way = first.translation + beside;
+    let way = way * (1.0 / way.norm());
+    let at = |step: usize| {
+        Placement::new(
+            first.rotation,
+            first.translation + way * (STEP * step as f64),
+        )
+    };
+    let mut follower = arm.follower(start).unwrap();
+    let mut solution = Solution::default();
+    let mut out = Vec::new();
+    for step in 0..STEPS {
+        follower.advance(at(step), &mut solution).unwrap();
+        out.push((solution.q.clone(), solution.reached));
+    }
+    let missed = !solution.reached;
+    for step in (0..STEPS).rev() {
+        follower.advance(at(step), &mut solution).unwrap();
+        let (there, reached) = &out[step];
+        let off = distance(&solution.q, there);
+        let both = *reached && solution.reached;
+        assert!(!both || off < 1e-2, "{start:?}, step {step}: {off}");
+    }
+    let off = distance(&solution.q, start);
+    assert!(
+        missed && solution.reached && off < 1e-3,
+        "{start:?}: {off} {missed}"
+    );
+}
