@@ -87,3 +87,42 @@ fn what_cannot_be_free_is_told() {
         assert_eq!(arm.collisions(q).unwrap().is_empty(), !told, "{row}");
     }
 }
+
+/// Small balls beside the links of an arm that follows a path in steps of a millimetre, of which the one or other touches only points
+/// between those at which branches are compared.
+#[test]
+fn what_is_told_to_touch_has_no_free_answer_that_is_easily_found() {
+    let alone = panda(&World::new());
+    let points = sideways(&alone, 300);
+    let path = CartesianPath::new(points.clone()).unwrap();
+    let plain = PathSolver::new(&alone).solve(&path).unwrap();
+    let model = robot("franka_panda").model().clone();
+    let mut kinematics = kinopt::kinematics::ForwardKinematics::new(&model);
+    let mut random = support::random::Random::new(15);
+    let mut told = 0;
+    for _ in 0..12 {
+        let row = random.below(300);
+        let q = plain.rows().nth(row).unwrap();
+        let placed = kinematics.place(&[q, &[0.0; 2]].concat()).unwrap();
+        let link = model
+            .frame(["link3", "link4", "link5"][random.below(3)])
+            .unwrap();
+        let way = Vector3::from([(); 3].map(|()| random.within(-1.0, 1.0)));
+        let way = way * way.norm().recip();
+        let at = placed[link.index()].translation + way * (0.07 + 0.04 * random.unit());
+        let mut world = World::new();
+        world.add_sphere("ball", 0.01, at).unwrap();
+        let arm = panda(&world);
+        let solution = PathSolver::new(&arm).solve(&path).unwrap();
+        for missed in &solution.missed {
+            told += 1;
+            let free = arm.solve(points[missed.index], &Q).unwrap();
+            assert!(
+                !free.reached,
+                "row {} of a ball beside row {row} at {at:?}",
+                missed.index
+            );
+        }
+    }
+    assert!(told > 0);
+}

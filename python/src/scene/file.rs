@@ -62,9 +62,10 @@ impl SceneFile {
     /// Raises `InvalidValueError` for a clip of another armature and for a name that one of the file's clips has.
     #[pyo3(signature = (clip, keys_per_second = 30.0))]
     fn add_clip(&mut self, clip: &Bound<'_, Clip>, keys_per_second: f32) -> PyResult<()> {
-        let added = self
-            .inner
-            .add_clip(&clip.get().inner, &options(keys_per_second));
+        let added = self.inner.add_clip(
+            &clip.get().inner,
+            &options(keys_per_second, [0.0, 1.0, 0.0]),
+        );
         added.or_raise()
     }
 

@@ -73,6 +73,15 @@ impl Knots {
         }
     }
 
+    /// Compares branches at these knots too; whether that is new.
+    pub(super) fn add_stations(&mut self, knots: &[usize]) -> bool {
+        let before = self.stations.len();
+        self.stations.extend_from_slice(knots);
+        self.stations.sort_unstable();
+        self.stations.dedup();
+        self.stations.len() > before
+    }
+
     pub(super) fn len(&self) -> usize {
         self.targets.len()
     }

@@ -21,6 +21,8 @@ const MEMORY: usize = 200_000_000;
 const ROUNDS: usize = 12;
 /// How often it is chosen again where steps turn out to be of two branches.
 const CHOICES: usize = 8;
+/// How often knots between stations that turn out to touch something become stations themselves.
+const LOOKS_BETWEEN: usize = 2;
 /// Longer paths are left as they were chosen, points.
 const LONGEST_SHORTENED: usize = 200_000;
 /// Places at which a path that may be entered anywhere is tried.
@@ -92,10 +94,42 @@ impl<'a> PathSolver<'a> {
     }
 
     fn solve_open(&self, path: &CartesianPath) -> Result<PathSolution, PathError> {
-        let knots = Knots::of(path, &self.tools);
+        let mut knots = Knots::of(path, &self.tools);
+        let mut best = self.best_open(&knots)?;
+        let mut touching = self.touching(&knots, &best)?;
+        for _ in 0..LOOKS_BETWEEN {
+            if !knots.add_stations(&touching) {
+                break;
+            }
+            let other = self.best_open(&knots)?;
+            let others = self.touching(&knots, &other)?;
+            if (others.len(), other.rank()) < (touching.len(), best.rank()) {
+                (best, touching) = (other, others);
+            }
+        }
+        self.tell(path, &knots, &best)
+    }
+
+    /// Which knots of a way touch something.
+    fn touching(&self, knots: &Knots, way: &Way) -> Result<Vec<usize>, PathError> {
+        let (bounds, n) = (self.bounds(), self.tools.own().joint_count());
+        let growth = Growth::new(&self.tools, knots, &bounds, 0);
+        let mut free = Vec::new();
+        let mut touching = Vec::new();
+        for knot in 0..knots.len() {
+            growth.note_free(knot, way.row(knot, n), true, &mut free)?;
+            if free.contains(&false) {
+                touching.push(knot);
+            }
+        }
+        Ok(touching)
+    }
+
+    /// The best way from the first of the knots to the last.
+    fn best_open(&self, knots: &Knots) -> Result<Way, PathError> {
         let bounds = self.bounds();
         let weights = self.weights();
-        let all = self.most(&knots);
+        let all = self.most(knots);
         // Of a self-motion of two dimensions and more there are always as many as asked: few are enough for most paths, and all
         // are looked at where a way through few leaves a branch.
         let few = match self.tools.own().spare_joints() {
@@ -104,7 +138,7 @@ impl<'a> PathSolver<'a> {
         };
         let mut best: Option<Way> = None;
         for most in [few, all] {
-            let mut growth = Growth::new(&self.tools, &knots, &bounds, most);
+            let mut growth = Growth::new(&self.tools, knots, &bounds, most);
             growth.start = self.start.as_deref();
             growth.end = self.end.as_deref();
             let layers = growth.layers()?;
@@ -121,8 +155,7 @@ impl<'a> PathSolver<'a> {
                 break;
             }
         }
-        let way = best.ok_or(PathError::Empty)?;
-        self.tell(path, &knots, &way)
+        best.ok_or(PathError::Empty)
     }
 
     /// Round and round: for each of the first point's configurations the best way back to it.
