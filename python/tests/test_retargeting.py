@@ -357,8 +357,8 @@ def test_a_figure_does_the_movement_in_its_own_file(tmp_path: Path) -> None:
 def test_a_rig_whose_up_is_z_stands_in_a_written_scene(tmp_path: Path) -> None:
     rig = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
     found = kinopt.retarget(STEPS, rig, fps=30)
-    scene = kinopt.Scene.of_skeleton(rig.skeleton, rig.mesh, rig.weights)
-    scene = kinopt.Scene(scene.armature, scene.meshes, [found.clip(scene, "Steps")])
+    clip = found.clip(rig, "Steps")
+    scene = kinopt.Scene(clip.armature, clips=[clip])
     scene.write(tmp_path / "steps.glb", up=(0, 0, 1))
     clip = kinopt.Scene.read(tmp_path / "steps.glb").clips[0]
     times = [0.5, 2.0, 3.5]
