@@ -1,7 +1,7 @@
 //! Joints should stay away from their limits.
 
 use super::{LocalJacobian, Quantity, Residual, Role, Rows};
-use crate::model::{FrameId, JointId, JointKind, Model};
+use crate::model::{FrameId, JointId, Model};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 
@@ -22,10 +22,10 @@ impl LimitCentring {
             .moving_joints()
             .iter()
             .zip(model.limits())
-            .filter(|(joint, limits)| {
+            // A ball's numbers have no range.
+            .filter(|(_, limits)| {
                 let range = limits.upper - limits.lower;
-                let is_ball = model.joints()[joint.index()].kind == JointKind::Ball;
-                range.is_finite() && range > 0.0 && !is_ball
+                range.is_finite() && range > 0.0
             })
             .map(|(&joint, limits)| {
                 let half_range = (limits.upper - limits.lower) / 2.0;

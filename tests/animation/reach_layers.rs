@@ -303,3 +303,61 @@ fn what_cannot_be_reached_for_is_refused_or_left_alone() {
         assert!(matches!(error, ProblemError::ForeignId { .. }), "{error}");
     }
 }
+
+/// A bone on which nothing hangs may be scaled unevenly: its tip is as far out as its own x is scaled.
+#[test]
+fn a_tip_is_as_far_as_its_bone_is_long_in_the_pose() {
+    for seed in 0..6 {
+        let rig = RandomRig::new(300 + seed);
+        let (skeleton, bone) = (&rig.skeleton, rig.tips[0]);
+        let (armature, bridge) = (Armature::of_skeleton(skeleton), PoseAngles::new(skeleton));
+        let middle: Vec<f64> = skeleton
+            .model()
+            .limits()
+            .map(|l| 0.5 * (l.lower + l.upper))
+            .collect();
+        let mut pose = armature.rest().clone();
+        bridge.pose_of(&middle, &mut pose);
+        let mut local = pose.local(bone).unwrap();
+        local.scale = Vec3A::new(1.6, 0.7, 1.1);
+        pose.set_local(bone, local).unwrap();
+        let from = tip(&armature, &rig, &pose, bone);
+        let mut layer = ReachLayer::new(skeleton, &[bone], Solver::default()).unwrap();
+        let mut moved = pose.clone();
+        let wanted = from + Vec3A::new(0.004, -0.003, 0.002);
+        layer
+            .set_goal(bone, wanted.to_array().map(f64::from), 1.0)
+            .unwrap();
+        assert!(layer.apply(&mut moved).unwrap().unwrap().reached, "{seed}");
+        let off = (tip(&armature, &rig, &moved, bone) - wanted).length();
+        assert!(off < 2e-5, "{seed}: {off}");
+    }
+}
+
+/// Bones that a pose has longer reach further than their rig: that a limit keeps a tip from its target says nothing of its reach.
+#[test]
+fn what_a_longer_pose_could_reach_is_not_told_to_be_out_of_reach() {
+    let mut told = 0;
+    for seed in 0..8 {
+        let rig = RandomRig::new(400 + seed);
+        let (skeleton, bone) = (&rig.skeleton, rig.tips[0]);
+        let armature = Armature::of_skeleton(skeleton);
+        let mut pose = armature.rest().clone();
+        let root = armature.bone_ids().next().unwrap();
+        let mut local = pose.local(root).unwrap();
+        local.scale = Vec3A::splat(3.0);
+        pose.set_local(root, local).unwrap();
+        let from = tip(&armature, &rig, &pose, bone);
+        let mut layer = ReachLayer::new(skeleton, &[bone], Solver::default()).unwrap();
+        // As far from the root on its other side, where joints' limits hardly let it go.
+        let behind = (pose.local(root).unwrap().translation * 2.0 - from).to_array();
+        layer.set_goal(bone, behind.map(f64::from), 1.0).unwrap();
+        let solution = layer.apply(&mut pose).unwrap().unwrap();
+        if !solution.reached {
+            told += 1;
+            let words = solution.explain();
+            assert!(!words.contains("Out of reach"), "{seed}: {words}");
+        }
+    }
+    assert!(told > 0);
+}

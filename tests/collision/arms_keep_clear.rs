@@ -3,6 +3,7 @@
 
 use kinopt::arm::{Arm, PoseOutcome, Search};
 use kinopt::collision::{Checker, CollisionModel, Fineness, Shape, SphereModel, World};
+use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::robot;
 use support::random::Random;
@@ -315,6 +316,48 @@ fn what_is_clear_by_its_spheres_touches_nothing() {
     let refused = panda.arm.clear_by_spheres(&bad, &mut [true]);
     assert!(refused.unwrap_err().to_string().contains("joint4"));
     assert!(panda.arm.clear_by_spheres(&q[..6], &mut [true]).is_err());
+}
+
+/// Two plates three centimetres apart, the upper of which turns on a shaft.
+const PLATES: &str = r#"<robot name="plates"><link name="lower"><collision><geometry><box size="0.4 0.4 0.02"/></geometry></collision></link>
+    <link name="shaft"/><link name="upper"><collision><geometry><box size="0.4 0.4 0.02"/></geometry></collision></link>
+    <joint name="turn" type="continuous"><parent link="lower"/><child link="shaft"/><axis xyz="0 0 1"/></joint>
+    <joint name="lift" type="prismatic"><parent link="shaft"/><child link="upper"/><origin xyz="0 0 0.05"/><axis xyz="0 0 1"/>
+    <limit lower="-0.025" upper="0.02"/></joint></robot>"#;
+
+/// Links so close that spheres do not tell them apart are as far apart as the margin says, too, where an arm is clear.
+#[test]
+fn close_links_keep_the_margin() {
+    let robot = Robot::parse(PLATES, "plates.urdf").unwrap();
+    let bodies = CollisionModel::of(&robot).unwrap();
+    let bodies = bodies.with_checked("lower", "upper").unwrap();
+    let spheres = SphereModel::of(&bodies, Fineness::Overhang(0.03)).unwrap();
+    let checker = Checker::new(bodies).with_spheres(spheres);
+    let checker = checker.with_margin(0.02).unwrap();
+    let arm = Arm::builder(&robot, "lower", "upper").with_atlas(false);
+    let arm = arm
+        .build()
+        .unwrap()
+        .with_checker(&checker, &[0.0; 2])
+        .unwrap();
+    for (lift, is_clear) in [
+        (0.0, true),
+        (0.015, true),
+        (-0.009, true),
+        (-0.011, false),
+        (-0.02, false),
+    ] {
+        for turn in [0.0, 0.7, 2.0] {
+            let mut clear = [!is_clear];
+            arm.clear_by_spheres(&[turn, lift], &mut clear).unwrap();
+            let touched = arm.collisions(&[turn, lift]).unwrap();
+            assert_eq!(
+                (clear[0], touched.is_empty()),
+                (is_clear, is_clear),
+                "{turn} {lift}"
+            );
+        }
+    }
 }
 
 #[test]

@@ -127,6 +127,11 @@ fn disabled_pairs_go_through_srdf() {
         text.contains(r#"link1="link1" link2="link2" reason="Adjacent""#),
         "{text}"
     );
+    // Which joints do not make neighbours of is left out because somebody said so.
+    assert!(
+        text.contains(r#"link1="base" link2="link5" reason="User""#),
+        "{text}"
+    );
     let srdf = kinopt::robot::Srdf::parse(&text, "panda.srdf", &robot).unwrap();
     assert_eq!(shapes.with_srdf(&srdf).pairs(), edited.pairs());
 }

@@ -77,3 +77,21 @@ fn what_moves_with_a_robot_is_no_top() {
     held.attach("crate", "hand", place).unwrap();
     assert_eq!(held.top(over, up), None);
 }
+
+/// So steep that it is nearly six times as high over a place as it is far from it.
+#[test]
+fn a_steep_slope_is_as_high_as_it_is() {
+    let (sin, cos) = 80_f64.to_radians().sin_cos();
+    let (x, normal) = (Vector3::new(cos, 0.0, sin), Vector3::new(-sin, 0.0, cos));
+    let slope = Matrix3::from_columns(x, normal.cross(x), normal);
+    let mut world = World::new();
+    let place = Placement::new(slope, Vector3::zero());
+    world.add("slope", Shape::half_space(), place).unwrap();
+    for at in [0.5, 3.0] {
+        let top = world.top(Vector3::new(at, 0.2, 0.0), Vector3::UNITS[2]);
+        assert!(
+            (top.unwrap() - at * sin / cos).abs() < 1e-6 * at,
+            "{at}: {top:?}"
+        );
+    }
+}

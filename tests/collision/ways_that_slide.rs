@@ -1,7 +1,8 @@
 //! Promise: of a way along a ceiling, a box, a ball or a hull, a hair's breadth away, no more is said to be free than is: it is looked at in a
 //! few hundred places.
 
-use kinopt::collision::{Checker, Shape, World};
+use kinopt::collision::{Checker, CollisionModel, CollisionObject, Shape, World};
+use kinopt::model::{Limits, Model};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::random::Random;
@@ -83,4 +84,66 @@ fn what_slides_along_something_is_free_as_far_as_is_said() {
         }
     }
     assert!(free > 3 && blocked > 3, "{free} free, {blocked} blocked");
+}
+
+/// A turning joint with a slide on it, and a ball at its end or a paddle about its middle.
+fn polar(paddle: bool) -> Checker {
+    let mut builder = Model::builder("polar");
+    let (at, turns) = (Placement::identity(), Limits::new(-3.0, 3.0));
+    let [x, _, z] = Vector3::UNITS;
+    let turn = builder.revolute("turn", None, at, z, turns);
+    let out = builder.prismatic("out", Some(turn), at, x, Limits::new(0.0, 2.0));
+    let link = builder.frame("link", Some(out), at);
+    let model = builder.build().unwrap();
+    let shape = match paddle {
+        true => Shape::cuboid([0.6, 0.05, 0.05]),
+        false => Shape::sphere(0.05),
+    };
+    let object = CollisionObject::new("end", link, at, shape.unwrap());
+    Checker::new(CollisionModel::new(&model, vec![object]).unwrap())
+}
+
+/// While the slide goes out, the turn takes what is at its end down to the ground and up again: half a millimetre above it at both
+/// ends of the way, as much in it in between. Nearly all of what bends that way is the slide on the turn.
+#[test]
+fn a_way_that_dips_into_the_ground_is_stopped() {
+    let own = polar(false);
+    let height = |t: f64| (0.3 + t) * (0.02 * t - 0.026).sin();
+    let lowest = (0..=1000).map(|k| height(f64::from(k) / 1000.0));
+    let lowest = lowest.fold(f64::INFINITY, f64::min);
+    let (from, to) = ([-0.026, 0.3], [-0.006, 1.3]);
+    // The plane's own z is up: it stands along y.
+    let up = Matrix3::identity().rotated_about_x((-1.0, 0.0));
+    for (deep, is_free) in [(4e-4, false), (1e-5, false), (-1e-5, true)] {
+        let mut world = World::new();
+        let ground = Vector3::new(0.0, lowest - 0.05 + deep, 0.0);
+        world
+            .add_plane("ground", Placement::new(up, ground))
+            .unwrap();
+        let checker = own.clone().with_world(&world).unwrap();
+        let mut workspace = checker.workspace();
+        for (from, to) in [(from, to), (to, from)] {
+            assert!(checker.is_free(&mut workspace, &from).unwrap(), "{deep}");
+            let way = checker.way(&mut workspace, &from, &to).unwrap();
+            assert_eq!(way.blocked_by.is_none(), is_free, "{deep}: {way:?}");
+        }
+    }
+}
+
+/// A paddle that turns about its middle, which itself stays where it is, sweeps with its ends.
+#[test]
+fn what_turns_about_its_own_middle_sweeps() {
+    let own = polar(true);
+    let mut world = World::new();
+    let pole = Vector3::new(0.2, 0.2, 0.0);
+    world.add_cylinder("pole", 0.02, 1.0, pole).unwrap();
+    let checker = own.with_world(&world).unwrap();
+    let mut workspace = checker.workspace();
+    let (from, to) = ([0.0, 0.0], [std::f64::consts::FRAC_PI_2, 0.0]);
+    for (from, to) in [(from, to), (to, from)] {
+        assert!(checker.is_free(&mut workspace, &from).unwrap());
+        let way = checker.way(&mut workspace, &from, &to).unwrap();
+        assert_eq!(way.blocked_by.unwrap().second, "pole");
+        assert!(way.free < 0.5, "{}", way.free);
+    }
 }

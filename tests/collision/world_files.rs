@@ -246,3 +246,24 @@ fn what_is_wrong_in_a_scene_is_named_with_its_line() {
         );
     }
 }
+
+/// A primitive stands in its object, and turns with it.
+#[test]
+fn a_turned_object_of_a_planning_scene_takes_its_parts_along() {
+    let scene = "
+world:
+  collision_objects:
+    - id: table
+      pose: {position: [1, 0, 0.5], orientation: [0, 0, 0.7071067811865476, 0.7071067811865476]}
+      primitives: [{type: box, dimensions: [0.1, 0.1, 0.1]}]
+      primitive_poses: [{position: [0.5, 0.2, 0], orientation: [0.7071067811865476, 0, 0, 0.7071067811865476]}]
+";
+    let world = World::from_moveit(scene.as_bytes(), "scene.yaml").unwrap();
+    let placed = world.obstacle("table").unwrap().placement;
+    // A quarter turn about z takes (0.5, 0.2) to (-0.2, 0.5), x to y, and what was turned z to x.
+    let off = placed.translation - Vector3::new(0.8, 0.5, 0.5);
+    assert!(off.norm() < 1e-14, "{placed:?}");
+    let [x, y, z] = Vector3::UNITS;
+    let turned = placed.rotation;
+    assert!((turned.x - y).norm() + (turned.y - z).norm() + (turned.z - x).norm() < 1e-14);
+}

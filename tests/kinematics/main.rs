@@ -11,6 +11,7 @@ mod model_reach;
 mod parameter_maps;
 mod placed_skeletons;
 mod placement_conversions;
+mod planar_joints;
 mod random_configurations;
 mod rotation_exp_log;
 mod scalar_laws;

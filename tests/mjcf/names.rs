@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::robot::{Geometry, LeftToMeshes, Robot};
+use kinopt::spatial::Vector3;
 
 #[test]
 fn what_has_no_name_is_called_after_its_body() {
@@ -114,4 +115,25 @@ fn the_folder_of_meshes_comes_before_that_of_all_assets() {
             });
         assert_eq!(file, Some(expected), "{folders}");
     }
+}
+
+/// A file's points are moved back by `refpos`, turned back by `refquat` and then scaled.
+#[test]
+fn a_mesh_stands_as_its_reference_says() {
+    let text = r#"<mujoco><asset><mesh file="hull.obj" refpos="1 0.5 0" refquat="0.6 0 0 0.8" scale="2 2 2"/></asset>
+        <worldbody><body name="b"><geom type="mesh" mesh="hull" pos="0 1 0"/></body></worldbody></mujoco>"#;
+    let robot = Robot::parse_mjcf(text, "turned.xml").unwrap();
+    let link = robot.link(robot.model().frame("b").unwrap()).unwrap();
+    let shape = &link.visuals[0];
+    let place = |file: Vector3<f64>| shape.link_from_shape.apply(file * 2.0);
+    let reference = Vector3::new(1.0, 0.5, 0.0);
+    let geom = Vector3::new(0.0, 1.0, 0.0);
+    assert!((place(reference) - geom).norm() < 1e-15);
+    // By 2 atan(0.8 / 0.6) about z: cosine -0.28, sine 0.96. What is turned so in the file is straight.
+    let turned = Vector3::new(-0.28, 0.96, 0.0);
+    let straight = place(reference + turned) - geom;
+    assert!(
+        (straight - Vector3::new(2.0, 0.0, 0.0)).norm() < 1e-14,
+        "{straight:?}"
+    );
 }

@@ -5,6 +5,7 @@
 use std::f32::consts::TAU;
 
 use glam::{DVec3, Quat, Vec3, Vec3A};
+use kinopt::animation::curve::KeyedCurve;
 use kinopt::animation::{Armature, ArmatureBone, Clip, Cursor, LocalTransform, Playback, Pose};
 use kinopt::motion::clip_ik::{ClipIk, ClipIkError, Reach, ground_speed};
 use kinopt::skeleton::BoneId;
@@ -337,4 +338,78 @@ fn a_foot_rises_early_and_falls_late() {
         }
         assert!(swings > 0);
     }
+}
+
+/// Led there and back over its fade, unless that is said over a fifth of a second or half of a shorter span; where the clip itself
+/// begins or ends nothing is led.
+#[test]
+fn a_hand_is_led_over_the_ends_of_its_span_that_are_within_the_clip() {
+    let armature = figure();
+    let hand = armature.bone("hand").unwrap();
+    let poses = vec![armature.rest().clone(); 2];
+    let stand = Clip::through_poses("stand", &armature, &[0.0, 2.0], &poses).unwrap();
+    let target = DVec3::new(0.55, 1.3, 0.3);
+    let own = at(&armature, &stand, "hand", 0.0).as_dvec3();
+    let smooth = |share: f64| share * share * (3.0 - 2.0 * share);
+    for (span, fade, in_use) in [
+        ([0.0, 1.0], None, 0.2),
+        ([1.0, 2.0], None, 0.2),
+        ([0.5, 1.5], None, 0.2),
+        ([0.5, 0.8], None, 0.15),
+        ([0.5, 1.5], Some(0.4), 0.4),
+        ([0.0, 2.0], None, 0.2),
+    ] {
+        let mut reach = Reach::to(hand, target).unwrap().over(span[0]..=span[1]);
+        if let Some(fade) = fade {
+            reach = reach.fade(fade);
+        }
+        let edited = ClipIk::new(&armature).reach(reach).solve(&stand).unwrap();
+        let side = |since: f64, at_end: bool| match (since < 0.0, at_end) {
+            (true, _) => 0.0,
+            (_, true) => 1.0,
+            _ => smooth((since / in_use).min(1.0)),
+        };
+        for frame in 0..=120 {
+            let time = f64::from(frame) / 60.0;
+            let share = side(time - span[0], span[0] == 0.0) * side(span[1] - time, span[1] == 2.0);
+            let wanted = own.lerp(target, share);
+            let found = at(&armature, &edited.clip, "hand", time).as_dvec3();
+            assert!(
+                found.distance(wanted) < 2e-3,
+                "{span:?}, {time} s: {found} {wanted}"
+            );
+        }
+    }
+}
+
+/// What is asked for goes away to where the body must follow far, and comes back: it is missed most where it is farthest.
+#[test]
+fn when_it_is_missed_most_is_told() {
+    let armature = figure();
+    let hand = armature.bone("hand").unwrap();
+    let poses = vec![armature.rest().clone(); 2];
+    let stand = Clip::through_poses("stand", &armature, &[0.0, 2.0], &poses).unwrap();
+    let own = at(&armature, &stand, "hand", 0.0).as_dvec3();
+    let far = own + DVec3::new(3.0, 0.0, 0.0);
+    let way = KeyedCurve::linear(vec![0.0, 1.5, 2.0], vec![own, far, own]).unwrap();
+    let reach = Reach::along(hand, way.clone());
+    let edited = ClipIk::new(&armature).reach(reach).solve(&stand).unwrap();
+    let led = &edited.led[0];
+    let off = |frame: u32| {
+        let time = f64::from(frame) / 60.0;
+        let found = at(&armature, &edited.clip, "hand", time).as_dvec3();
+        found.distance(way.at(time))
+    };
+    let worst = (0..=120)
+        .max_by(|a, b| off(*a).total_cmp(&off(*b)))
+        .unwrap();
+    assert!(
+        led.miss > 1e-4 && (led.miss - off(worst)).abs() < 1e-4,
+        "{led:?}"
+    );
+    assert!(
+        (led.at - f64::from(worst) / 60.0).abs() < 1e-6,
+        "{led:?} {worst}"
+    );
+    assert!(led.at > 1.0);
 }

@@ -52,6 +52,17 @@ fn a_foot_held_still_in_the_air_stands_there_only_below_the_height_asked_for() {
         let stands = |frame: usize| found.contacts[frame * found.standing.len() + toe];
         assert!(stands(20) && stands(290) && !stands(75), "{height}");
         assert_eq!(stands(150), stands_aloft, "{height}");
+        // What it stands on is as high there as the person is up, and the ground elsewhere.
+        let driven = retargeting.driven();
+        let frame = robot.model().frame("left_toe").unwrap();
+        let place = driven.iter().position(|own| *own == frame).unwrap();
+        let heights = [20, 150, 290].map(|frame| retargeting.targets(frame).unwrap()[place].z);
+        let up = 0.3 * retargeting.stride();
+        assert!(
+            (heights[1] - heights[0] - up).abs() < 0.01,
+            "{heights:?} {up}"
+        );
+        assert!((heights[2] - heights[0]).abs() < 0.01, "{heights:?}");
     }
 }
 

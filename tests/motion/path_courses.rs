@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 
 use kinopt::Arm;
 use kinopt::motion::path::{CartesianPath, Course, PathError, PathSolution, PathSolver};
+use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::robot;
 
@@ -226,4 +227,35 @@ fn points_for_two_tools() {
             .iter()
             .all(|told| told.index == 20)
     );
+}
+
+/// The same turn by an arm whose last joint has no limits: it goes on round, and nothing is taken back.
+#[test]
+fn a_joint_without_limits_goes_round_and_round() {
+    let text = std::fs::read_to_string("models/universal_ur5e.urdf").unwrap();
+    let endless = text.replace(
+        r#"<joint name="joint6" type="revolute">"#,
+        r#"<joint name="joint6" type="continuous">"#,
+    );
+    assert_ne!(text, endless);
+    let robot = Robot::parse(&endless, "endless.urdf").unwrap();
+    let arm = Arm::new(&robot, "base", "flange").unwrap();
+    let q = [0.3, -1.2, 1.4, -1.6, -1.5, 0.0];
+    let begin = arm.base_from_tool(&q).unwrap();
+    let turn = |k: u32| {
+        let angle = TAU * f64::from(k) / 100.0;
+        let turned = begin.rotation * rotation_exp(Vector3::new(0.0, 0.0, angle));
+        Placement::new(turned, begin.translation)
+    };
+    let path = CartesianPath::new((0..100).map(turn).collect::<Vec<_>>()).unwrap();
+    let cyclic = path.with_course(Course::Cyclic);
+    for solver in [PathSolver::new(&arm), PathSolver::new(&arm).with_start(&q)] {
+        let solution = solver.solve(&cyclic).unwrap();
+        assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
+        let rows: Vec<&[f64]> = solution.rows().collect();
+        // From the last point to the first there is one more step, as long as the others.
+        let gone = rows[99][5] - rows[0][5];
+        assert!((gone.abs() - 0.99 * TAU).abs() < 1e-3, "{gone}");
+        assert!(longest(&rows[99][..5], &rows[0][..5]) < 1e-3);
+    }
 }

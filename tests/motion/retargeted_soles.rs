@@ -1,10 +1,13 @@
 //! Promise: a foot whose shape is known stands flat on what it stands on, and no part of it is in the ground in any frame,
 //! frame by frame and as a whole.
 
+use kinopt::collision::{CollisionModel, CollisionObject, Shape};
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeted, Retargeting};
+use kinopt::motion::retarget::{
+    BodyMap, Capture, FootShapes, RetargetOptions, Retargeted, Retargeting,
+};
 use kinopt::robot::Robot;
-use kinopt::spatial::Vector3;
+use kinopt::spatial::{Placement, Vector3};
 
 use crate::retargeted_feet::{MAP, RATE, check_limits, legs, person};
 
@@ -161,4 +164,52 @@ fn round_soles_stand_on_their_surface_not_on_their_middles() {
         }
         assert!(lowest > -1.5e-3 && lowest < 1.5e-3, "{lowest} m");
     }
+}
+
+/// Balls under a foot are the same foot as balls about the points of a cloud.
+#[test]
+fn a_cloud_s_points_are_as_thick_as_they_are() {
+    let robot = legs("");
+    let map = BodyMap::from_json(MAP, "legs").unwrap();
+    let capture = Capture::new(map.joints.clone(), &leaning(), RATE).unwrap();
+    let model = robot.model();
+    let under = [
+        [-0.03, -0.03, -0.02],
+        [-0.03, 0.03, -0.02],
+        [0.15, 0.0, -0.02],
+    ]
+    .map(Vector3::from);
+    let fitted = |as_cloud: bool| {
+        let mut objects = Vec::new();
+        for foot in ["left_foot", "right_foot"] {
+            let link = model.frame(foot).unwrap();
+            let mut add = |shape, at: Vector3<f64>| {
+                objects.push(CollisionObject::new(
+                    foot,
+                    link,
+                    Placement::translation(at),
+                    shape,
+                ));
+            };
+            match as_cloud {
+                true => add(
+                    Shape::points(under.to_vec(), 0.02).unwrap(),
+                    Vector3::zero(),
+                ),
+                false => under
+                    .map(|at| add(Shape::sphere(0.02).unwrap(), at))
+                    .into_iter()
+                    .collect(),
+            }
+        }
+        let bodies = CollisionModel::new(model, objects).unwrap();
+        let options = RetargetOptions {
+            shapes: Some(FootShapes::of_collision_model(&bodies)),
+            ..RetargetOptions::default()
+        };
+        let retargeting = Retargeting::new(&robot, &map, &capture, options).unwrap();
+        retargeting.per_frame().unwrap()
+    };
+    let [balls, cloud] = [false, true].map(fitted);
+    assert_eq!(balls.q, cloud.q);
 }

@@ -264,3 +264,21 @@ fn a_room_that_is_no_number_is_named() {
         }
     }
 }
+
+#[test]
+fn of_several_rooms_along_an_axis_what_all_leave_counts() {
+    let rooms = [
+        ("z", Limits::new(-1.0, 0.5)),
+        ("z", Limits::new(-0.2, 2.0)),
+        ("x", Limits::new(0.0, f64::INFINITY)),
+    ];
+    for order in [[0, 1, 2], [2, 1, 0]] {
+        let base = BaseJoint::named("free", order.map(|k| rooms[k])).unwrap();
+        let room = [
+            Limits::new(0.0, f64::INFINITY),
+            Limits::UNBOUNDED,
+            Limits::new(-0.2, 0.5),
+        ];
+        assert_eq!(base, BaseJoint::Free { room });
+    }
+}
