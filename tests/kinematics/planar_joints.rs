@@ -1,5 +1,6 @@
 //! Promise: a planar joint moves across its normal, whichever way that points: by as much as its numbers say along two directions
 //! at right angles, right-handed about it, and turns about it.
+#![allow(clippy::unwrap_used)]
 
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{Limits, Model};
