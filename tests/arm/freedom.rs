@@ -115,3 +115,34 @@ fn beside_a_joint_that_is_held() {
     assert_eq!(q[0], start[0]);
     assert!(off(q) < 0.5 * off(&start), "{q:?}");
 }
+
+/// What a crane does about a joint on one of its limits, its mirror image does about the same joint on the other.
+#[test]
+fn a_mirrored_arm_goes_as_its_image() {
+    for avoidance in [0.0, 1.0] {
+        let arm = crane(avoidance);
+        let mirrored = |q: [f64; 4]| [q[0], -q[1], -q[2], -q[3]];
+        for start in [
+            [0.1, 2.0, -1.2, 0.6],
+            [0.1, -2.0, -0.4, 0.9],
+            [-0.2, 0.4, 2.0, -0.7],
+            [0.3, -0.4, -2.0, -0.7],
+            [1.0, 0.3, 0.8, 2.0],
+        ] {
+            for by in [[0.1, 0.15], [-0.12, 0.05], [0.05, -0.15]] {
+                let both = [(start, by), (mirrored(start), [by[0], -by[1]])];
+                let [one, other] = both.map(|(start, by)| {
+                    let mut to = arm.base_from_tool(&start).unwrap();
+                    to.translation += Vector3::new(by[0], by[1], 0.0);
+                    followed(&arm, &start, to)
+                });
+                let image = mirrored([one[0], one[1], one[2], one[3]]);
+                let off = image.iter().zip(&other).map(|(a, b)| (a - b).abs());
+                assert!(
+                    off.fold(0.0, f64::max) < 1e-6,
+                    "{start:?} {by:?}: {one:?} {other:?}"
+                );
+            }
+        }
+    }
+}

@@ -93,6 +93,17 @@ fn long_steps_do_not_lead_past_the_place_that_is_near() {
             if solution.reached {
                 continue;
             }
+            // The errors told are those of the place that is returned.
+            let at = arm.base_from_tool(&solution.q).unwrap();
+            let off = (at.translation - target.translation).norm();
+            let turned = rotation_log(&(at.rotation * target.rotation.transpose())).norm();
+            let told = [solution.position_error(), solution.orientation_error()];
+            for (told, found) in told.into_iter().zip([off, turned]) {
+                assert!(
+                    (told.unwrap() - found).abs() < 1e-9,
+                    "{name} {case}: {told:?} {found}"
+                );
+            }
             let (end, left) = downhill(&arm, &target, &start);
             let moved = longest(&solution.q, &start);
             if longest(&end, &start) < NEAR {

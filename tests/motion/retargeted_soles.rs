@@ -213,3 +213,46 @@ fn a_cloud_s_points_are_as_thick_as_they_are() {
     let [balls, cloud] = [false, true].map(fitted);
     assert_eq!(balls.q, cloud.q);
 }
+
+/// What lands is held flat as firmly as it is held in place: with five times the weight a foot on a leg that leans is off level by
+/// far less where it comes to stand, and in the air by as much.
+#[test]
+fn a_foot_lands_the_flatter_the_more_that_counts() {
+    let robot = legs(SOLE);
+    let model = robot.model();
+    let mut map = BodyMap::from_json(MAP, "legs").unwrap();
+    // Feet of their ankles alone, which do not tell how they are turned.
+    map.drives.retain(|drive| !drive.frame.ends_with("_toe"));
+    for drive in &mut map.drives {
+        drive.frame = drive.frame.replace("_heel_string", "_foot");
+    }
+    let capture = Capture::new(map.joints.clone(), &person(), RATE).unwrap();
+    let foot = model.frame("left_foot").unwrap().index();
+    let tilts = |landing_weight: f64| {
+        let options = RetargetOptions {
+            landing_weight,
+            ..RetargetOptions::default()
+        };
+        let retargeting = Retargeting::new(&robot, &map, &capture, options).unwrap();
+        let found = retargeting.per_frame().unwrap();
+        let names = &found.standing;
+        let left = names.iter().position(|name| name == "left_foot").unwrap();
+        let stands = |frame: usize| found.contacts[frame * names.len() + left];
+        let landing = (1..found.frames())
+            .find(|&k| stands(k) && !stands(k - 1))
+            .unwrap();
+        let mut kinematics = ForwardKinematics::new(model);
+        let mut tilt = |frame: usize| {
+            let q = found.q.chunks(found.configuration_len).nth(frame).unwrap();
+            let turned = kinematics.place(q).unwrap()[foot].rotation;
+            turned.x.z.hypot(turned.y.z)
+        };
+        [tilt(landing - 1), tilt(landing - 26)]
+    };
+    let [one, five] = [1.0, 5.0].map(tilts);
+    assert!(one[0] > 1e-3 && five[0] < 0.1 * one[0], "{one:?} {five:?}");
+    assert!(
+        one[1] > 0.05 && (five[1] - one[1]).abs() < 0.1 * one[1],
+        "{one:?} {five:?}"
+    );
+}
