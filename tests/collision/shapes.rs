@@ -153,3 +153,42 @@ fn the_box_and_the_ball_of_a_shape_hold_it() {
         assert!(farthest > 0.7 * ball.radius, "{shape:?}: {farthest}");
     }
 }
+
+/// Into how many triangles a face is cut does not say on which side of a corner a point is.
+#[test]
+fn a_corner_of_many_triangles_has_its_outside_where_it_is() {
+    let corners = [
+        [1.0, 1.0, 1.0],
+        [1.0, -1.0, -1.0],
+        [-1.0, 1.0, -1.0],
+        [-1.0, -1.0, 1.0],
+    ];
+    let [a, b, c, d] = corners.map(Vector3::from);
+    for parts in [1_u32, 12] {
+        // The side from b to c is cut, and with it the two faces that meet there: from a, and from d.
+        let cut = (0..=parts).map(|k| b + (c - b) * (f64::from(k) / f64::from(parts)));
+        let vertices: Vec<Vector3<f64>> = [a, d].into_iter().chain(cut).collect();
+        let (first, last) = (2, 2 + parts);
+        let mut triangles = vec![[0, 1, first], [0, last, 1]];
+        for k in first..last {
+            triangles.extend([[0, k, k + 1], [1, k + 1, k]]);
+        }
+        let mesh = Shape::mesh(vertices, triangles).unwrap();
+        for (corner, others) in [(a, [b, c, d]), (d, [a, b, c])] {
+            let [p, q, r] = others;
+            // Outward normals of the three faces at the corner; what they span is nearest to it.
+            let normals = [[p, q, r], [q, r, p], [r, p, q]].map(|[x, y, z]| {
+                let normal = (x - corner).cross(y - corner);
+                let out = normal * -(z - corner).dot(normal).signum();
+                out * (1.0 / out.norm())
+            });
+            for k in 0..3 {
+                let way = normals[k] + (normals[(k + 1) % 3] + normals[(k + 2) % 3]) * 0.1;
+                let far = 0.01 / way.norm();
+                let told = mesh.signed_distance(corner + way * far);
+                assert!((told - 0.01).abs() < 1e-12, "{parts} {k}: {told}");
+                assert!(mesh.signed_distance(corner - corner * 0.01) < 0.0);
+            }
+        }
+    }
+}

@@ -232,3 +232,24 @@ fn an_arm_whose_spheres_leave_gaps_answers_by_its_shapes_all_the_same() {
     }
     assert!(reached > 20, "{reached}");
 }
+
+/// Spheres on a capsule's axis that hold all of its side need not hold its round ends.
+#[test]
+fn ends_of_a_capsule_that_stick_out_are_told() {
+    let text = r#"<robot name="rod"><link name="rod"><collision><geometry><capsule radius="0.1" length="0.4"/></geometry></collision></link></robot>"#;
+    let robot = Robot::parse(text, "rod.urdf").unwrap();
+    let shapes = CollisionModel::of(&robot).unwrap();
+    let spheres = |out: f64| {
+        let each =
+            [-out, 0.0, out].map(|z| format!("    - {{center: [0, 0, {z}], radius: 0.16}}\n"));
+        let text = format!("collision_spheres:\n  rod:\n{}", each.concat());
+        SphereModel::parse(text.as_bytes(), "rod.yml", &shapes).unwrap()
+    };
+    // Each holds 0.125 of the axis to either side, and all of it so. Ends are at 0.3, and the outer ones reach to 0.27, or to 0.31.
+    assert!(
+        (spheres(0.11).gap() - 0.03).abs() < 1e-3,
+        "{}",
+        spheres(0.11).gap()
+    );
+    assert_eq!(spheres(0.15).gap(), 0.0);
+}

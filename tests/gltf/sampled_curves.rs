@@ -5,7 +5,9 @@
 use glam::{Quat, Vec3, Vec3A, Vec4};
 use kinopt::animation::curve::{BezierHandle, KeyedCurve};
 use kinopt::animation::rotation::{EulerOrder, RotationCurve};
-use kinopt::animation::{Armature, ArmatureBone, Channel, Clip, EulerCurve, LocalTransform};
+use kinopt::animation::{
+    Armature, ArmatureBone, Channel, Clip, ClipBuilder, EulerCurve, LocalTransform,
+};
 use kinopt::io::gltf::{self, Scene, SceneMesh, WriteOptions};
 use kinopt::mesh::TriangleMesh;
 use kinopt::skinning::{MorphTarget, MorphTargets};
@@ -19,13 +21,19 @@ fn again(scene: &Scene, options: &WriteOptions) -> Scene {
 }
 
 /// One bone, and one channel or curve at a time.
-fn moving(add: impl FnOnce(&mut kinopt::animation::ClipBuilder<'_>)) -> Scene {
+fn moving(add: impl FnOnce(&mut ClipBuilder<'_>)) -> Scene {
+    moving_from([0.0; 2], add)
+}
+
+/// The same with weights at rest.
+fn moving_from(rest: [f32; 2], add: impl FnOnce(&mut ClipBuilder<'_>)) -> Scene {
     let bone = ArmatureBone {
         name: "bone".into(),
         parent: None,
         rest: LocalTransform::IDENTITY,
     };
     let armature = Armature::new(vec![bone], vec!["a".into(), "b".into()]).unwrap();
+    let armature = armature.with_rest_morph_weights(&rest).unwrap();
     let mut builder = Clip::builder("moving", &armature);
     add(&mut builder);
     let clips = vec![builder.build()];
@@ -229,4 +237,30 @@ fn at_rate(keys_per_second: f32) -> WriteOptions {
     let mut options = WriteOptions::default();
     options.keys_per_second = keys_per_second;
     options
+}
+
+/// What no curve moves stays as it is at rest while a weight beside it moves, whatever runs between that one's keys.
+#[test]
+fn a_weight_that_nothing_moves_stays_at_rest() {
+    let (times, values) = (vec![0.0, 0.5, 1.0], vec![0.0, 1.0, 0.25]);
+    let slopes = vec![[0.5, 0.5]; 3];
+    for curve in [
+        KeyedCurve::step(times.clone(), values.clone()),
+        KeyedCurve::linear(times.clone(), values.clone()),
+        KeyedCurve::cubic(times, values, slopes),
+    ] {
+        for moves in [0, 1] {
+            let curve = curve.clone().unwrap();
+            let rest = [0.3, -0.2];
+            let scene = moving_from(rest, |builder| {
+                builder.morph_weight(moves, curve).unwrap();
+            });
+            let read = again(&scene, &WriteOptions::default());
+            for time in [0.0, 0.2, 0.5, 0.7, 1.0] {
+                let weights = at(&read, 0, time);
+                let off = weights.morph_weights()[1 - moves] - rest[1 - moves];
+                assert!(off.abs() < 1e-6, "{time}: {off}");
+            }
+        }
+    }
 }

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 use kinopt::animation::{Armature, Clip};
+use kinopt::kinematics::ForwardKinematics;
 use kinopt::motion::ContactDetection;
 use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting};
 
@@ -110,4 +111,35 @@ fn a_clip_s_foot_held_still_in_the_air_is_no_stance() {
     assert_eq!(stances(0.4, up_to(0.35)), 2);
     assert_eq!(stances(0.4, up_to(0.45)), 3);
     assert_eq!(stances(0.4, up_to(f64::INFINITY)), 3);
+}
+
+/// Captures sink: what is below the ground in them is on it, frame by frame and live.
+#[test]
+fn a_foot_that_sinks_in_the_capture_stays_over_the_ground() {
+    let robot = legs("");
+    let map = BodyMap::from_json(MAP, "legs").unwrap();
+    let mut numbers = crane(0.0);
+    // The left ankle and toe, for a few frames.
+    for (frame, places) in numbers.chunks_mut(27).enumerate().skip(150).take(10) {
+        let down = 0.12 * (0.1 * (frame - 150) as f64 * std::f64::consts::PI).sin();
+        [11, 14].into_iter().for_each(|z| places[z] -= down);
+    }
+    let capture = Capture::new(map.joints.clone(), &numbers, RATE).unwrap();
+    let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
+    let mut kinematics = ForwardKinematics::new(robot.model());
+    let toe = robot.model().frame("left_toe").unwrap().index();
+    let mut height = |q: &[f64]| kinematics.place(q).unwrap()[toe].translation.z;
+    let found = retargeting.per_frame().unwrap();
+    let by_frame: Vec<f64> = found
+        .q
+        .chunks(found.configuration_len)
+        .map(&mut height)
+        .collect();
+    let mut live = retargeting.live().unwrap();
+    let frames = (0..capture.frames()).map(|frame| capture.frame(frame).unwrap());
+    let live: Vec<f64> = frames.map(|at| height(live.step(at).unwrap())).collect();
+    for heights in [by_frame, live] {
+        let lowest = heights[30..].iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(lowest > heights[30] - 0.02, "{lowest} {}", heights[30]);
+    }
 }

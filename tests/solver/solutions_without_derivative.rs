@@ -85,6 +85,24 @@ fn a_joint_that_must_leave_its_limit_one_way_only_is_named() {
     assert!(told.to_string().contains("`joint 1`"), "{told}");
 }
 
+/// A pull that ends exactly at a limit would leave it one way only; one from beyond presses the joint there, where it stays.
+#[test]
+fn what_is_pulled_just_to_its_limit_is_named() {
+    let (model, _) = chain(2, Limits::new(-2.0, 1.2));
+    for (wanted, is_pressed) in [(1.2, false), (1.3, true)] {
+        let mut tasks = Problem::builder(&model);
+        tasks.add(Posture::new(&model, &[0.3, wanted]));
+        let told = existence(&tasks.build().unwrap(), &[0.3, 1.2]);
+        let on_limit = NoDerivative::OnLimit {
+            joint: "joint 1".into(),
+        };
+        match is_pressed {
+            true => assert_eq!(told, Existence::Unique),
+            false => assert_eq!(told, Existence::DoesNotExist(on_limit)),
+        }
+    }
+}
+
 #[test]
 fn an_arm_stretched_to_its_target_has_none() {
     let (model, tip) = chain(2, Limits::new(-2.0, 2.0));
