@@ -1,6 +1,7 @@
 //! Whole motions: many frames solved as one, and Cartesian paths of arms.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+mod asked_frames;
 mod bad_captures;
 mod bad_motions;
 mod ball_limits;

@@ -1,6 +1,9 @@
 //! Promise: a long clip costs as much per frame as a short one, and in windows it moves as it does as a whole.
 
-use kinopt::motion::clip::{MotionSolver, MotionTermination, Windows};
+use kinopt::model::{Limits, Model};
+use kinopt::motion::clip::{MotionProblem, MotionSolver, MotionTermination, RateCost, Windows};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::Point;
 
 use crate::walker::Walker;
 
@@ -51,4 +54,46 @@ fn work_grows_with_the_frames_and_no_faster() {
         per_frame[1] < 1.3 * per_frame[0] + 1.0,
         "{per_frame:?} factorised a frame"
     );
+}
+
+/// Of windows that end differently the one that did not come to rest counts, wherever it is.
+#[test]
+fn one_window_that_is_cut_short_is_told() {
+    let mut builder = Model::builder("slide");
+    let (at, room) = (Placement::identity(), Limits::new(-1.0, 1.0));
+    let slide = builder.prismatic("slide", None, at, Vector3::UNITS[0], room);
+    let tool = builder.frame("tool", Some(slide), at);
+    let model = builder.build().unwrap();
+    // To and fro beyond its limits at first, and then no more.
+    let to_and_fro = |frames: usize| {
+        let mut motion = MotionProblem::builder(&model, frames, 0.1);
+        let task = motion.add(Point::new(tool, [0.0; 3]));
+        motion.follow(task, |frame, own| {
+            let x = if frame < 10 {
+                1.5 * (frame as f64 * 2.0).sin()
+            } else {
+                0.0
+            };
+            own.set_target([x, 0.0, 0.0]);
+        });
+        motion.rate_cost(RateCost::acceleration(1e-3));
+        motion.build().unwrap()
+    };
+    let windows = Windows {
+        frames: 12,
+        ahead: 3,
+    };
+    let (first, all) = (to_and_fro(15), to_and_fro(60));
+    let mut cut = 0;
+    for most in 1..30 {
+        let solver = MotionSolver::default().with_max_iterations(most);
+        let alone = solver.solve(&first, &[0.0]).unwrap().termination();
+        let solver = solver.with_windows(Some(windows));
+        let told = solver.solve(&all, &[0.0]).unwrap().termination();
+        if alone == MotionTermination::IterationLimit {
+            cut += 1;
+            assert_eq!(told, MotionTermination::IterationLimit, "{most}");
+        }
+    }
+    assert!(cut > 5, "{cut}");
 }

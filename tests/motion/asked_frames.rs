@@ -1,0 +1,41 @@
+//! Promise: a goal that counts for nothing in a frame is not missed there, wherever its target is; one that counts is told by its frame.
+
+use kinopt::model::{Limits, Model};
+use kinopt::motion::clip::{MotionProblem, MotionSolver, RateCost};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::Point;
+
+const FRAMES: usize = 9;
+
+#[test]
+fn what_a_frame_does_not_ask_is_not_missed_there() {
+    let mut builder = Model::builder("slide");
+    let (at, room) = (Placement::identity(), Limits::new(-1.0, 1.0));
+    let slide = builder.prismatic("slide", None, at, Vector3::UNITS[0], room);
+    let tool = builder.frame("tool", Some(slide), at);
+    let model = builder.build().unwrap();
+    // Two metres out of reach in the middle.
+    let wanted = |frame: usize| if (3..6).contains(&frame) { 3.0 } else { 0.5 };
+    for asked in [false, true] {
+        let mut motion = MotionProblem::builder(&model, FRAMES, 0.1);
+        let task = motion.add(Point::new(tool, [0.0; 3]));
+        motion.follow(task, move |frame, own| {
+            own.set_target([wanted(frame), 0.0, 0.0])
+        });
+        let weight = |frame| f64::from(u8::from(asked || wanted(frame) < 1.0));
+        let weights: Vec<f64> = (0..FRAMES).map(weight).collect();
+        motion.weights(task, &weights);
+        motion.rate_cost(RateCost::acceleration(1e-6));
+        let motion = motion.build().unwrap();
+        let solved = MotionSolver::default().solve(&motion, &[0.0]).unwrap();
+        assert_eq!(solved.reached(), !asked);
+        for frame in 0..FRAMES {
+            let missed: Vec<f64> = solved.missed(frame).map(|miss| miss.error).collect();
+            match asked && wanted(frame) > 1.0 {
+                true => assert!((missed[0] - 2.0).abs() < 1e-3, "{frame}: {missed:?}"),
+                false if asked => assert!(missed.iter().all(|error| *error < 1e-2)),
+                false => assert!(missed.is_empty(), "{frame}: {missed:?}"),
+            }
+        }
+    }
+}
