@@ -99,3 +99,49 @@ fn the_sharpest_bend_takes_half_of_an_acceleration() {
         assert!((most - 1.0).abs() < 1e-6, "{short} {long}: {most}");
     }
 }
+
+/// A step for which the path leaves no time is told where times are kept; no other is faster than a joint may be.
+#[test]
+fn a_step_that_must_be_too_fast_is_told() {
+    let robot = robot("franka_panda");
+    let arm = Arm::new(&robot, "base", "flange").unwrap();
+    let q = [0.0, -0.3, 0.0, -2.0, 0.0, 1.9, 0.8];
+    let begin = arm.base_from_tool(&q).unwrap();
+    let point = |k: u32| {
+        let by = Vector3::new(0.0, 0.005 * f64::from(k), 0.0);
+        Placement::new(begin.rotation, begin.translation + by)
+    };
+    let points: Vec<_> = (0..=40).map(point).collect();
+    for hasty in [7, 20, 21, 40] {
+        // A hundredth of what 5 mm take a joint, at least.
+        let mut time = 0.0;
+        let times = (0..=40).map(|k| {
+            time += if k == hasty { 2e-5 } else { 0.1 };
+            time
+        });
+        let path = CartesianPath::new(points.clone()).unwrap();
+        let path = path.with_times(times.collect::<Vec<_>>()).unwrap();
+        let solve = |kept: bool| {
+            let solver = PathSolver::new(&arm).with_times_kept(kept);
+            solver.solve(&path).unwrap()
+        };
+        assert!(solve(false).is_whole());
+        let solution = solve(true);
+        let told: Vec<usize> = solution
+            .reconfigurations
+            .iter()
+            .map(|told| told.index)
+            .collect();
+        assert_eq!(told, [hasty]);
+        let rows: Vec<&[f64]> = solution.rows().collect();
+        for (step, pair) in rows
+            .windows(2)
+            .enumerate()
+            .filter(|(step, _)| step + 1 != hasty)
+        {
+            for ((a, b), speed) in pair[0].iter().zip(pair[1]).zip(arm.velocity_limits()) {
+                assert!((a - b).abs() <= 0.1 * speed * (1.0 + 1e-6), "{step}");
+            }
+        }
+    }
+}
