@@ -1,7 +1,8 @@
-//! Promise: a Cartesian path that a continuous motion of the joints gives is solved without a reconfiguration, told or untold; in a
-//! debug build a few of each arm, `KINOPT_CASES` asks for another number.
+//! Promise: a Cartesian path that a continuous motion of the joints gives is solved without a reconfiguration, told or untold, or a point
+//! that is missed, but for one of two hundred; in a debug build a few of each arm, `KINOPT_CASES` asks for another number.
 
 use kinopt::Arm;
+use kinopt::arm::Search;
 use kinopt::motion::path::{CartesianPath, PathSolver};
 use kinopt::spatial::Placement;
 use nalgebra::Isometry3;
@@ -31,7 +32,26 @@ fn longest(a: &[f64], b: &[f64]) -> f64 {
     moves.fold(0.0, f64::max)
 }
 
-/// How many of so many paths of an arm are solved with a jump.
+/// Whether small parts of the tool's way lead from one configuration to the other, of which none is longer than half of a step.
+fn is_led(arm: &Arm, ends: [Placement<f64>; 2], [from, to]: [&[f64]; 2]) -> bool {
+    const PARTS: u32 = 100;
+    let [begin, end] = ends.map(Isometry3::from);
+    let arm = arm.with_search(Search::Start).unwrap();
+    let mut q = from.to_vec();
+    for part in 1..=PARTS {
+        let target = begin.lerp_slerp(&end, f64::from(part) / f64::from(PARTS));
+        let next = arm.solve(Placement::from(target), &q).unwrap();
+        // Where the arm is stretched out, the straight way may be some micrometres out of reach.
+        let near = next.position_error().is_some_and(|metres| metres < 1e-4);
+        if !near || longest(&q, &next.q) > 0.1 {
+            return false;
+        }
+        q = next.q;
+    }
+    longest(&q, to) < 1e-3
+}
+
+/// How many of so many paths of an arm are solved with a jump, or not for all of their points.
 fn jumps(name: &str, base: &str, tip: &str, count: usize) -> usize {
     let robot = robot(name);
     let arm = Arm::builder(&robot, base, tip)
@@ -44,13 +64,12 @@ fn jumps(name: &str, base: &str, tip: &str, count: usize) -> usize {
         let own = joints(&arm, &mut random, 150);
         let points: Vec<Placement<f64>> =
             own.iter().map(|q| arm.base_from_tool(q).unwrap()).collect();
-        let path = CartesianPath::new(points).unwrap();
+        let path = CartesianPath::new(points.clone()).unwrap();
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
-        assert!(
-            solution.missed.is_empty(),
-            "{name} {case}: {:?}",
-            solution.missed
-        );
+        if !solution.missed.is_empty() {
+            jumps += 1;
+            continue;
+        }
         let rows: Vec<&[f64]> = solution.rows().collect();
         assert_eq!(rows.len(), own.len());
         for (q, own) in rows.iter().zip(&own) {
@@ -61,8 +80,11 @@ fn jumps(name: &str, base: &str, tip: &str, count: usize) -> usize {
             assert!(metres <= 1.1e-6 && radians <= 1.1e-6);
         }
         let told: Vec<usize> = solution.reconfigurations.iter().map(|r| r.index).collect();
-        let untold = (1..rows.len())
-            .find(|&row| longest(rows[row - 1], rows[row]) > 0.2 + 1e-9 && !told.contains(&row));
+        let untold = (1..rows.len()).find(|&row| {
+            let (from, to) = (rows[row - 1], rows[row]);
+            let far = longest(from, to) > 0.2 + 1e-9 && !told.contains(&row);
+            far && !is_led(&arm, [points[row - 1], points[row]], [from, to])
+        });
         assert_eq!(untold, None, "{name} {case}: {told:?}");
         // What is told is a step that is longer than a branch allows.
         let short = solution
@@ -102,6 +124,28 @@ fn seven_joints() {
 fn four_joints_and_a_slide() {
     let count = cases(20, 1);
     assert!(jumps("adept_cobra_s600", "base", "flange", count) * 200 <= count);
+}
+
+/// Of the paths above, some on which the joints wind round so far that of all configurations to begin in one need not turn back.
+#[test]
+fn joints_of_two_turns_begin_so_that_they_need_not_turn_back() {
+    for (name, cases) in [
+        ("universal_ur5e", &[94, 214, 245, 899][..]),
+        ("adept_cobra_s600", &[99, 243, 299, 321]),
+    ] {
+        let arm = Arm::new(&robot(name), "base", "flange").unwrap();
+        let mut random = Random(11);
+        let all = (0..1000).map(|_| joints(&arm, &mut random, 150));
+        for (case, own) in all.enumerate().filter(|(case, _)| cases.contains(case)) {
+            let points: Vec<Placement<f64>> =
+                own.iter().map(|q| arm.base_from_tool(q).unwrap()).collect();
+            let path = CartesianPath::new(points).unwrap();
+            let solution = PathSolver::new(&arm).solve(&path).unwrap();
+            assert!(solution.is_whole(), "{name} {case}");
+            let left = solution.reconfigurations;
+            assert!(left.is_empty(), "{name} {case}: {left:?}");
+        }
+    }
 }
 
 /// Past places at which the arm is stretched out, where the branches known of one side and of the other are of one self-motion.

@@ -67,11 +67,11 @@ impl Carrier {
                 continue;
             };
             let q = &self.ends.q[place * n..(place + 1) * n];
-            let known = layers[to].find(q, &growth.merging);
+            let known = growth.find(&layers[to], q);
             let own = match known {
                 Some(own) => own,
                 None if layers[to].count(n) < most => {
-                    layers[to].take(q);
+                    layers[to].take_folded(q, &growth.turns);
                     let stand = &self.stand[place * n..(place + 1) * n];
                     let motion = q.iter().zip(stand).map(|(a, b)| a - b);
                     self.motions.extend(motion);

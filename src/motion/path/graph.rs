@@ -3,6 +3,7 @@
 //! than it may; any others are joined by a reconfiguration.
 
 use super::layers::{Growth, Layer};
+use super::turns::Turns;
 
 /// What it costs to come to a configuration: reconfigurations first.
 type Cost = (u32, f64);
@@ -76,7 +77,8 @@ pub(super) fn fewest_reconfigurations(
             costs: &costs,
             limits: &limits,
             weights: &weights,
-            sorted: Sorted::of(from_layer, &limits),
+            turns: &growth.turns,
+            sorted: Sorted::of(from_layer, &limits, &growth.turns),
             least: costs.iter().map(|cost| cost.0).min().unwrap_or(0),
         };
         let ends = layers[to].q.chunks_exact(n).enumerate();
@@ -120,6 +122,7 @@ struct Step<'a> {
     costs: &'a [Cost],
     limits: &'a [f32],
     weights: &'a [f32],
+    turns: &'a Turns,
     sorted: Sorted,
     /// Fewest reconfigurations of any configuration before.
     least: u32,
@@ -130,8 +133,10 @@ impl Step<'_> {
     fn best_to(&self, own: usize, q: &[f32]) -> (Cost, u16) {
         let mut best = (NEVER, 0);
         for place in self.sorted.near(q, self.limits) {
-            let mut moves = self.row(place).iter().zip(q).zip(self.limits);
-            if moves.all(|((a, b), most)| (a - b).abs() <= *most) {
+            let moves = self.row(place).iter().zip(q).zip(self.limits);
+            let difference = |joint, from, to| self.turns.difference(joint, from, to).abs();
+            if (moves.enumerate()).all(|(joint, ((a, b), most))| difference(joint, *b, *a) <= *most)
+            {
                 self.consider(&mut best, (place, own), q, true);
             }
         }
@@ -185,8 +190,11 @@ impl Step<'_> {
     }
 
     fn length(&self, a: &[f32], b: &[f32]) -> f32 {
-        let parts = a.iter().zip(b).zip(self.weights);
-        let squares = parts.map(|((a, b), weight)| (weight * (a - b)) * (weight * (a - b)));
+        let parts = a.iter().zip(b).zip(self.weights).enumerate();
+        let squares = parts.map(|(joint, ((a, b), weight))| {
+            let by = weight * self.turns.difference(joint, *b, *a);
+            by * by
+        });
         squares.sum::<f32>().sqrt()
     }
 }
@@ -195,16 +203,17 @@ fn order(a: &Cost, b: &Cost) -> std::cmp::Ordering {
     a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
 }
 
-/// The configurations before a station by the joint in which they lie furthest apart, so that few are looked at.
+/// The configurations before a station by the joint in which they lie furthest apart, so that few are looked at: one whose whole turns
+/// count, if there is one.
 struct Sorted {
-    joint: usize,
+    joint: Option<usize>,
     /// That joint's values, rising, and whose they are.
     values: Vec<f32>,
     places: Vec<usize>,
 }
 
 impl Sorted {
-    fn of(from: &[f32], limits: &[f32]) -> Self {
+    fn of(from: &[f32], limits: &[f32], turns: &Turns) -> Self {
         let n = limits.len();
         let spread = |joint: usize| {
             let values = from.iter().skip(joint).step_by(n);
@@ -213,13 +222,14 @@ impl Sorted {
             });
             (high - low) / limits[joint]
         };
-        let joint = (0..n).max_by(|a, b| spread(*a).total_cmp(&spread(*b)));
-        let joint = joint.unwrap_or(0);
+        let joints = (0..n).filter(|joint| !turns.is_left_out(*joint));
+        let joint = joints.max_by(|a, b| spread(*a).total_cmp(&spread(*b)));
         let mut places: Vec<usize> = (0..from.len() / n).collect();
-        places.sort_by(|a, b| from[a * n + joint].total_cmp(&from[b * n + joint]));
+        let value = |place: &usize| joint.map_or(0.0, |joint| from[place * n + joint]);
+        places.sort_by(|a, b| value(a).total_cmp(&value(b)));
         Self {
             joint,
-            values: places.iter().map(|place| from[place * n + joint]).collect(),
+            values: places.iter().map(value).collect(),
             places,
         }
     }
@@ -227,7 +237,10 @@ impl Sorted {
     /// Those of which that joint is near.
     fn near(&self, q: &[f32], limits: &[f32]) -> impl Iterator<Item = usize> {
         // A little more, for what rounding leaves out.
-        let (value, most) = (q[self.joint], 1.001 * limits[self.joint]);
+        let (value, most) = match self.joint {
+            Some(joint) => (q[joint], 1.001 * limits[joint]),
+            None => (0.0, 0.0),
+        };
         let first = self.values.partition_point(|other| *other < value - most);
         let last = self.values.partition_point(|other| *other <= value + most);
         self.places[first..last.max(first)].iter().copied()

@@ -10,6 +10,7 @@ use super::branch_continuation::{Carrier, FEW};
 use super::knots::Knots;
 use super::step_bounds::StepBounds;
 use super::tools::Tools;
+use super::turns::Turns;
 use crate::arm::{Ends, QueryError};
 
 /// Configurations nearer to each other than this are one, radians (of every joint).
@@ -52,6 +53,8 @@ pub(super) struct Growth<'a> {
     pub(super) middle: Vec<f64>,
     pub(super) merging: Vec<f32>,
     pub(super) slides: Vec<bool>,
+    /// Of which joints configurations are known without whole turns.
+    pub(super) turns: Turns,
 }
 
 /// Room for looks at a station.
@@ -87,6 +90,7 @@ impl<'a> Growth<'a> {
                 .map(|scale| MERGING / *scale as f32)
                 .collect(),
             slides: arm.slides(),
+            turns: Turns::kept(arm.joint_count()),
         }
     }
 
@@ -99,13 +103,13 @@ impl<'a> Growth<'a> {
         // How many of a layer came from the one before.
         let mut carried = vec![0_usize; stations.len()];
         match self.start {
-            Some(start) => layers[0].take(start),
+            Some(start) => layers[0].take_folded(start, &self.turns),
             None => self.look(&mut layers[0], stations[0], FIRST_ATTEMPTS, 0, &mut room)?,
         }
         self.make_do(&mut layers, 0, &mut room)?;
         for to in 1..layers.len() {
             if let (Some(end), true) = (self.end, to + 1 == stations.len()) {
-                layers[to].take(end);
+                layers[to].take_folded(end, &self.turns);
                 continue;
             }
             carrier.carry(self, &mut layers, (to - 1, to), 0)?;
@@ -160,6 +164,17 @@ impl<'a> Growth<'a> {
         self.add(layer, knot, self.most, false, room)
     }
 
+    /// The place of a configuration of a layer that is as good as this one.
+    pub(super) fn find(&self, layer: &Layer, q: &[f64]) -> Option<usize> {
+        let near = |other: &[f32]| {
+            let mut moves = other.iter().zip(q).zip(&self.merging).enumerate();
+            moves.all(|(joint, ((a, b), most))| {
+                self.turns.difference(joint, *b as f32, *a).abs() <= *most
+            })
+        };
+        layer.q.chunks_exact(q.len()).position(near)
+    }
+
     /// Looks for configurations at a station by attempts of its own.
     fn look(
         &self,
@@ -204,8 +219,8 @@ impl<'a> Growth<'a> {
         let n = self.width();
         self.note_free(knot, &room.reached, by_shapes, &mut room.free)?;
         for (q, free) in room.reached.chunks_exact(n).zip(&room.free) {
-            if *free && layer.count(n) < most && layer.find(q, &self.merging).is_none() {
-                layer.take(q);
+            if *free && layer.count(n) < most && self.find(layer, q).is_none() {
+                layer.take_folded(q, &self.turns);
             }
         }
         Ok(())
@@ -256,7 +271,7 @@ impl<'a> Growth<'a> {
         };
         arm.continue_all(&[target], &near, &mut room.ends)?;
         let nearest = std::mem::take(&mut room.ends.q);
-        layers[at].take(&nearest);
+        layers[at].take_folded(&nearest, &self.turns);
         layers[at].missed = true;
         Ok(())
     }
@@ -271,13 +286,11 @@ impl Layer {
         self.q.extend(q.iter().map(|q| *q as f32));
     }
 
-    /// The place of a configuration that is as good as this one.
-    pub(super) fn find(&self, q: &[f64], merging: &[f32]) -> Option<usize> {
-        let near = |other: &[f32]| {
-            let mut moves = other.iter().zip(q).zip(merging);
-            moves.all(|((a, b), most)| (a - *b as f32).abs() <= *most)
-        };
-        self.q.chunks_exact(q.len()).position(near)
+    /// Takes a configuration without the whole turns that are left out.
+    pub(super) fn take_folded(&mut self, q: &[f64], turns: &Turns) {
+        let first = self.q.len();
+        self.take(q);
+        turns.fold(&mut self.q[first..]);
     }
 
     /// Notes that a configuration was followed from one before.

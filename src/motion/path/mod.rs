@@ -48,6 +48,7 @@ mod step_bounds;
 mod timing;
 mod tools;
 mod tridiagonal;
+mod turns;
 
 pub use cartesian_path::{CartesianPath, Course};
 pub use csv::{CsvColumns, QuaternionOrder};

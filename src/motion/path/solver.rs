@@ -11,6 +11,7 @@ use super::shorten::Shortening;
 use super::solution::PathSolution;
 use super::step_bounds::StepBounds;
 use super::tools::Tools;
+use super::turns::Turns;
 use crate::arm::Arm;
 
 /// Configurations that are known of a station at most, at first and at last, and bytes of all.
@@ -125,8 +126,28 @@ impl<'a> PathSolver<'a> {
         Ok(touching)
     }
 
-    /// The best way from the first of the knots to the last.
+    /// The best way from the first of the knots to the last: where branches without their whole turns lead to one with turns that leaves
+    /// none, that; else what is best with them as well.
     fn best_open(&self, knots: &Knots) -> Result<Way, PathError> {
+        let arm = self.tools.own();
+        let with_turns = |turns| self.best_by_turns(knots, turns);
+        let left_out = Turns::left_out(arm);
+        if !left_out.are_left_out() {
+            return with_turns(&left_out);
+        }
+        let way = with_turns(&left_out)?;
+        if way.rank() == (0, 0) {
+            return Ok(way);
+        }
+        let other = with_turns(&Turns::kept(arm.joint_count()))?;
+        Ok(if other.rank() < way.rank() {
+            other
+        } else {
+            way
+        })
+    }
+
+    fn best_by_turns(&self, knots: &Knots, turns: &Turns) -> Result<Way, PathError> {
         let bounds = self.bounds();
         let weights = self.weights();
         let all = self.most(knots);
@@ -141,6 +162,7 @@ impl<'a> PathSolver<'a> {
             let mut growth = Growth::new(&self.tools, knots, &bounds, most);
             growth.start = self.start.as_deref();
             growth.end = self.end.as_deref();
+            growth.turns = turns.clone();
             let layers = growth.layers()?;
             let between = Between::default();
             let chosen = fewest_reconfigurations(&growth, &layers, &weights, between, &[]);
@@ -219,7 +241,14 @@ impl<'a> PathSolver<'a> {
         (mut chosen, between): (Chosen, Between),
     ) -> Result<Way, PathError> {
         let weights = self.weights();
-        let mut way = fill(growth, layers, &chosen)?;
+        let fill = |chosen: &Chosen| match growth.turns.are_left_out() {
+            false => fill(growth, layers, chosen),
+            true => {
+                let (layers, chosen) = growth.with_turns(layers, chosen);
+                fill(growth, &layers, &chosen)
+            }
+        };
+        let mut way = fill(&chosen)?;
         // Stations are some way apart, and what is near at both may be of two branches: then it is chosen again without that step.
         let (mut apart, mut last) = (
             Vec::new(),
@@ -231,7 +260,7 @@ impl<'a> PathSolver<'a> {
             }
             apart.append(&mut last);
             chosen = fewest_reconfigurations(growth, layers, &weights, between, &apart);
-            let other = fill(growth, layers, &chosen)?;
+            let other = fill(&chosen)?;
             last = knot_configurations::false_edges(growth, &chosen, &other);
             if other.rank() < way.rank() {
                 way = other;
