@@ -1,5 +1,6 @@
 //! Promise: a goal that counts for nothing in a frame is not missed there, wherever its target is; one that counts is told by its frame.
 
+use kinopt::ik::Side;
 use kinopt::model::{Limits, Model};
 use kinopt::motion::clip::{MotionProblem, MotionSolver, RateCost};
 use kinopt::spatial::{Placement, Vector3};
@@ -35,6 +36,38 @@ fn what_a_frame_does_not_ask_is_not_missed_there() {
                 true => assert!((missed[0] - 2.0).abs() < 1e-3, "{frame}: {missed:?}"),
                 false if asked => assert!(missed.iter().all(|error| *error < 1e-2)),
                 false => assert!(missed.is_empty(), "{frame}: {missed:?}"),
+            }
+        }
+    }
+}
+
+/// A limit that is far from where a joint goes holds it nowhere, however loosely the motion was solved; one that it goes to does.
+#[test]
+fn a_limit_that_is_far_holds_nothing() {
+    let mut builder = Model::builder("slide");
+    let (at, room) = (Placement::identity(), Limits::new(-1.0, 1.0));
+    let slide = builder.prismatic("slide", None, at, Vector3::UNITS[0], room);
+    let tool = builder.frame("tool", Some(slide), at);
+    let model = builder.build().unwrap();
+    let wanted = |frame: usize| if frame < 6 { 0.3 } else { 1.5 };
+    for tolerance in [1e-2, 1e-4, 1e-7] {
+        let mut motion = MotionProblem::builder(&model, 12, 0.1);
+        let task = motion.add(Point::new(tool, [0.0; 3]));
+        motion.follow(task, move |frame, own| {
+            own.set_target([wanted(frame), 0.0, 0.0])
+        });
+        motion.rate_cost(RateCost::velocity(1e-4));
+        let motion = motion.build().unwrap();
+        let solver = MotionSolver::default().with_tolerance(tolerance);
+        let solved = solver.solve(&motion, &[0.0]).unwrap();
+        for frame in 0..12 {
+            let held: Vec<Side> = solved
+                .active_limits(frame)
+                .map(|limit| limit.side)
+                .collect();
+            match frame < 6 {
+                true => assert!(held.is_empty(), "{tolerance} {frame}: {held:?}"),
+                false => assert_eq!(held, [Side::Upper], "{tolerance} {frame}"),
             }
         }
     }

@@ -413,3 +413,33 @@ fn when_it_is_missed_most_is_told() {
     );
     assert!(led.at > 1.0);
 }
+
+/// The root that follows a hand too far for its arm is where the clip has it again when that lets go, and gets there without a jump;
+/// keys at the ends of a span take the place of their neighbours.
+#[test]
+fn a_root_comes_back_within_the_span_that_it_follows() {
+    let armature = figure();
+    let hand = armature.bone("hand").unwrap();
+    let poses = vec![armature.rest().clone(); 2];
+    let stand = Clip::through_poses("stand", &armature, &[0.0, 2.0], &poses).unwrap();
+    let span = [0.501, 1.4005];
+    let target = at(&armature, &stand, "hand", 0.0).as_dvec3() + DVec3::new(0.6, 0.0, 0.0);
+    let reach = Reach::to(hand, target).unwrap().over(span[0]..=span[1]);
+    let edited = ClipIk::new(&armature).reach(reach).solve(&stand).unwrap();
+    assert!(edited.root_moved > 0.3, "{}", edited.root_moved);
+    let hips = |time: f64| at(&armature, &edited.clip, "hips", time).as_dvec3();
+    let own = DVec3::new(0.0, f64::from(HIPS), 0.0);
+    // A frame of a sixtieth about the span is as the clip has it.
+    for time in [0.0, 0.4, span[0] - 0.017, span[1] + 0.017, 1.5, 2.0] {
+        assert!(hips(time).distance(own) < 1e-5, "{time} s: {}", hips(time));
+    }
+    let ways = (1..=400).map(|k| hips(f64::from(k) / 200.0) - hips(f64::from(k - 1) / 200.0));
+    let ways: Vec<DVec3> = ways.collect();
+    let jerk = ways.windows(2).map(|pair| pair[1].distance(pair[0]));
+    let jerk = jerk.fold(0.0, f64::max);
+    assert!(jerk < 0.02, "{jerk} m");
+    for (_, channel) in edited.clip.channels(&armature).unwrap() {
+        let inner = channel.times().windows(2).map(|pair| pair[1] - pair[0]);
+        assert!(inner.fold(f32::INFINITY, f32::min) > 0.45 / 60.0);
+    }
+}
