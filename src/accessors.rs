@@ -1,10 +1,17 @@
-//! Functions of one shape, a line each: what reads a value's part, what sets it on the way, and what a residual says as
-//! another does.
+//! Functions of one shape, a line each: what reads a value's part, what sets it on the way, what a type answers a trait
+//! in a word, and what a residual says as another does.
 
 /// What reads a part: `pub fn rows(&self) -> usize = self.rows;`.
 macro_rules! getters {
     ($($(#[$about:meta])* $vis:vis fn $name:ident($($own:tt)+) -> $part:ty = $value:expr;)+) => {
         $($(#[$about])* #[must_use] $vis fn $name($($own)+) -> $part { $value })+
+    };
+}
+
+/// What a type answers a trait in one expression: `fn kind(&self) -> &'static str = "plane";`.
+macro_rules! answers {
+    ($($(#[$about:meta])* fn $name:ident($($own:tt)*) -> $part:ty = $value:expr;)+) => {
+        $($(#[$about])* fn $name($($own)*) -> $part { $value })+
     };
 }
 
@@ -30,4 +37,13 @@ macro_rules! as_inner {
     (@rooms $inner:tt) => { fn rooms(&self) -> Vec<crate::task::Room> { self.$inner.rooms() } };
     (@target_len $inner:tt) => { fn target_len(&self) -> usize { self.$inner.target_len() } };
     (@validate $inner:tt) => { fn validate(&self) -> Result<(), String> { self.$inner.validate() } };
+}
+
+/// `evaluate` of a residual that says by `evaluate_moved` what it is: with its target where it is.
+macro_rules! evaluate_unmoved {
+    () => {
+        fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+            self.evaluate_moved(frames, joints, &[], residual);
+        }
+    };
 }

@@ -122,24 +122,13 @@ impl CostFunction for BoundedProblem<'_> {
 }
 
 impl LeastSquares for BoundedProblem<'_> {
-    fn variables(&self) -> usize {
-        self.question.variables()
-    }
-
-    fn rows(&self) -> usize {
-        self.question.rows()
-    }
-
-    fn space(&self) -> ConfigurationSpace<'_> {
-        self.question.space()
-    }
-
-    fn lower(&self) -> &[f64] {
-        self.question.lower()
-    }
-
-    fn upper(&self) -> &[f64] {
-        self.question.upper()
+    answers! {
+        fn variables(&self) -> usize = self.question.variables();
+        fn rows(&self) -> usize = self.question.rows();
+        fn space(&self) -> ConfigurationSpace<'_> = self.question.space();
+        fn lower(&self) -> &[f64] = self.question.lower();
+        fn upper(&self) -> &[f64] = self.question.upper();
+        fn stops_when_reached(&self) -> bool = !self.question.problem().has_preferences();
     }
 
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
@@ -162,9 +151,5 @@ impl LeastSquares for BoundedProblem<'_> {
 
     fn is_reached(&self, residual: &[f64]) -> bool {
         self.question.problem().is_reached(residual)
-    }
-
-    fn stops_when_reached(&self) -> bool {
-        !self.question.problem().has_preferences()
     }
 }

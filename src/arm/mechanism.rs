@@ -32,16 +32,10 @@ impl Mechanism for Model {
 }
 
 impl Mechanism for Robot {
-    fn model(&self) -> &Model {
-        self.model()
-    }
-
-    fn followers(&self) -> &[Mimic] {
-        self.mimics()
-    }
-
-    fn velocity_limit(&self, joint: JointId) -> Option<f64> {
-        Self::velocity_limit(self, joint)
+    answers! {
+        fn model(&self) -> &Model = self.model();
+        fn followers(&self) -> &[Mimic] = self.mimics();
+        fn velocity_limit(&self, joint: JointId) -> Option<f64> = Self::velocity_limit(self, joint);
     }
 
     fn acceleration_limit(&self, joint: JointId) -> Option<f64> {

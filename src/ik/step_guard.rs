@@ -74,24 +74,14 @@ pub(super) struct Guarded<'a, 'q> {
 }
 
 impl LeastSquares for Guarded<'_, '_> {
-    fn variables(&self) -> usize {
-        self.evaluation.variables()
-    }
-
-    fn rows(&self) -> usize {
-        self.evaluation.rows()
-    }
-
-    fn lower(&self) -> &[f64] {
-        self.evaluation.lower()
-    }
-
-    fn upper(&self) -> &[f64] {
-        self.evaluation.upper()
-    }
-
-    fn space(&self) -> ConfigurationSpace<'_> {
-        self.evaluation.space()
+    answers! {
+        fn variables(&self) -> usize = self.evaluation.variables();
+        fn rows(&self) -> usize = self.evaluation.rows();
+        fn lower(&self) -> &[f64] = self.evaluation.lower();
+        fn upper(&self) -> &[f64] = self.evaluation.upper();
+        fn space(&self) -> ConfigurationSpace<'_> = self.evaluation.space();
+        fn is_reached(&self, residual: &[f64]) -> bool = self.evaluation.is_reached(residual);
+        fn stops_when_reached(&self) -> bool = self.evaluation.stops_when_reached();
     }
 
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
@@ -112,15 +102,7 @@ impl LeastSquares for Guarded<'_, '_> {
         self.evaluation.gradient(x, residual, gradient, jacobian);
     }
 
-    fn is_reached(&self, residual: &[f64]) -> bool {
-        self.evaluation.is_reached(residual)
-    }
-
     fn allowed_share(&mut self, from: &[f64], to: &[f64]) -> f64 {
         self.guard.allowed_share(self.evaluation.space(), from, to)
-    }
-
-    fn stops_when_reached(&self) -> bool {
-        self.evaluation.stops_when_reached()
     }
 }

@@ -391,24 +391,13 @@ impl<'a> Evaluation<'a> {
 }
 
 impl LeastSquares for Evaluation<'_> {
-    fn variables(&self) -> usize {
-        self.question.problem.variables()
-    }
-
-    fn rows(&self) -> usize {
-        self.question.problem.rows_of(self.share)
-    }
-
-    fn lower(&self) -> &[f64] {
-        self.question.lower()
-    }
-
-    fn upper(&self) -> &[f64] {
-        self.question.upper()
-    }
-
-    fn space(&self) -> ConfigurationSpace<'_> {
-        self.question.space()
+    answers! {
+        fn variables(&self) -> usize = self.question.problem.variables();
+        fn rows(&self) -> usize = self.question.problem.rows_of(self.share);
+        fn lower(&self) -> &[f64] = self.question.lower();
+        fn upper(&self) -> &[f64] = self.question.upper();
+        fn space(&self) -> ConfigurationSpace<'_> = self.question.space();
+        fn stops_when_reached(&self) -> bool = !self.question.problem.pulls_in(self.share);
     }
 
     fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
@@ -469,9 +458,5 @@ impl LeastSquares for Evaluation<'_> {
 
     fn is_reached(&self, residual: &[f64]) -> bool {
         self.question.problem.is_reached_by(self.share, residual)
-    }
-
-    fn stops_when_reached(&self) -> bool {
-        !self.question.problem.pulls_in(self.share)
     }
 }

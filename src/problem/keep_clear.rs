@@ -58,12 +58,10 @@ pub(crate) trait AnyClearanceCheck: Debug + Send + Sync {
 }
 
 impl<C: ClearanceCheck + 'static> AnyClearanceCheck for C {
-    fn collisions(&mut self, q: &[f64]) -> Vec<Collision> {
-        ClearanceCheck::collisions(self, q)
-    }
-
-    fn is_free(&mut self, q: &[f64]) -> bool {
-        ClearanceCheck::is_free(self, q)
+    answers! {
+        fn collisions(&mut self, q: &[f64]) -> Vec<Collision> = ClearanceCheck::collisions(self, q);
+        fn is_free(&mut self, q: &[f64]) -> bool = ClearanceCheck::is_free(self, q);
+        fn boxed(&self) -> Box<dyn AnyClearanceCheck> = Box::new(self.clone());
     }
 
     fn blocked(&mut self, from: &[f64], to: &[f64]) -> Option<Collision> {
@@ -72,10 +70,6 @@ impl<C: ClearanceCheck + 'static> AnyClearanceCheck for C {
 
     fn free_share(&mut self, from: &[f64], to: &[f64]) -> f64 {
         ClearanceCheck::free_share(self, from, to)
-    }
-
-    fn boxed(&self) -> Box<dyn AnyClearanceCheck> {
-        Box::new(self.clone())
     }
 }
 

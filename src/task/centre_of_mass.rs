@@ -127,12 +127,12 @@ impl Body {
 }
 
 impl Residual for CentreOfMass {
-    fn kind(&self) -> &'static str {
-        "center of mass"
-    }
-
-    fn is_of_body(&self) -> bool {
-        true
+    answers! {
+        fn kind(&self) -> &'static str = "center of mass";
+        fn is_of_body(&self) -> bool = true;
+        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Metres, self.axes().count())];
+        fn target_len(&self) -> usize = 3;
+        fn has_edges(&self) -> bool = false;
     }
 
     fn frames(&self) -> Vec<FrameId> {
@@ -140,17 +140,7 @@ impl Residual for CentreOfMass {
         parts.chain(self.base).collect()
     }
 
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, self.axes().count())]
-    }
-
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        self.evaluate_moved(frames, joints, &[], residual);
-    }
-
-    fn target_len(&self) -> usize {
-        3
-    }
+    evaluate_unmoved!();
 
     fn evaluate_moved<S: Scalar>(
         &self,
@@ -201,10 +191,6 @@ impl Residual for CentreOfMass {
             }
         }
         true
-    }
-
-    fn has_edges(&self) -> bool {
-        false
     }
 
     fn validate(&self) -> Result<(), String> {

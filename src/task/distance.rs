@@ -30,25 +30,14 @@ impl Distance {
 }
 
 impl Residual for Distance {
-    fn kind(&self) -> &'static str {
-        "distance"
+    answers! {
+        fn kind(&self) -> &'static str = "distance";
+        fn frames(&self) -> Vec<FrameId> = self.frames.to_vec();
+        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Metres, 1)];
+        fn target_len(&self) -> usize = 1;
     }
 
-    fn frames(&self) -> Vec<FrameId> {
-        self.frames.to_vec()
-    }
-
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, 1)]
-    }
-
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        self.evaluate_moved(frames, joints, &[], residual);
-    }
-
-    fn target_len(&self) -> usize {
-        1
-    }
+    evaluate_unmoved!();
 
     fn evaluate_moved<S: Scalar>(
         &self,

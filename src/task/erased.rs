@@ -87,8 +87,16 @@ impl Clone for Box<dyn ErasedResidual> {
 }
 
 impl<R: Residual> ErasedResidual for R {
-    fn kind(&self) -> &'static str {
-        Residual::kind(self)
+    answers! {
+        fn kind(&self) -> &'static str = Residual::kind(self);
+        fn target_len(&self) -> usize = Residual::target_len(self);
+        fn rooms(&self) -> Vec<Room> = Residual::rooms(self);
+        fn joint_values(&self) -> Option<usize> = Residual::joint_values(self);
+        fn has_edges(&self) -> bool = Residual::has_edges(self);
+        fn validate(&self) -> Result<(), String> = Residual::validate(self);
+        fn as_any(&self) -> &dyn Any = self;
+        fn as_any_mut(&mut self) -> &mut dyn Any = self;
+        fn boxed(&self) -> Box<dyn ErasedResidual> = Box::new(self.clone());
     }
 
     fn evaluate(&self, frames: &[Placement<f64>], joints: &[f64], residual: &mut [f64]) {
@@ -102,10 +110,6 @@ impl<R: Residual> ErasedResidual for R {
         residual: &mut [Dual<CHUNK>],
     ) {
         Residual::evaluate(self, frames, joints, residual);
-    }
-
-    fn target_len(&self) -> usize {
-        Residual::target_len(self)
     }
 
     fn evaluate_moved(
@@ -146,10 +150,6 @@ impl<R: Residual> ErasedResidual for R {
         }
     }
 
-    fn rooms(&self) -> Vec<Room> {
-        Residual::rooms(self)
-    }
-
     fn depths(&self, frames: &[Placement<f64>], joints: &[f64], depths: &mut [f64]) {
         Residual::depths(self, frames, joints, depths);
     }
@@ -170,29 +170,5 @@ impl<R: Residual> ErasedResidual for R {
                 scratch,
             );
         }
-    }
-
-    fn joint_values(&self) -> Option<usize> {
-        Residual::joint_values(self)
-    }
-
-    fn has_edges(&self) -> bool {
-        Residual::has_edges(self)
-    }
-
-    fn validate(&self) -> Result<(), String> {
-        Residual::validate(self)
-    }
-
-    fn as_any(&self) -> &dyn Any {
-        self
-    }
-
-    fn as_any_mut(&mut self) -> &mut dyn Any {
-        self
-    }
-
-    fn boxed(&self) -> Box<dyn ErasedResidual> {
-        Box::new(self.clone())
     }
 }

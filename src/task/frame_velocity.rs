@@ -57,12 +57,11 @@ impl FrameVelocity {
 }
 
 impl Residual for FrameVelocity {
-    fn kind(&self) -> &'static str {
-        "frame velocity"
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.frame]
+    answers! {
+        fn kind(&self) -> &'static str = "frame velocity";
+        fn frames(&self) -> Vec<FrameId> = vec![self.frame];
+        fn target_len(&self) -> usize = 6;
+        fn has_edges(&self) -> bool = false;
     }
 
     fn rows(&self) -> Vec<Rows> {
@@ -72,13 +71,7 @@ impl Residual for FrameVelocity {
         ]
     }
 
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        self.evaluate_moved(frames, joints, &[], residual);
-    }
-
-    fn target_len(&self) -> usize {
-        6
-    }
+    evaluate_unmoved!();
 
     fn evaluate_moved<S: Scalar>(
         &self,
@@ -97,10 +90,6 @@ impl Residual for FrameVelocity {
         let angular = turn * per_second - moved(self.angular, step.get(3..).unwrap_or_default());
         residual[..3].copy_from_slice(&linear.to_array());
         residual[3..].copy_from_slice(&angular.to_array());
-    }
-
-    fn has_edges(&self) -> bool {
-        false
     }
 
     fn validate(&self) -> Result<(), String> {

@@ -109,25 +109,15 @@ impl Gaze {
 }
 
 impl Residual for Gaze {
-    fn kind(&self) -> &'static str {
-        "gaze"
+    answers! {
+        fn kind(&self) -> &'static str = "gaze";
+        fn frames(&self) -> Vec<FrameId> = vec![self.frame];
+        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Radians, 1)];
+        fn target_len(&self) -> usize = 3;
+        fn rooms(&self) -> Vec<Room> = vec![Room::new(0..1, 1)];
     }
 
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.frame]
-    }
-
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Radians, 1)]
-    }
-
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        self.evaluate_moved(frames, joints, &[], residual);
-    }
-
-    fn target_len(&self) -> usize {
-        3
-    }
+    evaluate_unmoved!();
 
     fn evaluate_moved<S: Scalar>(
         &self,
@@ -142,10 +132,6 @@ impl Residual for Gaze {
         let angle = S::select(inside, S::one(), squared).sqrt();
         let outside = beyond(angle, f64::NEG_INFINITY, self.half_angle);
         residual[0] = S::select(inside, S::zero(), outside);
-    }
-
-    fn rooms(&self) -> Vec<Room> {
-        vec![Room::new(0..1, 1)]
     }
 
     /// (α² − θ²) / 2α, which has a slope where θ has none.

@@ -73,33 +73,17 @@ impl JointCoupling {
 }
 
 impl Residual for JointCoupling {
-    fn kind(&self) -> &'static str {
-        "joint coupling"
+    answers! {
+        fn kind(&self) -> &'static str = "joint coupling";
+        fn frames(&self) -> Vec<FrameId> = Vec::new();
+        fn joints(&self) -> Vec<JointId> = self.joints.clone();
+        fn joint_values(&self) -> Option<usize> = Some(self.coefficients.len());
+        fn rows(&self) -> Vec<Rows> = vec![Rows::new(self.quantity, 1)];
+        fn target_len(&self) -> usize = 1;
+        fn has_edges(&self) -> bool = false;
     }
 
-    fn frames(&self) -> Vec<FrameId> {
-        Vec::new()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        self.joints.clone()
-    }
-
-    fn joint_values(&self) -> Option<usize> {
-        Some(self.coefficients.len())
-    }
-
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(self.quantity, 1)]
-    }
-
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        self.evaluate_moved(frames, joints, &[], residual);
-    }
-
-    fn target_len(&self) -> usize {
-        1
-    }
+    evaluate_unmoved!();
 
     fn evaluate_moved<S: Scalar>(
         &self,
@@ -125,10 +109,6 @@ impl Residual for JointCoupling {
             jacobian.joint_mut(joint).fill(coefficient);
         }
         true
-    }
-
-    fn has_edges(&self) -> bool {
-        false
     }
 
     fn validate(&self) -> Result<(), String> {

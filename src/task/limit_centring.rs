@@ -42,20 +42,11 @@ impl LimitCentring {
 impl Residual for LimitCentring {
     const ROLE: Role = Role::Preference;
 
-    fn kind(&self) -> &'static str {
-        "limit centring"
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        Vec::new()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        self.joints.clone()
-    }
-
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Ratio, self.joints.len())]
+    answers! {
+        fn kind(&self) -> &'static str = "limit centring";
+        fn frames(&self) -> Vec<FrameId> = Vec::new();
+        fn joints(&self) -> Vec<JointId> = self.joints.clone();
+        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Ratio, self.joints.len())];
     }
 
     fn evaluate<S: Scalar>(&self, _frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {

@@ -39,25 +39,15 @@ impl LookAt {
 }
 
 impl Residual for LookAt {
-    fn kind(&self) -> &'static str {
-        "look-at"
+    answers! {
+        fn kind(&self) -> &'static str = "look-at";
+        fn frames(&self) -> Vec<FrameId> = vec![self.frame];
+        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Radians, 3)];
+        fn target_len(&self) -> usize = 3;
+        fn has_edges(&self) -> bool = false;
     }
 
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.frame]
-    }
-
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Radians, 3)]
-    }
-
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        self.evaluate_moved(frames, joints, &[], residual);
-    }
-
-    fn target_len(&self) -> usize {
-        3
-    }
+    evaluate_unmoved!();
 
     fn evaluate_moved<S: Scalar>(
         &self,
@@ -70,10 +60,6 @@ impl Residual for LookAt {
         let axis = frames[0].rotation * Vector3::constant(unit_axis);
         let sight = line_of_sight(&frames[0], axis, moved(self.target, step));
         residual.copy_from_slice(&turn_onto(axis, sight).to_array());
-    }
-
-    fn has_edges(&self) -> bool {
-        false
     }
 
     fn validate(&self) -> Result<(), String> {

@@ -270,33 +270,18 @@ fn determinant_by_pivots<S: Scalar>(mut m: [[S; 6]; 6]) -> S {
 impl Residual for Manipulability {
     const ROLE: Role = Role::Preference;
 
-    fn kind(&self) -> &'static str {
-        "manipulability"
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        Vec::new()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        self.joints.clone()
-    }
-
-    fn joint_values(&self) -> Option<usize> {
-        Some(self.values)
-    }
-
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Ratio, 1)]
+    answers! {
+        fn kind(&self) -> &'static str = "manipulability";
+        fn frames(&self) -> Vec<FrameId> = Vec::new();
+        fn joints(&self) -> Vec<JointId> = self.joints.clone();
+        fn joint_values(&self) -> Option<usize> = Some(self.values);
+        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Ratio, 1)];
+        fn rooms(&self) -> Vec<Room> = vec![Room::new(0..1, 1)];
     }
 
     fn evaluate<S: Scalar>(&self, _frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
         let missing = S::one() - self.measure(joints) * S::constant(1.0 / self.least);
         residual[0] = beyond(missing, f64::NEG_INFINITY, 0.0);
-    }
-
-    fn rooms(&self) -> Vec<Room> {
-        vec![Room::new(0..1, 1)]
     }
 
     fn depths<S: Scalar>(&self, _frames: &[Placement<S>], joints: &[S], depths: &mut [S]) {

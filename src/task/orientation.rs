@@ -92,25 +92,15 @@ impl Orientation {
 }
 
 impl Residual for Orientation {
-    fn kind(&self) -> &'static str {
-        "orientation"
+    answers! {
+        fn kind(&self) -> &'static str = "orientation";
+        fn frames(&self) -> Vec<FrameId> = frame_and_base(self.frame, self.base);
+        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Radians, 3)];
+        fn target_len(&self) -> usize = 3;
+        fn has_edges(&self) -> bool = false;
     }
 
-    fn frames(&self) -> Vec<FrameId> {
-        frame_and_base(self.frame, self.base)
-    }
-
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Radians, 3)]
-    }
-
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        self.evaluate_moved(frames, joints, &[], residual);
-    }
-
-    fn target_len(&self) -> usize {
-        3
-    }
+    evaluate_unmoved!();
 
     fn evaluate_moved<S: Scalar>(
         &self,
@@ -146,10 +136,6 @@ impl Residual for Orientation {
         Self::differentiate_miss(self.target, in_base(frames).rotation, 0, jacobian);
         add_base(frames, jacobian);
         true
-    }
-
-    fn has_edges(&self) -> bool {
-        false
     }
 
     fn validate(&self) -> Result<(), String> {

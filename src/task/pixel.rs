@@ -91,25 +91,15 @@ impl Pixel {
 }
 
 impl Residual for Pixel {
-    fn kind(&self) -> &'static str {
-        "pixel"
+    answers! {
+        fn kind(&self) -> &'static str = "pixel";
+        fn frames(&self) -> Vec<FrameId> = vec![self.frame];
+        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Pixels, 2)];
+        fn target_len(&self) -> usize = 2;
+        fn has_edges(&self) -> bool = false;
     }
 
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.frame]
-    }
-
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Pixels, 2)]
-    }
-
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        self.evaluate_moved(frames, joints, &[], residual);
-    }
-
-    fn target_len(&self) -> usize {
-        2
-    }
+    evaluate_unmoved!();
 
     fn evaluate_moved<S: Scalar>(
         &self,
@@ -122,10 +112,6 @@ impl Residual for Pixel {
         for (k, (row, at)) in residual.iter_mut().zip(seen).enumerate() {
             *row = at - moved_by(self.target[k], step.get(k..).unwrap_or_default());
         }
-    }
-
-    fn has_edges(&self) -> bool {
-        false
     }
 
     fn validate(&self) -> Result<(), String> {

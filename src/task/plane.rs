@@ -41,25 +41,15 @@ impl Plane {
 }
 
 impl Residual for Plane {
-    fn kind(&self) -> &'static str {
-        "plane"
+    answers! {
+        fn kind(&self) -> &'static str = "plane";
+        fn frames(&self) -> Vec<FrameId> = vec![self.frame];
+        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Metres, 1)];
+        fn target_len(&self) -> usize = 3;
+        fn has_edges(&self) -> bool = false;
     }
 
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.frame]
-    }
-
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, 1)]
-    }
-
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        self.evaluate_moved(frames, joints, &[], residual);
-    }
-
-    fn target_len(&self) -> usize {
-        3
-    }
+    evaluate_unmoved!();
 
     fn evaluate_moved<S: Scalar>(
         &self,
@@ -80,10 +70,6 @@ impl Residual for Plane {
     ) -> bool {
         jacobian.linear_mut(0)[0] = self.unit_normal();
         true
-    }
-
-    fn has_edges(&self) -> bool {
-        false
     }
 
     fn validate(&self) -> Result<(), String> {

@@ -52,25 +52,15 @@ impl Point {
 }
 
 impl Residual for Point {
-    fn kind(&self) -> &'static str {
-        "point"
+    answers! {
+        fn kind(&self) -> &'static str = "point";
+        fn frames(&self) -> Vec<FrameId> = frame_and_base(self.frame, self.base);
+        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Metres, 3)];
+        fn target_len(&self) -> usize = 3;
+        fn has_edges(&self) -> bool = false;
     }
 
-    fn frames(&self) -> Vec<FrameId> {
-        frame_and_base(self.frame, self.base)
-    }
-
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, 3)]
-    }
-
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        self.evaluate_moved(frames, joints, &[], residual);
-    }
-
-    fn target_len(&self) -> usize {
-        3
-    }
+    evaluate_unmoved!();
 
     fn evaluate_moved<S: Scalar>(
         &self,
@@ -115,10 +105,6 @@ impl Residual for Point {
         }
         add_base(frames, jacobian);
         true
-    }
-
-    fn has_edges(&self) -> bool {
-        false
     }
 
     fn validate(&self) -> Result<(), String> {

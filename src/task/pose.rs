@@ -176,25 +176,14 @@ impl Pose {
 }
 
 impl Residual for Pose {
-    fn kind(&self) -> &'static str {
-        "pose"
+    answers! {
+        fn kind(&self) -> &'static str = "pose";
+        fn frames(&self) -> Vec<FrameId> = frame_and_base(self.frame, self.base);
+        fn rows(&self) -> Vec<Rows> = self.measures().to_vec();
+        fn target_len(&self) -> usize = 6;
     }
 
-    fn frames(&self) -> Vec<FrameId> {
-        frame_and_base(self.frame, self.base)
-    }
-
-    fn rows(&self) -> Vec<Rows> {
-        self.measures().to_vec()
-    }
-
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        self.evaluate_moved(frames, joints, &[], residual);
-    }
-
-    fn target_len(&self) -> usize {
-        6
-    }
+    evaluate_unmoved!();
 
     fn evaluate_moved<S: Scalar>(
         &self,

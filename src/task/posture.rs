@@ -203,29 +203,16 @@ fn turn_from<S: Scalar>(reference: &[f64], to: [S; 4], step: &[S]) -> [S; 3] {
 impl Residual for Posture {
     const ROLE: Role = Role::Preference;
 
-    fn kind(&self) -> &'static str {
-        "posture"
+    answers! {
+        fn kind(&self) -> &'static str = "posture";
+        fn frames(&self) -> Vec<FrameId> = Vec::new();
+        fn joints(&self) -> Vec<JointId> = self.joints.clone();
+        fn joint_values(&self) -> Option<usize> = Some(self.reference.len());
+        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::JointUnits, self.target_len())];
+        fn has_edges(&self) -> bool = false;
     }
 
-    fn frames(&self) -> Vec<FrameId> {
-        Vec::new()
-    }
-
-    fn joints(&self) -> Vec<JointId> {
-        self.joints.clone()
-    }
-
-    fn joint_values(&self) -> Option<usize> {
-        Some(self.reference.len())
-    }
-
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::JointUnits, self.target_len())]
-    }
-
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        self.evaluate_moved(frames, joints, &[], residual);
-    }
+    evaluate_unmoved!();
 
     fn target_len(&self) -> usize {
         self.is_ball
@@ -254,10 +241,6 @@ impl Residual for Posture {
         jacobian: &mut LocalJacobian,
     ) -> bool {
         self.differentiate_values(joints, 1.0, jacobian)
-    }
-
-    fn has_edges(&self) -> bool {
-        false
     }
 
     fn validate(&self) -> Result<(), String> {

@@ -44,25 +44,15 @@ impl Ray {
 }
 
 impl Residual for Ray {
-    fn kind(&self) -> &'static str {
-        "ray"
+    answers! {
+        fn kind(&self) -> &'static str = "ray";
+        fn frames(&self) -> Vec<FrameId> = vec![self.frame];
+        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Metres, 3)];
+        fn target_len(&self) -> usize = 3;
+        fn has_edges(&self) -> bool = false;
     }
 
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.frame]
-    }
-
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, 3)]
-    }
-
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        self.evaluate_moved(frames, joints, &[], residual);
-    }
-
-    fn target_len(&self) -> usize {
-        3
-    }
+    evaluate_unmoved!();
 
     fn evaluate_moved<S: Scalar>(
         &self,
@@ -88,10 +78,6 @@ impl Residual for Ray {
             *row = unit - direction * unit.dot(direction);
         }
         true
-    }
-
-    fn has_edges(&self) -> bool {
-        false
     }
 
     fn validate(&self) -> Result<(), String> {

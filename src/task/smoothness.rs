@@ -45,12 +45,10 @@ impl Residual for Smoothness {
 
     as_inner!(previous: joints, joint_values, target_len);
 
-    fn kind(&self) -> &'static str {
-        "smoothness"
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        Vec::new()
+    answers! {
+        fn kind(&self) -> &'static str = "smoothness";
+        fn frames(&self) -> Vec<FrameId> = Vec::new();
+        fn has_edges(&self) -> bool = false;
     }
 
     fn rows(&self) -> Vec<Rows> {
@@ -58,9 +56,7 @@ impl Residual for Smoothness {
         vec![Rows::new(Quantity::JointUnitsPerSecond, count)]
     }
 
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        self.evaluate_moved(frames, joints, &[], residual);
-    }
+    evaluate_unmoved!();
 
     fn evaluate_moved<S: Scalar>(
         &self,
@@ -84,10 +80,6 @@ impl Residual for Smoothness {
     ) -> bool {
         self.previous
             .differentiate_values(joints, 1.0 / self.time_step_s, jacobian)
-    }
-
-    fn has_edges(&self) -> bool {
-        false
     }
 
     fn validate(&self) -> Result<(), String> {

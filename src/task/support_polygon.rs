@@ -226,21 +226,17 @@ impl SupportPolygon {
 }
 
 impl Residual for SupportPolygon {
-    fn kind(&self) -> &'static str {
-        "support polygon"
-    }
-
-    fn is_of_body(&self) -> bool {
-        true
+    answers! {
+        fn kind(&self) -> &'static str = "support polygon";
+        fn is_of_body(&self) -> bool = true;
+        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Metres, 2)];
+        /// The polygon, with an edge that begins at each of its points that is a corner.
+        fn rooms(&self) -> Vec<Room> = vec![Room::new(0..2, self.points.len())];
     }
 
     fn frames(&self) -> Vec<FrameId> {
         let parts = self.body.frames.iter();
         parts.chain(&self.frames).copied().collect()
-    }
-
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, 2)]
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
@@ -260,11 +256,6 @@ impl Residual for SupportPolygon {
             rows.copy_from_slice(&self.outside(centre, feet));
         });
         true
-    }
-
-    /// The polygon, with an edge that begins at each of its points that is a corner.
-    fn rooms(&self) -> Vec<Room> {
-        vec![Room::new(0..2, self.points.len())]
     }
 
     fn depths<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], depths: &mut [S]) {

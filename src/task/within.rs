@@ -144,9 +144,7 @@ impl<R: Residual> Residual for Within<R> {
 
     as_inner!(residual: kind, is_of_body, frames, joints, joint_values, rows, target_len);
 
-    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
-        self.evaluate_moved(frames, joints, &[], residual);
-    }
+    evaluate_unmoved!();
 
     fn evaluate_moved<S: Scalar>(
         &self,

@@ -97,16 +97,10 @@ impl Distances {
 }
 
 impl NumericResidual for Distances {
-    fn kind(&self) -> &'static str {
-        "clearance"
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        self.scene.frames().collect()
-    }
-
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, self.scene.frames().len())]
+    answers! {
+        fn kind(&self) -> &'static str = "clearance";
+        fn frames(&self) -> Vec<FrameId> = self.scene.frames().collect();
+        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Metres, self.scene.frames().len())];
     }
 
     fn evaluate(&self, frames: &[Placement<f64>], _joints: &[f64], residual: &mut [f64]) {

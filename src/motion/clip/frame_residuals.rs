@@ -167,20 +167,11 @@ pub(super) struct FrameAlone<'r, 'a> {
 }
 
 impl LeastSquares for FrameAlone<'_, '_> {
-    fn variables(&self) -> usize {
-        self.residuals.motion.variables()
-    }
-
-    fn rows(&self) -> usize {
-        self.residuals.motion.problem.rows()
-    }
-
-    fn lower(&self) -> &[f64] {
-        self.lower
-    }
-
-    fn upper(&self) -> &[f64] {
-        self.upper
+    answers! {
+        fn variables(&self) -> usize = self.residuals.motion.variables();
+        fn rows(&self) -> usize = self.residuals.motion.problem.rows();
+        fn lower(&self) -> &[f64] = self.lower;
+        fn upper(&self) -> &[f64] = self.upper;
     }
 
     fn space(&self) -> ConfigurationSpace<'_> {

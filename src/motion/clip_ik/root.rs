@@ -31,16 +31,10 @@ struct LongEnough {
 }
 
 impl Residual for LongEnough {
-    fn kind(&self) -> &'static str {
-        "limb long enough"
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.root]
-    }
-
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, 1)]
+    answers! {
+        fn kind(&self) -> &'static str = "limb long enough";
+        fn frames(&self) -> Vec<FrameId> = vec![self.root];
+        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Metres, 1)];
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], residual: &mut [S]) {

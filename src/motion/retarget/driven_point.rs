@@ -36,8 +36,9 @@ impl DrivenPoint {
 impl Residual for DrivenPoint {
     as_inner!(point: frames, rows);
 
-    fn kind(&self) -> &'static str {
-        "driven point"
+    answers! {
+        fn kind(&self) -> &'static str = "driven point";
+        fn has_edges(&self) -> bool = false;
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
@@ -55,9 +56,5 @@ impl Residual for DrivenPoint {
         let known = self.point.differentiate(frames, joints, jacobian);
         jacobian.scale_rows(&[self.weight; 3]);
         known
-    }
-
-    fn has_edges(&self) -> bool {
-        false
     }
 }

@@ -53,16 +53,11 @@ impl HipLine {
 }
 
 impl Residual for HipLine {
-    fn kind(&self) -> &'static str {
-        "hip line"
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        self.frames.to_vec()
-    }
-
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, 3)]
+    answers! {
+        fn kind(&self) -> &'static str = "hip line";
+        fn frames(&self) -> Vec<FrameId> = self.frames.to_vec();
+        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Metres, 3)];
+        fn has_edges(&self) -> bool = false;
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
@@ -88,9 +83,5 @@ impl Residual for HipLine {
             }
         }
         true
-    }
-
-    fn has_edges(&self) -> bool {
-        false
     }
 }

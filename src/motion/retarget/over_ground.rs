@@ -100,12 +100,9 @@ impl OverGround {
 }
 
 impl Residual for OverGround {
-    fn kind(&self) -> &'static str {
-        "foot over the ground"
-    }
-
-    fn frames(&self) -> Vec<FrameId> {
-        vec![self.sole.frame]
+    answers! {
+        fn kind(&self) -> &'static str = "foot over the ground";
+        fn frames(&self) -> Vec<FrameId> = vec![self.sole.frame];
     }
 
     fn rows(&self) -> Vec<Rows> {
