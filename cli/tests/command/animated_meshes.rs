@@ -47,7 +47,7 @@ fn one_time_is_one_file() {
     let (rig, out) = (folder.rig(), folder.file("posed.ply"));
     for (options, playback) in [("lbs", Playback::Hold), ("dqs --loop", Playback::Loop)] {
         let text = text!("animate {rig} --time=2.3 --out {out} --skinning {options}");
-        says(&text, "20 vertices | 2.3 s");
+        says!(text => "20 vertices | 2.3 s");
         close(&posed(&out), &expected(2.3, playback));
     }
 }
@@ -111,7 +111,7 @@ fn a_mesh_without_weights_follows_the_nearest_bones() {
     let bare = folder.changed("bare.json", |rig| rig.weights = None);
     let out = folder.file("posed.ply");
     let (_, told) = answer!(told "animate {bare} --time=2.3 --out {out}");
-    says(&told, "bare.json | no skin weights | heat");
+    says!(told => "bare.json | no skin weights | heat");
     // The skin goes with the limbs it is on, within its own thickness at the joints.
     let rest = rig().mesh.unwrap();
     let expected = expected(2.3, Playback::Hold);
@@ -126,29 +126,28 @@ fn a_mesh_without_weights_follows_the_nearest_bones() {
 /// As some rigs are published: bones, keyframes and mesh work, and what is missing is said.
 #[test]
 fn a_rig_whose_weights_file_is_missing_is_posed() {
-    let folder = Folder::new("animate-missing-weights");
-    let file = folder.rig();
+    let (folder, file) = Folder::with_rig("animate-missing-weights");
     std::fs::remove_file(folder.file("rig.dmat")).unwrap();
     let note = "rig.dmat does not exist";
     let out = folder.file("posed.ply");
     for (way, follows) in [("heat", "heat"), ("distance", "nearest")] {
         let (document, told) =
             answer!(told "animate {file} --time=2.3 --out {out} --skin-weights {way}");
-        says(&told, note);
-        says(word(&document["notes"][0]), note);
-        says(word(&document["notes"][1]), follows);
+        says!(told => note);
+        says!(word(&document["notes"][0]) => note);
+        says!(word(&document["notes"][1]) => follows);
         assert_eq!(posed(&out).len(), rig().mesh.unwrap().positions().len());
     }
     for command in ["info", "fk --time=1"] {
         let (document, told) = answer!(told "{command} {file}");
-        says(&told, note);
-        says(word(&document["notes"][0]), note);
+        says!(told => note);
+        says!(word(&document["notes"][0]) => note);
     }
     // What the file does give may be made up anew, which is said too.
     let other = Folder::new("animate-other-weights");
     let whole = other.rig();
     let output = kinopt!("animate {whole} --time=1 --out {out} --skin-weights=heat");
-    says(stderr(&output), "not taken");
+    says!(stderr(&output) => "not taken");
 }
 
 #[test]
@@ -191,7 +190,7 @@ fn keys_are_interpolated_as_asked() {
             answer!("info {file}")["keyframes"]["interpolation"][0],
             name
         );
-        says(&text!("info {file}"), name);
+        says!(text!("info {file}") => name);
     }
     assert!(apart(&angles(&linear_file, ""), &linear) < 1e-14);
     let animated = |arguments: &str| {

@@ -79,11 +79,8 @@ fn no_answer_leaves_its_cone() {
         .unwrap();
     let swing = 30f64.to_radians();
     assert_eq!(arm["kind"], "ball");
-    has(&arm["cone"], json!({"swing": [swing, swing]}));
-    says(
-        &text!("info {HUMANOID} --cones {cones}"),
-        "a swing of 30.000, a twist of -10.000 to 10.000",
-    );
+    has!(arm["cone"], {"swing": [swing, swing]});
+    says!(text!("info {HUMANOID} --cones {cones}") => "a swing of 30.000, a twist of -10.000 to 10.000");
     let ask = format!("solve {HUMANOID} --cones {cones} --free --only left_upper_arm,left_forearm");
     let answer = answer!("{ask} --target left_hand=0.3,0.6,1.9");
     let first = usize::try_from(arm["coordinate"].as_u64().unwrap()).unwrap();

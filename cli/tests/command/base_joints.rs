@@ -104,10 +104,7 @@ fn a_body_crouches_from_bent_knees_over_its_feet() {
         .unwrap();
     assert!(numbers(&solution["q"])[knee] > 0.5, "the knees give way");
     // What is told of it has the legs too, which the target alone does not move.
-    says(
-        &text!("solve {body} --start bent {target}"),
-        "left_knee_pitch | right_ankle_roll | hold left_sole",
-    );
+    says!(text!("solve {body} --start bent {target}") => "left_knee_pitch | right_ankle_roll | hold left_sole");
     refused!("solve {NAO} --hold left_sole --start bent {target}" => 2, "--start bent | --base-joint free");
     // Beyond reach the feet hardly move: they count ten times as much as the hand.
     let missed = answer!("solve {body} --start bent --target left_hand=2,0.1,0 --attempts 1");
@@ -131,7 +128,7 @@ fn a_quaternion_of_another_length_is_told() {
     let [unit, long, typed] = ["0.6,0,0,0.8", "1.2,0,0,1.6", "0.6001,0,0,0.7999"].map(with);
     let quiet = answer!("{unit}");
     let (answer, told) = answer!(told "{long}");
-    says(&told, "--q | `root_joint/rotation` | length 2.000000");
+    says!(told => "--q | `root_joint/rotation` | length 2.000000");
     assert_eq!(answer["frames"], quiet["frames"]);
     let (_, told) = answer!(told "{typed}");
     assert!(!told.contains("length"), "{told}");

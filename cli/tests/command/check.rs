@@ -28,11 +28,8 @@ fn what_touches_is_told_with_its_depth() {
     );
     // Along x the ball's lowest point is 0.3 above the bar's side 0.05.
     let free = answer!("check {robot} --q 0 --world {world}");
-    has(
-        &free,
-        json!({"free": true, "q": [0.0], "margin": 0.0, "collisions": []}),
-    );
-    has(&free["nearest"], json!({"first": "bar", "second": "ball"}));
+    has!(free, {"free": true, "q": [0.0], "margin": 0.0, "collisions": []});
+    has!(free["nearest"], {"first": "bar", "second": "ball"});
     let apart = free["nearest"]["distance"].as_f64().unwrap();
     assert!((apart - 0.25).abs() < 1e-12, "{apart}");
     let told = text!("check {robot} --q 0 --world {world}");
@@ -48,9 +45,8 @@ fn what_touches_is_told_with_its_depth() {
     let [pair] = list(&told["collisions"]) else {
         panic!("{told}")
     };
-    let kinds = json!({"first_kind": "link", "second_kind": "obstacle", "on_the_way": false});
-    has(pair, json!({"first": "bar", "second": "ball"}));
-    has(pair, kinds);
+    has!(pair, {"first": "bar", "second": "ball", "on_the_way": false});
+    has!(pair, {"first_kind": "link", "second_kind": "obstacle"});
     let depth = -pair["distance"].as_f64().unwrap();
     assert!((depth - 0.25).abs() < 1e-12, "{depth}");
     assert_eq!(told["free"], false);

@@ -44,11 +44,8 @@ fn joints_go_where_the_target_leads_them() {
         assert!(distance(row, own) < 1e-6, "{row:?} {own:?}");
     }
     let text = text!("solve {UR5E} --target flange=0.4,0.2,0.5,0,1,0,0 --derivative");
-    says(
-        &text,
-        "Derivative by the target: the solution is differentiable",
-    );
-    says(&text, "by flange | per m along x | per rad about x");
+    says!(text => "Derivative by the target: the solution is differentiable");
+    says!(text => "by flange | per m along x | per rad about x");
 }
 
 #[test]

@@ -10,8 +10,7 @@ const TARGET: &str = "--target=bone/2=-2.5,0.5,0";
 
 #[test]
 fn wrong_names_come_with_the_valid_ones() {
-    let folder = Folder::new("names");
-    let rig = folder.rig();
+    let (_folder, rig) = Folder::with_rig("names");
     for target in ["--target=hand=1,2,3", "--ray=hand=0,0,1:0,0,0"] {
         refused!("solve {rig} {target}" => 1, "bone/0 | bone/4 | /tip | `hand`");
     }
@@ -25,8 +24,7 @@ fn wrong_names_come_with_the_valid_ones() {
 
 #[test]
 fn wrong_usage_is_two() {
-    let folder = Folder::new("usage");
-    let rig = folder.rig();
+    let (_folder, rig) = Folder::with_rig("usage");
     refused("", 2, "info | fk | solve");
     refused!("dance" => 2, "dance");
     refused!("info" => 2, "MODEL");
@@ -78,8 +76,7 @@ fn a_negative_number_is_refused_for_what_it_is() {
 
 #[test]
 fn what_cannot_be_done_is_one() {
-    let folder = Folder::new("failed");
-    let rig_file = folder.rig();
+    let (folder, rig_file) = Folder::with_rig("failed");
     let missing = folder.file("missing.json");
     refused!("info {missing}" => 1, "missing.json");
     refused!("info arm.urdx" => 1, "arm.urdx | .urdx | .json");
@@ -143,8 +140,7 @@ fn names_are_checked_before_weights_are_made_up() {
 
 #[test]
 fn numbers_whose_squares_overflow_are_refused() {
-    let folder = Folder::new("huge");
-    let rig = folder.rig();
+    let (folder, rig) = Folder::with_rig("huge");
     let bound = "beyond 1e150";
     for huge in ["--target=bone/2=1e200,0,0", "--ray=bone/2=0,-1e151,3:0,0,0"] {
         refused!("solve {rig} {huge}" => 2, "{bound} | e1");
@@ -182,7 +178,7 @@ fn help_is_in_groups_and_its_short_form_on_a_page() {
     assert!(lines < 60, "{lines} lines");
     for help in [long, text!("--help")] {
         let codes = help.split("Exit codes").nth(1).unwrap();
-        says(codes, "0 | 1 | 2 | 3");
+        says!(codes => "0 | 1 | 2 | 3");
     }
 }
 
@@ -190,15 +186,14 @@ fn help_is_in_groups_and_its_short_form_on_a_page() {
 fn help_says_units_defaults_and_examples() {
     for subcommand in ["info", "fk", "solve", "animate"] {
         let help = text!("{subcommand} --help");
-        says(&help, "Examples: | metres | Usage: kinopt | Default");
+        says!(help => "Examples: | metres | Usage: kinopt | Default");
     }
-    says(&text!("--version"), env!("CARGO_PKG_VERSION"));
+    says!(text!("--version") => env!("CARGO_PKG_VERSION"));
 }
 
 #[test]
 fn a_reader_that_goes_away_is_no_failure() {
-    let folder = Folder::new("pipe");
-    let rig = folder.rig();
+    let (_folder, rig) = Folder::with_rig("pipe");
     for line in [
         "info RIG",
         "fk RIG --json",

@@ -13,25 +13,22 @@ fn it_settles_where_it_can() {
     let humanoid = model("humanoid/humanoid.json");
     let hand = "--target=left_hand=0.35,0.45,1.5";
     let settled = answer!("solve {humanoid} {hand}");
-    has(
-        &settled,
-        json!({"reached": true, "way": "own", "attempts": 1}),
-    );
+    has!(settled, {"reached": true, "way": "own", "attempts": 1});
     // It is what the default says it is.
     let start = answer!("solve {humanoid} {hand} --search=start");
     assert_eq!(start["q"], settled["q"]);
     let searched = answer!("solve {humanoid} {hand} --search=first");
-    has(&searched, json!({"reached": true, "way": null}));
+    has!(searched, {"reached": true, "way": null});
 }
 
 #[test]
 fn another_way_is_told() {
     let arm = model("robot-arm/robot-arm.json");
     let another = answer!("solve {arm} {PLACE} {BENT}");
-    has(&another, json!({"reached": true, "way": "another"}));
+    has!(another, {"reached": true, "way": "another"});
     let own = answer!("solve {arm} {PLACE} {BENT} --restarts=0");
-    has(&own, json!({"reached": false, "way": "own", "attempts": 1}));
-    says(&text!("solve {arm} {PLACE} {BENT}"), "own way missed");
+    has!(own, {"reached": false, "way": "own", "attempts": 1});
+    says!(text!("solve {arm} {PLACE} {BENT}") => "own way missed");
     assert!(!text!("solve {arm} {PLACE} {BENT} --restarts=0").contains("own way"));
 }
 
@@ -41,10 +38,7 @@ fn a_miss_stays_on_its_own_way_unless_asked() {
     let far = "--target=gripper=-0.9,-4.8,0.14";
     let solve = |more: &str| answer!("solve {arm} {far} {BENT} {more}");
     let (alone, default) = (solve("--restarts=0"), solve(""));
-    has(
-        &default,
-        json!({"reached": false, "way": "own", "q": alone["q"]}),
-    );
+    has!(default, {"reached": false, "way": "own", "q": alone["q"]});
     assert!(count(&default["attempts"]) > 1);
     let anywhere = solve("--global-search-on-miss");
     match word(&anywhere["way"]) {
@@ -65,10 +59,7 @@ fn many_targets_settle_one_by_one_and_the_clock_ends_it() {
     let many = answer!("solve {humanoid} --tip=left_hand --targets {file}");
     let hand = "--target=left_hand=0.35,0.45,1.5";
     let alone = answer!("solve {humanoid} {hand}");
-    has(
-        &many["solutions"][0],
-        json!({"way": "own", "q": alone["q"]}),
-    );
+    has!(many["solutions"][0], {"way": "own", "q": alone["q"]});
     let cut = answer!("solve {humanoid} {hand} --time-limit=0.0001");
     assert_eq!(cut["way"], "own");
 }

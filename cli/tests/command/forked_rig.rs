@@ -33,6 +33,13 @@ impl Folder {
         self.0.join(name).to_str().unwrap().to_owned()
     }
 
+    /// A folder with the rig in it, and the path of the rig's JSON.
+    pub(crate) fn with_rig(test: &str) -> (Self, String) {
+        let folder = Self::new(test);
+        let rig = folder.rig();
+        (folder, rig)
+    }
+
     /// Writes the whole rig; the path of its JSON.
     pub(crate) fn rig(&self) -> String {
         self.write("rig.json", &rig())
@@ -217,6 +224,20 @@ macro_rules! answer {
         let text = $crate::forked_rig::succeeds(&line).0;
         serde_json::from_str::<serde_json::Value>(&text).unwrap()
     }};
+}
+
+/// As [`says`](crate::forked_rig::says), a line each: `says!(text => "this | that")`.
+macro_rules! says {
+    ($text:expr => $words:expr) => {
+        $crate::forked_rig::says(&$text, $words)
+    };
+}
+
+/// As [`has`](crate::forked_rig::has), a line each: `has!(answer, {"reached": true, "tasks/0/frame": "hand"})`.
+macro_rules! has {
+    ($document:expr, $expected:tt) => {
+        $crate::forked_rig::has(&$document, serde_json::json!($expected))
+    };
 }
 
 /// A scene without notes.

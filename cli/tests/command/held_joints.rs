@@ -131,8 +131,7 @@ fn a_tool_on_the_tip() {
 
 #[test]
 fn rigs_hold_bones_and_carry_tools() {
-    let folder = Folder::new("held-bones");
-    let rig = folder.rig();
+    let (_folder, rig) = Folder::with_rig("held-bones");
     let info = answer!("info {rig}");
     let bones: Vec<&str> = list(&info["bones"])
         .iter()

@@ -9,8 +9,7 @@ const LEFT: &str = "--target=bone/2=-2.5,0.5,0.2";
 
 #[test]
 fn every_subcommand_prints_one_document() {
-    let folder = Folder::new("one-document");
-    let rig = folder.rig();
+    let (folder, rig) = Folder::with_rig("one-document");
     let out = folder.file("posed.ply");
     for line in [
         "info RIG --json",
@@ -30,67 +29,43 @@ fn every_subcommand_prints_one_document() {
 
 #[test]
 fn without_it_the_output_is_for_people() {
-    let folder = Folder::new("text");
-    let rig = folder.rig();
+    let (_folder, rig) = Folder::with_rig("text");
     let info = text!("info {rig}");
-    says(
-        &info,
-        "15 degrees of freedom, 10 of them free | bone/3/twist1 | -85.944 | -1.500000",
-    );
-    says(
-        &info,
-        "20 vertices | 0.5 s to 2 s | the tips of bone/2, bone/4",
-    );
-    says(&text!("fk {rig}"), "bone/4 | tip x | 3.000000");
+    says!(info => "15 degrees of freedom, 10 of them free | bone/3/twist1 | -85.944 | -1.500000");
+    says!(info => "20 vertices | 0.5 s to 2 s | the tips of bone/2, bone/4");
+    says!(text!("fk {rig}") => "bone/4 | tip x | 3.000000");
     let reached = text!("solve {rig} {LEFT}");
-    says(
-        &reached,
-        "Reached | target bone/2 | hold bone/4 | bone/2/bend",
-    );
+    says!(reached => "Reached | target bone/2 | hold bone/4 | bone/2/bend");
     let missed = text!("solve {rig} --target=bone/2=-90,0,0");
-    says(&missed, "Not reached | target bone/2 misses by");
+    says!(missed => "Not reached | target bone/2 misses by");
 }
 
 #[test]
 fn info_lists_joints_frames_and_what_a_rig_has() {
-    let folder = Folder::new("info");
-    let rig = folder.rig();
+    let (_folder, rig) = Folder::with_rig("info");
     let info = answer!("info {rig}");
-    has(
-        &info,
-        json!({"kind": "rig", "degrees_of_freedom": 15, "free": 10}),
-    );
+    has!(info, {"kind": "rig", "degrees_of_freedom": 15, "free": 10});
     let joints = list(&info["joints"]);
     assert_eq!(joints.len(), 15);
     for (index, joint) in joints.iter().enumerate() {
         assert_eq!(joint["coordinate"], index);
     }
-    has(
-        &info,
-        json!({"joints/7/name": "bone/2/bend", "joints/7/free": true, "joints/0/free": false}),
-    );
+    has!(info, {"joints/7/name": "bone/2/bend", "joints/7/free": true, "joints/0/free": false});
     assert!((number(&joints[7]["lower"]) + 2.2).abs() < 1e-12);
     let frames: Vec<_> = (0..5).map(|k| format!("bone/{k}")).collect();
-    has(
-        &info,
-        json!({"frames": frames, "mesh/vertices": 20, "keyframes/end": 2.0}),
-    );
+    has!(info, {"frames": frames, "mesh/vertices": 20, "keyframes/end": 2.0});
     assert_eq!(info["constrained"], json!(["bone/2", "bone/4"]));
 }
 
 #[test]
 fn fk_gives_tails_tips_and_axes() {
-    let folder = Folder::new("fk");
-    let rig = folder.rig();
+    let (_folder, rig) = Folder::with_rig("fk");
     // The right arm in its rest pose, then its elbow bent by −90 degrees about z.
     let fk = answer!("fk {rig}");
     let frames = &fk["frames"];
     assert_eq!(frames.as_object().unwrap().len(), 5);
     let (tail, tip, quaternion) = ([2.0, 0.0, 0.0], [3.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]);
-    has(
-        &frames["bone/4"],
-        json!({"tail": tail, "tip": tip, "quaternion": quaternion}),
-    );
+    has!(frames["bone/4"], {"tail": tail, "tip": tip, "quaternion": quaternion});
     let q = "0,0,0 0,0,0 0,0,0 0,0,0 0,-90,0";
     let fk = answer!("fk {rig} --degrees --q '{q}' --frame bone/4 --frame bone/4/tip");
     let frames = &fk["frames"];
@@ -110,8 +85,7 @@ fn fk_gives_tails_tips_and_axes() {
 
 #[test]
 fn fk_at_a_time_samples_the_keyframes() {
-    let folder = Folder::new("time");
-    let rig = folder.rig();
+    let (_folder, rig) = Folder::with_rig("time");
     let at = |time: &str| {
         let fk = answer!("fk {rig} --frame=bone/1 --time {time}");
         numbers(&fk["q"])[3..6].to_vec()
@@ -132,34 +106,21 @@ fn fk_at_a_time_samples_the_keyframes() {
 
 #[test]
 fn solve_has_every_key_and_its_q_is_what_it_says() {
-    let folder = Folder::new("solve");
-    let rig = folder.rig();
+    let (folder, rig) = Folder::with_rig("solve");
     let solution = answer!("solve {rig} {LEFT}");
-    has(
-        &solution,
-        json!({"reached": true, "termination": "reached", "agreeing_attempts": 0}),
-    );
+    has!(solution, {"reached": true, "termination": "reached", "agreeing_attempts": 0});
     assert!(number(&solution["cost"]) < 1e-12);
     for key in ["iterations", "attempts", "micros"] {
         assert!(number(&solution[key]) > 0.0, "{key}");
     }
-    has(
-        &solution,
-        json!({"out_of_reach": false, "way": "own", "active_limits": []}),
-    );
+    has!(solution, {"out_of_reach": false, "way": "own", "active_limits": []});
     assert!(count(&solution["evaluations"]["residuals"]) > 0);
-    says(word(&solution["explanation"]), "Reached");
+    says!(word(&solution["explanation"]) => "Reached");
 
     let tasks = list(&solution["tasks"]);
     assert_eq!(tasks.len(), 2);
-    has(
-        &tasks[0],
-        json!({"frame": "bone/2", "held": false, "reached": true}),
-    );
-    has(
-        &tasks[1],
-        json!({"frame": "bone/4", "held": true, "reached": true}),
-    );
+    has!(tasks[0], {"frame": "bone/2", "held": false, "reached": true});
+    has!(tasks[1], {"frame": "bone/4", "held": true, "reached": true});
     assert!(number(&tasks[0]["position_error"]) < 1e-8);
     assert!(tasks[0]["orientation_error"].is_null());
 
@@ -174,8 +135,7 @@ fn solve_has_every_key_and_its_q_is_what_it_says() {
 
 #[test]
 fn a_missed_target_is_an_answer() {
-    let folder = Folder::new("missed");
-    let rig = folder.rig();
+    let (_folder, rig) = Folder::with_rig("missed");
     let solution = answer!("solve {rig} --target=bone/2=-4,0,0");
     assert_eq!(solution["reached"], false);
     // The arm is stretched towards the target: its tip stays at (−3, 0, 0).
@@ -191,14 +151,13 @@ fn a_missed_target_is_an_answer() {
     let elbow = limits
         .find(|limit| limit["joint"] == "bone/4/bend")
         .unwrap();
-    has(elbow, json!({"side": "lower", "kind": "limit"}));
+    has!(elbow, {"side": "lower", "kind": "limit"});
     assert!((number(&elbow["value"]) + 2.2).abs() < 1e-12);
 }
 
 #[test]
 fn free_lets_the_pinned_tips_go() {
-    let folder = Folder::new("free");
-    let rig = folder.rig();
+    let (_folder, rig) = Folder::with_rig("free");
     let solution = answer!("solve {rig} --free {LEFT}");
     assert_eq!(list(&solution["tasks"]).len(), 1);
     // Both tips asked for: none is left to hold.
@@ -210,8 +169,7 @@ fn free_lets_the_pinned_tips_go() {
 
 #[test]
 fn rays_and_poses() {
-    let folder = Folder::new("rays");
-    let rig = folder.rig();
+    let (folder, rig) = Folder::with_rig("rays");
     let solution = answer!("solve {rig} --ray=bone/4=2.4,0.4,9:2.4,0.4,0");
     assert_eq!(solution["reached"], true);
     let file = folder.text("ray.json", &solution["q"]);
@@ -232,8 +190,7 @@ fn rays_and_poses() {
 
 #[test]
 fn every_solver_and_derivative_route_can_be_chosen() {
-    let folder = Folder::new("choices");
-    let rig = folder.rig();
+    let (_folder, rig) = Folder::with_rig("choices");
     for method in METHODS {
         for route in ["analytic", "dual", "fd", "central"] {
             let chosen = format!("--solver {method} --jacobian {route}");
@@ -246,8 +203,7 @@ fn every_solver_and_derivative_route_can_be_chosen() {
 
 #[test]
 fn the_same_seed_gives_the_same_answer() {
-    let folder = Folder::new("seed");
-    let rig = folder.rig();
+    let (_folder, rig) = Folder::with_rig("seed");
     let q = |seed: u32| {
         let solution = answer!("solve {rig} {LEFT} --free --start=random --rng-seed {seed}");
         assert_eq!(solution["reached"], true);
@@ -260,21 +216,20 @@ fn the_same_seed_gives_the_same_answer() {
 /// How sure a miss is: `out_of_reach` where it is certain, `agreeing_attempts` of `attempts` otherwise.
 #[test]
 fn a_miss_says_how_sure_it_is() {
-    let folder = Folder::new("sure-misses");
-    let rig = folder.rig();
+    let (_folder, rig) = Folder::with_rig("sure-misses");
     let solve = |more: &str| answer!("solve {rig} --target=bone/2={more}");
     // 90 away from an arm that is 2 long.
     let beyond = solve("-90,0,0");
-    has(&beyond, json!({"reached": false, "out_of_reach": true}));
-    says(word(&beyond["explanation"]), "Out of reach");
+    has!(beyond, {"reached": false, "out_of_reach": true});
+    says!(word(&beyond["explanation"]) => "Out of reach");
 
     // Within the arm's length, but its limits keep it away: that is no proof, but attempts agree.
     let blocked = solve("-1,0,0 --global-search-on-miss");
-    has(&blocked, json!({"reached": false, "out_of_reach": false}));
+    has!(blocked, {"reached": false, "out_of_reach": false});
     let [agreeing, all] = ["agreeing_attempts", "attempts"].map(|key| count(&blocked[key]));
     assert!(agreeing > 1 && agreeing <= all, "{blocked}");
 
     let alone = solve("-1,0,0 --attempts=1");
-    has(&alone, json!({"attempts": 1, "agreeing_attempts": 1}));
-    says(word(&alone["explanation"]), "Only one attempt was made");
+    has!(alone, {"attempts": 1, "agreeing_attempts": 1});
+    says!(word(&alone["explanation"]) => "Only one attempt was made");
 }

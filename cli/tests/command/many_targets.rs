@@ -28,7 +28,7 @@ fn every_reachable_target_is_reached() {
         for way in ["", "--search=first", "--batch --threads=2"] {
             let document = answer!("solve {seeded} --targets {file} {way}");
             let summary = &document["summary"];
-            has(summary, json!({"solved": 15, "total": 15}));
+            has!(summary, {"solved": 15, "total": 15});
             assert!(number(&summary["micros_mean"]) > 0.0);
             let alone = !way.contains("--batch");
             for key in ["micros_median", "micros_p99"] {
@@ -38,10 +38,7 @@ fn every_reachable_target_is_reached() {
             assert_eq!(list(&document["joints"]).len(), model.degrees_of_freedom());
             let solutions = list(&document["solutions"]).iter();
             for (solution, pose) in solutions.zip(seeded.poses(15)) {
-                has(
-                    solution,
-                    json!({"reached": true, "tasks/0/frame": seeded.tip}),
-                );
+                has!(solution, {"reached": true, "tasks/0/frame": seeded.tip});
                 assert_eq!(solution.get("micros").is_some(), alone);
                 seeded.check(&numbers(&solution["q"]), &pose);
             }
@@ -92,7 +89,7 @@ fn a_path_goes_on_from_the_last_answer() {
             "tip_link": seeded.tip, "base_link": seeded.base});
         let file = folder.text("path.json", content);
         let document = answer!("solve {seeded} --targets {file} --track");
-        has(&document["summary"], json!({"solved": 201, "jumps": []}));
+        has!(document["summary"], {"solved": 201, "jumps": []});
         let q = configurations(&document);
         for (q, pose) in q.iter().zip(&targets) {
             seeded.check(q, pose);
@@ -128,10 +125,10 @@ fn a_flip_is_told() {
     let document = answer!("{track} --global-search-on-miss");
     let jumps = list(&document["summary"]["jumps"]);
     assert_eq!(jumps.len(), 1, "{jumps:?}");
-    has(&jumps[0], json!({"step": 31, "continuous": false}));
+    has!(jumps[0], {"step": 31, "continuous": false});
     assert!(number(&jumps[0]["distance"]) > 0.2);
     let text = text!("{track} --global-search-on-miss");
-    says(&text, &format!("step 31 | {}", word(&jumps[0]["joint"])));
+    says!(text => &format!("step 31 | {}", word(&jumps[0]["joint"])));
     // Targets that are no path have no jumps.
     let alone = answer!("solve {file} --targets {path}");
     assert!(alone["summary"].get("jumps").is_none());
@@ -183,29 +180,25 @@ fn positions_alone_and_misses() {
         json!({"targets": points, "tip_link": "tool"}),
     );
     let document = answer!("solve {panda} --targets {file}");
-    has(&document["summary"], json!({"solved": 5, "total": 6}));
+    has!(document["summary"], {"solved": 5, "total": 6});
     assert_eq!(document["solutions"][4]["reached"], false);
     let output = kinopt!("solve {panda} --targets {file}");
     assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
-    says(
-        stdout(&output),
-        "5 of 6 | median | target 4: Not reached | misses by",
-    );
+    says!(stdout(&output) => "5 of 6 | median | target 4: Not reached | misses by");
     let text = text!("solve {panda} --targets {file} --batch");
     assert!(text.contains("mean") && !text.contains("median"));
 }
 
 #[test]
 fn a_rig_s_tip_too() {
-    let folder = Folder::new("rig");
-    let rig = folder.rig();
+    let (folder, rig) = Folder::with_rig("rig");
     let targets = json!({"targets": [[-2.5, 0.5, 0.2], [-2.6, 0.4, 0.1], [-9.0, 0.0, 0.0]]});
     let file = folder.text("targets.json", targets);
     for way in ["--track", "--batch", "--threads=2"] {
         let document = answer!("solve {rig} --targets {file} --tip=bone/2 {way}");
         assert_eq!(document["summary"]["solved"], 2);
         let tasks = &document["solutions"][0]["tasks"];
-        has(&tasks[1], json!({"frame": "bone/4", "held": true}));
+        has!(tasks[1], {"frame": "bone/4", "held": true});
         assert!(number(&tasks[0]["position_error"]) < 1e-8);
         assert!(document.get("joints").is_none());
     }

@@ -9,10 +9,7 @@ const GRIPPER: &str = "../tests/mjcf/files/gripper.xml";
 #[test]
 fn info_fk_and_solve_take_mjcf() {
     let info = answer!("info {GRIPPER}");
-    has(
-        &info,
-        json!({"kind": "robot", "name": "gripper", "degrees_of_freedom": 6, "free": 3}),
-    );
+    has!(info, {"kind": "robot", "name": "gripper", "degrees_of_freedom": 6, "free": 3});
     let joints = ["lift", "turn", "left", "left_tip", "right", "right_tip"];
     assert_eq!(info["moving_joints"], json!(joints));
     // The joint that an equality holds, and the followers, as the relations have them.
@@ -45,10 +42,7 @@ fn info_tells_how_far_balls_go() {
     for ball in limited {
         let most = ball["cone"]["angle"].as_f64().unwrap().to_degrees();
         let text = text!("info {walker}");
-        says(
-            &text,
-            &format!("{} | within a turn of {most:.3}", word(&ball["name"])),
-        );
+        says!(text => &format!("{} | within a turn of {most:.3}", word(&ball["name"])));
     }
 }
 
@@ -76,7 +70,7 @@ fn an_srdf_file_holds_passive_joints_and_frees_a_group() {
     std::fs::write(&file, text).unwrap();
     refused!("{ask}" => 1, "panda.srdf:2: passive_joint `joint9` | --lenient");
     let (mended, notes) = answer!(told "{ask} --group front --lenient");
-    says(&notes, "panda.srdf:2: passive_joint `joint9`: left out: ");
+    says!(notes => "panda.srdf:2: passive_joint `joint9`: left out: ");
     assert_eq!(
         notes.matches("passive_joint `joint9`").count(),
         1,

@@ -36,10 +36,7 @@ fn info_lists_bones_frames_and_channels() {
     let folder = Folder::new("capture-info");
     let file = wave(&folder);
     let info = answer!("info {file}");
-    has(
-        &info,
-        json!({"file": file, "kind": "motion capture", "size": 5.0}),
-    );
+    has!(info, {"file": file, "kind": "motion capture", "size": 5.0});
     assert_eq!(
         info["clips"],
         json!([{"name": "wave", "start": 0.0, "end": 0.5}])
@@ -53,20 +50,11 @@ fn info_lists_bones_frames_and_channels() {
         "channels": ["Zrotation", "Xrotation"],
     });
     assert_eq!(info["bones"][1], arm);
-    has(
-        &info["bones"][2],
-        json!({"name": "Upper Arm/tip", "channels": []}),
-    );
+    has!(info["bones"][2], {"name": "Upper Arm/tip", "channels": []});
 
     let text = text!("info {file}");
-    says(
-        &text,
-        "wave.bvh (motion capture) | wave, 0 s to 0.5 s | 6 on 2 bones",
-    );
-    says(
-        &text,
-        "3, one every 0.25 s (4.000 a second) | Zrotation Xrotation | Upper Arm/tip",
-    );
+    says!(text => "wave.bvh (motion capture) | wave, 0 s to 0.5 s | 6 on 2 bones");
+    says!(text => "3, one every 0.25 s (4.000 a second) | Zrotation Xrotation | Upper Arm/tip");
 }
 
 #[test]
@@ -143,7 +131,7 @@ fn solve_drags_a_captured_pose() {
     // At 0.25 s the hips stand at (1, 2, 5) and have turned by 90° about y.
     let target = "--target=Upper Arm/tip=1,9,5";
     let solved = answer!("solve {file} --time=0.25 '{target}' --out {out}");
-    has(&solved, json!({"reached": true, "way": "own"}));
+    has!(solved, {"reached": true, "way": "own"});
     for (frame, at) in [
         ("Upper Arm/tip", [1.0, 9.0, 5.0]),
         ("Upper Arm", [1.0, 6.0, 5.0]),
@@ -156,6 +144,6 @@ fn solve_drags_a_captured_pose() {
 
     // At rest they stand at the origin, and an End Site does not turn.
     let far = answer!("solve {file} '--target=Upper Arm/tip=9,4,0'");
-    has(&far, json!({"reached": false, "way": "own"}));
+    has!(far, {"reached": false, "way": "own"});
     assert_eq!(numbers(&far["q"])[6..9], [0.0; 3]);
 }

@@ -25,15 +25,9 @@ fn a_damaged_robot_is_refused_with_a_hint_and_mended_on_request() {
     let words = "door.urdf:5: joint `hinge` | lower limit 1.5 | --lenient";
     refused!("info {file}" => 1, "{words}");
     let (info, notes) = answer!(told "info {file} --lenient");
-    says(
-        &notes,
-        "note:  | door.urdf:5: joint `hinge`, <limit>: limits out of order, taken as -1 to 1.5 | \
-         door.urdf:8: joint `bolt`, <limit>: `lower` is not given and taken as 0, the default",
-    );
-    has(
-        &info,
-        json!({"repairs/0/line": 5, "repairs/0/element": "joint `hinge`, <limit>"}),
-    );
+    says!(notes => "note:  | door.urdf:5: joint `hinge`, <limit>: limits out of order, taken as -1 to 1.5 | \
+         door.urdf:8: joint `bolt`, <limit>: `lower` is not given and taken as 0, the default");
+    has!(info, {"repairs/0/line": 5, "repairs/0/element": "joint `hinge`, <limit>"});
     assert_eq!(list(&info["repairs"]).len(), 2);
     assert_eq!(info["joints"][0]["lower"], -1.0);
 }
@@ -44,7 +38,7 @@ fn a_file_that_only_leaves_things_to_defaults_needs_no_switch() {
     let sound = DOOR.replace("lower=\"1.5\" upper=\"-1\"", "lower=\"-1\" upper=\"1.5\"");
     let file = door(&folder, &sound);
     let (_, told) = answer!(told "fk {file} --frame tip");
-    says(&told, "`lower` is not given");
+    says!(told => "`lower` is not given");
 }
 
 #[test]
@@ -57,17 +51,10 @@ fn shapes_masses_speeds_and_soft_limits_are_told() {
                       "meshes": ["package://door/leaf.stl"]});
     assert_eq!(info["links"][1], leaf);
     assert_eq!(info["links"][0]["mass"], json!(null));
-    let driven = json!({"velocity": 2.0, "effort": 30.0, "soft_limits": [-0.5, null]});
-    has(&info["joints"][0], driven);
-    has(
-        &info["joints"][1],
-        json!({"velocity": null, "soft_limits": null}),
-    );
+    has!(info["joints"][0], {"velocity": 2.0, "effort": 30.0, "soft_limits": [-0.5, null]});
+    has!(info["joints"][1], {"velocity": null, "soft_limits": null});
     let text = text!("info {file} --lenient");
-    says(
-        &text,
-        "1 to be seen, 0 to collide, 1 file of meshes | 12.5 | kg",
-    );
+    says!(text => "1 to be seen, 0 to collide, 1 file of meshes | 12.5 | kg");
 }
 
 #[test]
@@ -85,8 +72,7 @@ fn soft_limits_bind_on_request() {
 
 #[test]
 fn only_robots_are_read_so() {
-    let folder = Folder::new("rig");
-    let rig = folder.rig();
+    let (_folder, rig) = Folder::with_rig("rig");
     for option in ["--lenient", "--soft-limits"] {
         refused!("info {rig} {option}" => 2, "{option}");
         refused!("fk {rig} {option}" => 2, "{option}");

@@ -22,34 +22,19 @@ fn info_shows_the_tree() {
         ("finger_left ", "prismatic | 0.040000 m | y | 7"),
         ("finger_right ", "follows finger_left_slide | -y | 8 | m"),
     ] {
-        says(line(name).1, words);
+        says!(line(name).1 => words);
     }
     assert_eq!(line("link2 ").0, line("link1 ").0 + 2);
     assert_eq!(line("finger_left ").0, line("finger_right ").0);
-    says(
-        &text,
-        "9 degrees of freedom, 8 of them free | tool, finger_left, finger_right",
-    );
-    says(
-        &text,
-        "speed | effort | 124.618°/s | 87.000 N·m | 0.050 m/s | 70.000 N ",
-    );
+    says!(text => "9 degrees of freedom, 8 of them free | tool, finger_left, finger_right");
+    says!(text => "speed | effort | 124.618°/s | 87.000 N·m | 0.050 m/s | 70.000 N ");
     let info = answer!("info {panda}");
-    has(
-        &info,
-        json!({"kind": "robot", "root": "base", "name": "franka_panda"}),
-    );
+    has!(info, {"kind": "robot", "root": "base", "name": "franka_panda"});
     assert_eq!(info["tips"], json!(["tool", "finger_left", "finger_right"]));
     assert_eq!(info["moving_joints"][8], "finger_right_slide");
     let follower = &info["joints"][8];
-    has(
-        follower,
-        json!({"mimic/joint": "finger_left_slide", "mimic/ratio": 1.0, "free": false}),
-    );
-    has(
-        follower,
-        json!({"parent_link": "hand", "child_link": "finger_right"}),
-    );
+    has!(follower, {"mimic/joint": "finger_left_slide", "mimic/ratio": 1.0, "free": false});
+    has!(follower, {"parent_link": "hand", "child_link": "finger_right"});
     assert_eq!(follower["axis"], json!([0.0, -1.0, 0.0]));
 }
 
@@ -78,7 +63,7 @@ fn fk_places_links_in_any_base() {
     );
     // Fingers that do not go together are worth a note.
     let output = kinopt!("fk {panda} --q=0,0,0,-1,0,1,0,0.01,0.02");
-    says(stderr(&output), "finger_right_slide");
+    says!(stderr(&output) => "finger_right_slide");
 }
 
 #[test]
@@ -107,10 +92,7 @@ fn one_target_by_every_search_and_solver() {
         // The fingers are not asked for: they stay together, where the start has them.
         assert_eq!(q[7], q[8]);
         assert!(q[7] == 0.0 || options.contains("--start=random"));
-        has(
-            &solution,
-            json!({"joints/3": "joint4", "tasks/0/frame": "tool"}),
-        );
+        has!(solution, {"joints/3": "joint4", "tasks/0/frame": "tool"});
         let task = &solution["tasks"][0];
         assert_eq!(task["reached"], true);
         assert!(number(&task["orientation_error"]) <= 1e-6);
@@ -208,20 +190,14 @@ fn people_see_what_matters() {
     let panda = Seeded::panda();
     let target = typed("tool", &panda.pose(&panda.configuration(11)));
     let text = text!("solve {panda} {target} --search=distinct:3");
-    says(
-        &text,
-        "Reached | joint7 | 3 answers in all | orientation error (rad)",
-    );
+    says!(text => "Reached | joint7 | 3 answers in all | orientation error (rad)");
     assert!(!text.contains("finger"), "{text}");
 }
 
 #[test]
 fn out_of_reach_is_an_answer() {
     let scara = Seeded::new("adept_cobra_s600", "base", "flange");
-    says(
-        &text!("solve {scara} --target=flange=2,0,0.2"),
-        "Not reached",
-    );
+    says!(text!("solve {scara} --target=flange=2,0,0.2") => "Not reached");
     let solution = answer!("solve {scara} --target=flange=2,0,0.2");
     assert_eq!(solution["reached"], false);
     // 325 mm and 275 mm of arm, stretched along x.

@@ -50,8 +50,7 @@ fn room_on_axes() {
 /// Of figures, and of robots by a general solver.
 #[test]
 fn room_beyond_arms() {
-    let folder = Folder::new("room");
-    let rig = folder.rig();
+    let (_folder, rig) = Folder::with_rig("room");
     // The stretched arm's tip is at x = −3; turned so far about itself no bone gets there.
     let turned = "--target=bone/2=-3,0,0,0,0,0.997495,0.070737";
     for solver in ["", "--solver=levenberg-marquardt"] {
@@ -100,8 +99,7 @@ fn room_beyond_arms() {
 
 #[test]
 fn weights_say_who_gives_way() {
-    let folder = Folder::new("weights");
-    let rig = folder.rig();
+    let (_folder, rig) = Folder::with_rig("weights");
     // Both hands ask for what only the tip of one arm each can have; out of reach, they compromise
     // only through the weights of one frame's two targets.
     let ask = |weight: &str| {
@@ -164,7 +162,7 @@ fn scripts_hear_of_misses() {
             assert_eq!(output.status.code(), Some(code), "{line}: {told}");
             // What came out is told all the same.
             assert!(!stdout(&output).is_empty());
-            says(told, message);
+            says!(told => message);
         }
     }
 }

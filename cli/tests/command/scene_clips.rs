@@ -3,7 +3,6 @@
 use crate::forked_rig::*;
 use kinopt::animation::{Cursor, Playback, Pose};
 use kinopt::io::gltf::{self, Scene};
-use serde_json::json;
 
 /// A leg of two joints, the first of which walks along x and turns about y in a second, a material and something unknown.
 const WALKER: &str = r#"{"asset":{"version":"2.0"},"extensionsUsed":["ACME_mood"],"extensions":{"ACME_mood":{"glad":1.50}},
@@ -39,10 +38,7 @@ fn a_clip_goes_into_a_file_and_another_behind_it() {
         folder.file("walker.glb"),
     );
     let document = answer!("animate {file} --fps=10 --into {out}");
-    has(
-        &document,
-        json!({"clip": "walk at 10", "file": out, "duration": 1.0}),
-    );
+    has!(document, {"clip": "walk at 10", "file": out, "duration": 1.0});
     let scene = keeps(&out);
     for time in [0.0, 0.3, 1.0] {
         let [own, added] = ["walk", "walk at 10"].map(|clip| at(&scene, clip, time));
@@ -92,7 +88,7 @@ fn a_rig_is_one_animated_file() {
     let folder = Folder::new("rig-animated");
     let (rig_file, out) = (folder.rig(), folder.file("rig.glb"));
     let document = answer!("animate {rig_file} --fps=20 --format=glb --out {out}");
-    has(&document, json!({"clip": "keys", "duration": 1.5}));
+    has!(document, {"clip": "keys", "duration": 1.5});
     let scene = gltf::read(&out).unwrap();
     assert!(scene.meshes[0].skin.is_some());
     let own = rig();

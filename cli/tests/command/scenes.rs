@@ -86,10 +86,7 @@ fn info_lists_nodes_clips_meshes_and_morph_targets() {
     let folder = Folder::new("scene-info");
     let file = written(&folder);
     let info = answer!("info {file}");
-    has(
-        &info,
-        json!({"kind": "scene", "size": f64::sqrt(5.0), "notes": []}),
-    );
+    has!(info, {"kind": "scene", "size": f64::sqrt(5.0), "notes": []});
     let wave = json!({"name": "wave", "start": 0.0, "end": 1.0});
     assert_eq!(
         info["clips"],
@@ -104,12 +101,9 @@ fn info_lists_nodes_clips_meshes_and_morph_targets() {
         json!([{"name": "flag", "bone": "cloth", "vertices": 4, "triangles": 2, "normals": false, "joints": 2, "max_influences": 1, "morph_targets": ["flat"]}])
     );
     let text = text!("info {file}");
-    says(&text, "flag.glb (scene) | sink, 0.5 s to 1.5 s");
-    says(
-        &text,
-        "flag on cloth: 4 vertices, 2 triangles, without normals, 2 joints",
-    );
-    says(&text, "2 joints, at most 1 to a vertex, morph targets flat");
+    says!(text => "flag.glb (scene) | sink, 0.5 s to 1.5 s");
+    says!(text => "flag on cloth: 4 vertices, 2 triangles, without normals, 2 joints");
+    says!(text => "2 joints, at most 1 to a vertex, morph targets flat");
 }
 
 #[test]
@@ -138,7 +132,7 @@ fn animate_poses_a_clip_at_one_time_or_frame_by_frame() {
     for (skinning, ending) in [("lbs", "glb"), ("lbs", "ply"), ("dqs", "ply")] {
         let out = folder.file(&format!("{skinning}.{ending}"));
         let document = answer!("animate {file} --time=1 --skinning {skinning} --out {out}");
-        has(&document, json!({"vertices": 4, "skinning": skinning}));
+        has!(document, {"vertices": 4, "skinning": skinning});
         match ending {
             "glb" => near(&posed(&out), turned),
             _ => near(ply::read(&out).unwrap().positions(), turned),
@@ -173,8 +167,7 @@ fn animate_poses_a_clip_at_one_time_or_frame_by_frame() {
 
 #[test]
 fn a_rig_s_mesh_may_be_written_as_a_scene() {
-    let folder = Folder::new("rig-as-scene");
-    let rig = folder.rig();
+    let (folder, rig) = Folder::with_rig("rig-as-scene");
     let (glb, ply) = (folder.file("posed.glb"), folder.file("posed.ply"));
     text!("animate {rig} --time=1.25 --out {glb}");
     text!("animate {rig} --time=1.25 --out {ply}");

@@ -64,7 +64,7 @@ fn a_line_is_followed_within_the_file_s_velocity_limits() {
     assert_eq!(ticks[399]["status"], "on target");
     let text = text!("solve {seeded} --targets {file} --servo 1000");
     assert!(text.starts_with("ticks     400 at 1000 a second"), "{text}");
-    says(&text, "at last   on target");
+    says!(text => "at last   on target");
 }
 
 #[test]

@@ -36,7 +36,7 @@ fn the_picture_shows_both() {
     let file = folder.file("twist.svg");
     text!("skin-report --out {file}");
     let svg = std::fs::read_to_string(&file).unwrap();
-    says(&svg, "<svg | volume, % | lbs | dqs | 180 degrees");
+    says!(svg => "<svg | volume, % | lbs | dqs | 180 degrees");
 }
 
 #[test]

@@ -17,7 +17,7 @@ fn a_robot_and_its_default_tip() {
     let (file, out) = (model("franka_panda.urdf"), folder.file("out"));
     let limits = "--problems random:3 --bones 8 --time-limit 60000";
     let document = answer!("bench {file} --out {out} {limits} {TWO}");
-    has(&document, json!({"problems": 3, "interrupted": false}));
+    has!(document, {"problems": 3, "interrupted": false});
     let runs = list(&document["runs"]);
     let names: Vec<_> = runs.iter().map(|run| word(&run["jacobian"])).collect();
     let routes = ["analytic", "dual", "fd", "central"];
@@ -25,10 +25,7 @@ fn a_robot_and_its_default_tip() {
 
     let results = results(&folder);
     // The tool is farther out than the fingers that slide beside it.
-    has(
-        &results["model"],
-        json!({"frames": ["tool"], "turns": true}),
-    );
+    has!(results["model"], {"frames": ["tool"], "turns": true});
     for key in ["tool", "date"] {
         assert!(!word(&results["provenance"][key]).is_empty());
     }
@@ -59,12 +56,9 @@ fn a_rig_and_its_pinned_tips() {
     let document = answer!("bench {file} --out {out} {limits} {TWO}");
     let mut runs = list(&document["runs"]).iter();
     let lanes = runs.find(|run| run["solver"] == "lane engine").unwrap();
-    says(word(&lanes["sat_out"]), "one frame");
+    says!(word(&lanes["sat_out"]) => "one frame");
     let frames = ["bone/2/tip", "bone/4/tip"];
-    has(
-        &results(&folder)["model"],
-        json!({"frames": frames, "turns": false}),
-    );
+    has!(results(&folder)["model"], {"frames": frames, "turns": false});
 }
 
 #[test]
@@ -84,7 +78,7 @@ fn targets_of_a_file() {
     let document = answer!("bench {file} --out {out} --targets {targets} {one}");
     assert_eq!(document["problems"], 1);
     let record = &results(&folder)["runs"][0]["records"][0];
-    has(record, json!({"solved": true, "attempts": 1}));
+    has!(record, {"solved": true, "attempts": 1});
 }
 
 #[cfg(unix)]
@@ -112,7 +106,7 @@ fn an_interrupt_keeps_what_is_done() {
     assert!(killed.success());
     let output = child.wait_with_output().unwrap();
     assert!(output.status.success(), "{output:?}");
-    says(stderr(&output), "interrupted");
+    says!(stderr(&output) => "interrupted");
     let document: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(document["interrupted"], true);
 

@@ -22,7 +22,7 @@ fn a_robot_becomes_spheres_in_either_format() {
         assert!((read.overhang() - number(&told["overhang"])).abs() < 1e-12);
         let links = list(&told["links"]);
         assert_eq!(links.len(), shapes.links().len());
-        has(&links[0], json!({"name": "base"}));
+        has!(links[0], {"name": "base"});
         let pairs = list(&told["pairs"]);
         assert!(pairs.contains(&json!(["base", "link5"])), "{pairs:?}");
         assert!(!pairs.contains(&json!(["link1", "link2"])));
@@ -38,7 +38,7 @@ fn a_robot_becomes_spheres_in_either_format() {
     // What is all spheres stays as it is.
     let out = folder.file("again.yml");
     let told = answer!("spheres {spherised} --samples 0 --out {out}");
-    has(&told, json!({"overhang": 0.0, "spheres": spheres.count()}));
+    has!(told, {"overhang": 0.0, "spheres": spheres.count()});
 }
 
 #[test]
@@ -58,10 +58,7 @@ fn pairs_go_through_srdf() {
     let all = answer!("spheres {ur5e} --spheres 8 --samples 0 --out {out}");
     assert!(list(&all["pairs"]).len() > list(&sampled["pairs"]).len());
     let text = text!("spheres {ur5e} --spheres 8 --samples 0 --out {out}");
-    says(
-        &text,
-        "spheres on 7 links | mm at most | 15 pairs of links are checked | link6",
-    );
+    says!(text => "spheres on 7 links | mm at most | 15 pairs of links are checked | link6");
 }
 
 #[test]
@@ -74,22 +71,13 @@ fn one_is_told_as_one() {
     );
     let (balls, out) = (folder.text("balls.urdf", urdf), folder.file("balls.yml"));
     let told = text!("spheres {balls} --samples 0 --out {out}");
-    says(
-        &told,
-        "2 spheres on 2 links, | 0 pairs of links are checked",
-    );
+    says!(told => "2 spheres on 2 links, | 0 pairs of links are checked");
     let told = text!("info {balls}");
-    says(
-        &told,
-        "1 degree of freedom, 1 of them free | 0 files of meshes",
-    );
+    says!(told => "1 degree of freedom, 1 of them free | 0 files of meshes");
     let urdf = format!("<robot name='ball'><link name='a'>{ball}</link></robot>");
     let ball = folder.text("ball.urdf", urdf);
-    says(
-        &text!("spheres {ball} --samples 0 --out {out}"),
-        "1 sphere on 1 link, ",
-    );
-    says(&text!("info {ball}"), "0 degrees of freedom");
+    says!(text!("spheres {ball} --samples 0 --out {out}") => "1 sphere on 1 link, ");
+    says!(text!("info {ball}") => "0 degrees of freedom");
 }
 
 #[test]
