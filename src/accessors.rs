@@ -47,3 +47,20 @@ macro_rules! evaluate_unmoved {
         }
     };
 }
+
+/// `evaluate` and `evaluate_moved` of a residual of frames alone, by its own `evaluate_frames`.
+macro_rules! evaluate_by_frames {
+    () => {
+        evaluate_unmoved!();
+
+        fn evaluate_moved<S: Scalar>(
+            &self,
+            frames: &[Placement<S>],
+            _joints: &[S],
+            step: &[S],
+            residual: &mut [S],
+        ) {
+            self.evaluate_frames(frames, step, residual);
+        }
+    };
+}

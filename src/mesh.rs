@@ -119,11 +119,9 @@ impl TriangleMesh {
         Self::new(positions, normals, self.triangles.clone())
     }
 
-    /// This mesh with its normals replaced by [`vertex_normals`](Self::vertex_normals).
-    #[must_use]
-    pub fn with_computed_normals(mut self) -> Self {
-        self.normals = self.vertex_normals();
-        self
+    setters! {
+        /// This mesh with its normals replaced by [`vertex_normals`](Self::vertex_normals).
+        pub fn with_computed_normals(mut self) { self.normals = self.vertex_normals() }
     }
 
     /// Unit vertex normals: the sum of the adjoining triangles' normals weighted by their areas.

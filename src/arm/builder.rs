@@ -178,6 +178,14 @@ impl ArmBuilder<'_> {
         /// Whether to build the engine's seed atlas: a few megabytes and tens of milliseconds, for
         /// several times fewer iterations. Default true.
         pub fn with_atlas(mut self, atlas: bool) { self.atlas = atlas }
+        /// Most attempts of one query, at least 1: a target that none reaches has so many, unless
+        /// [`with_iterations`](Self::with_iterations) or a time limit ends them first. Default: 200, and no
+        /// attempt begins after 2 600 iterations.
+        pub fn with_attempts(mut self, attempts: impl Into<Option<u32>>) {
+            let attempts = attempts.into();
+            self.options.attempts = attempts.unwrap_or(ATTEMPTS);
+            self.options.attempts_asked = attempts.is_some();
+        }
     }
 
     /// Holds a joint at `value` (radians or metres, within its limits).
@@ -199,17 +207,6 @@ impl ArmBuilder<'_> {
         let joints = joints.into_iter();
         let ids = joints.filter_map(|joint| self.joint(joint)).collect();
         self.only = Some((ids, q_model.to_vec()));
-        self
-    }
-
-    /// Most attempts of one query, at least 1: a target that none reaches has so many, unless
-    /// [`with_iterations`](Self::with_iterations) or a time limit ends them first. Default: 200, and no
-    /// attempt begins after 2 600 iterations.
-    #[must_use]
-    pub fn with_attempts(mut self, attempts: impl Into<Option<u32>>) -> Self {
-        let attempts = attempts.into();
-        self.options.attempts = attempts.unwrap_or(ATTEMPTS);
-        self.options.attempts_asked = attempts.is_some();
         self
     }
 

@@ -25,7 +25,6 @@ impl Arm {
     /// [shortest](Existence::ShortestOfMany) of many. A joint on a limit that holds it stays there.
     ///
     /// ```
-    /// # #[cfg(feature = "urdf")] {
     /// # use kinopt::arm::Arm;
     /// # use kinopt::robot::Robot;
     /// let robot = Robot::read("models/universal_ur5e.urdf")?;
@@ -35,7 +34,6 @@ impl Arm {
     /// let derivative = arm.derivative(target, &solution.q)?;
     /// assert!(derivative.existence.is_unique());
     /// assert_eq!(derivative.by_target.shape(), (6, 6));
-    /// # }
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///

@@ -10,7 +10,6 @@ impl Arm {
     /// the joints that follow it.
     ///
     /// ```
-    /// # #[cfg(feature = "urdf")] {
     /// # use kinopt::arm::Arm;
     /// # use kinopt::robot::Robot;
     /// let robot = Robot::read("models/franka_panda.urdf")?;
@@ -18,7 +17,6 @@ impl Arm {
     /// let mut jacobian = arm.jacobian()?;
     /// let j = jacobian.at(&[0.4, -0.2, 0.1, -1.8, 0.2, 1.7, 0.5])?;
     /// assert_eq!(j.shape(), (6, 7));
-    /// # }
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///

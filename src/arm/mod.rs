@@ -6,7 +6,6 @@
 //! [`Problem`](crate::Problem) behind the same door, with the same results.
 //!
 //! ```
-//! # #[cfg(feature = "urdf")] {
 //! use kinopt::arm::{Arm, Search};
 //! use kinopt::robot::Robot;
 //!
@@ -18,7 +17,6 @@
 //! let target = arm.base_from_tool(&[0.4, -0.2, 0.1, -1.8, 0.2, 1.7, 0.5])?;
 //! let solution = arm.solve(target, &start)?;
 //! assert!(solution.reached, "{}", solution.explain());
-//! # }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

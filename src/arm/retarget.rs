@@ -18,7 +18,6 @@ impl Arm {
     /// A placement that is not a rigid motion.
     ///
     /// ```
-    /// # #[cfg(feature = "urdf")] {
     /// # use kinopt::arm::{Arm, Goal};
     /// # use kinopt::robot::Robot;
     /// use kinopt::spatial::{Placement, Vector3};
@@ -32,7 +31,6 @@ impl Arm {
     /// let tip = drilling.base_from_tool(&q)?;
     /// assert!(((flange * drill).translation - tip.translation).norm() < 1e-12);
     /// assert!(drilling.solve(tip, &[0.0, -1.5, 1.5, -1.5, -1.5, 0.0])?.reached);
-    /// # }
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn with_tool(&self, tip_from_tool: impl Into<Placement<f64>>) -> Result<Self, ArmError> {

@@ -15,7 +15,6 @@ const DRAWS: u64 = 32;
 /// Forward kinematics of a model with loops: the joints that nothing drives follow from those that are given.
 ///
 /// ```
-/// # #[cfg(feature = "mjcf")] {
 /// use kinopt::ik::LoopClosure;
 /// use kinopt::robot::Robot;
 ///
@@ -32,7 +31,6 @@ const DRAWS: u64 = 32;
 /// closure.close(&mut q)?;
 /// assert_eq!(q[0], 0.7);
 /// assert!(closure.gaps(&q)?[0].is_closed());
-/// # }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]

@@ -169,6 +169,7 @@ impl<S: Scalar> ForwardKinematics<S> {
         };
         /// What the last [`place`](Self::place) found; identities before the first.
         pub fn placements(&self) -> &[Placement<S>] = self.state.frames();
+        pub(super) fn read(&self) -> Option<&ReadConfiguration<S>> = self.read.as_ref();
     }
 
     /// world_from_frame of each frame, in the order asked for, at the configuration `q` (radians
@@ -212,10 +213,6 @@ impl<S: Scalar> ForwardKinematics<S> {
 
     pub(super) fn parts(&self) -> (&Tree, &TreeState<S>) {
         (&self.tree, &self.state)
-    }
-
-    pub(super) fn read(&self) -> Option<&ReadConfiguration<S>> {
-        self.read.as_ref()
     }
 }
 

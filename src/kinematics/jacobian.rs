@@ -39,16 +39,13 @@ impl Jacobian {
         }
     }
 
-    /// How many numbers [`at`](Self::at) reads.
-    #[must_use]
-    pub fn variables(&self) -> usize {
-        self.kinematics.variables()
-    }
-
-    /// How many columns J has: a model's degrees of freedom, or a map's variables.
-    #[must_use]
-    pub fn columns(&self) -> usize {
-        self.matrix.ncols()
+    getters! {
+        /// How many numbers [`at`](Self::at) reads.
+        pub fn variables(&self) -> usize = self.kinematics.variables();
+        /// How many columns J has: a model's degrees of freedom, or a map's variables.
+        pub fn columns(&self) -> usize = self.matrix.ncols();
+        /// Where the frames stood at the last [`at`](Self::at); identities before the first.
+        pub fn placements(&self) -> &[Placement<f64>] = self.kinematics.placements();
     }
 
     /// J at a configuration (radians and metres): 6 × frames rows, a column a degree of freedom, or a variable
@@ -78,12 +75,6 @@ impl Jacobian {
             by_velocity(read, &mut self.matrix);
         }
         Ok(&self.matrix)
-    }
-
-    /// Where the frames stood at the last [`at`](Self::at); identities before the first.
-    #[must_use]
-    pub fn placements(&self) -> &[Placement<f64>] {
-        self.kinematics.placements()
     }
 }
 

@@ -122,11 +122,9 @@ impl Model {
         loops.any(|closed| self.loop_joints(closed).contains(&joint))
     }
 
-    /// The same model without loops.
-    #[must_use]
-    pub fn without_loops(mut self) -> Self {
-        self.loops.clear();
-        self
+    setters! {
+        /// The same model without loops.
+        pub fn without_loops(mut self) { self.loops.clear() }
     }
 
     /// Refuses a loop that no configuration closes, as far as lengths tell: where one link of it is longer than

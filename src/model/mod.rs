@@ -109,6 +109,8 @@ impl Model {
         pub fn configuration_len(&self) -> usize = self.moving.len();
         /// The joint that each coordinate of a configuration is of: four times the same for a ball.
         pub fn moving_joints(&self) -> &[JointId] = &self.moving;
+        /// The first slide of each [free](ModelBuilder::free) joint; its other slides and its ball follow.
+        pub fn free_joints(&self) -> &[JointId] = &self.free;
     }
 
     /// How many numbers a velocity has: three for a ball joint, one for any other that moves.
@@ -230,12 +232,6 @@ impl Model {
             true => travel(joint),
             false => 0.0,
         })
-    }
-
-    /// The first slide of each [free](ModelBuilder::free) joint; its other slides and its ball follow.
-    #[must_use]
-    pub fn free_joints(&self) -> &[JointId] {
-        &self.free
     }
 
     /// The longest way from the first moving joint above a frame to it, by offsets and what `travel`

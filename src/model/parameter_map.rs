@@ -170,11 +170,8 @@ impl ParameterMap {
         pub fn lower(&self) -> &[f64] = &self.lower;
         /// Upper bounds of the variables, those of followers included.
         pub fn upper(&self) -> &[f64] = &self.upper;
-    }
-
-    /// The ball joints that variables turn.
-    pub(crate) fn balls(&self) -> &[BallVariables] {
-        &self.balls
+        /// The ball joints that variables turn.
+        pub(crate) fn balls(&self) -> &[BallVariables] = &self.balls;
     }
 
     /// The variables that move a coordinate.

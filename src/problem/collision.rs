@@ -66,18 +66,13 @@ impl Collision {
         }
     }
 
-    /// The same pair of other kinds.
-    #[must_use]
-    pub fn between(mut self, first: BodyKind, second: BodyKind) -> Self {
-        (self.first_kind, self.second_kind) = (first, second);
-        self
-    }
-
-    /// The same pair, met [on the way](Self::on_the_way).
-    #[must_use]
-    pub fn met_on_the_way(mut self) -> Self {
-        self.on_the_way = true;
-        self
+    setters! {
+        /// The same pair of other kinds.
+        pub fn between(mut self, first: BodyKind, second: BodyKind) {
+            (self.first_kind, self.second_kind) = (first, second);
+        }
+        /// The same pair, met [on the way](Self::on_the_way).
+        pub fn met_on_the_way(mut self) { self.on_the_way = true }
     }
 
     /// How deep one is in the other, metres; 0 where they are apart.

@@ -110,19 +110,13 @@ impl Scratch {
         (frames, joints, local, local_dual)
     }
 
-    /// Where the last forward pass left the tree.
-    pub(super) fn state(&self) -> &TreeState<f64> {
-        &self.state
-    }
-
-    /// The derivatives of the task differentiated last, weighted.
-    pub(super) fn local(&self) -> &LocalJacobian {
-        &self.local
-    }
-
-    /// The configuration of the last forward pass.
-    pub(crate) fn q(&self) -> &[f64] {
-        &self.q
+    getters! {
+        /// Where the last forward pass left the tree.
+        pub(super) fn state(&self) -> &TreeState<f64> = &self.state;
+        /// The derivatives of the task differentiated last, weighted.
+        pub(super) fn local(&self) -> &LocalJacobian = &self.local;
+        /// The configuration of the last forward pass.
+        pub(crate) fn q(&self) -> &[f64] = &self.q;
     }
 
     /// Whether this memory was made for `problem`.

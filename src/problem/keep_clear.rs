@@ -104,11 +104,8 @@ impl Fence {
         pub(crate) fn leading(&self) -> &Problem = &self.leading;
         /// The same with a clearance that holds against what pulls into something.
         pub(crate) fn holding(&self) -> &Problem = &self.holding;
-    }
-
-    /// A check with memory of its own.
-    pub(crate) fn check(&self) -> Box<dyn AnyClearanceCheck> {
-        self.check.clone()
+        /// A check with memory of its own.
+        pub(crate) fn check(&self) -> Box<dyn AnyClearanceCheck> = self.check.clone();
     }
 
     pub(super) fn with_derivatives(mut self, route: super::Derivatives) -> Self {

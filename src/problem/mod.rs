@@ -173,6 +173,14 @@ impl Problem {
         pub(crate) fn names(&self) -> &Arc<ReportNames> = &self.names;
         /// The order in which the tasks are met.
         pub(crate) fn ranks(&self) -> &Ranks = &self.ranks;
+        /// What it keeps clear of, if anything.
+        pub(crate) fn fence(&self) -> Option<&Arc<Fence>> = self.fence.as_ref();
+        /// Scratch memory for this problem.
+        pub fn scratch(&self) -> Scratch = Scratch::new(self);
+        /// Whether every goal is within its tolerances for the weighted residual `r` (shape:
+        /// [`rows`](Self::rows); of another length it reaches nothing). Rows of weight 0 are not asked
+        /// for.
+        pub fn is_reached(&self, r: &[f64]) -> bool = self.is_reached_by(Share::All, r);
     }
 
     /// A task's name.
@@ -188,11 +196,6 @@ impl Problem {
         let fence = self.fence.as_deref().cloned();
         self.fence = fence.map(|fence| Arc::new(fence.with_derivatives(route)));
         self
-    }
-
-    /// What it keeps clear of, if anything.
-    pub(crate) fn fence(&self) -> Option<&Arc<Fence>> {
-        self.fence.as_ref()
     }
 
     /// The question with targets of one's own instead of those that the problem was built with.
@@ -278,12 +281,6 @@ impl Problem {
     /// Half the range that values of a variable without bounds are drawn from: π or the reach.
     pub(crate) fn spread(&self, variable: usize) -> f64 {
         self.spread[variable]
-    }
-
-    /// Scratch memory for this problem.
-    #[must_use]
-    pub fn scratch(&self) -> Scratch {
-        Scratch::new(self)
     }
 
     /// Where the chain of a task's first frame begins, if that is known.
@@ -414,14 +411,6 @@ impl Problem {
             let norm = || norm(&unweighted[block.rows.clone()]);
             (block.weight == 0.0).then(|| block.measure.error_of(norm()))
         })
-    }
-
-    /// Whether every goal is within its tolerances for the weighted residual `r` (shape:
-    /// [`rows`](Self::rows); of another length it reaches nothing). Rows of weight 0 are not asked
-    /// for.
-    #[must_use]
-    pub fn is_reached(&self, r: &[f64]) -> bool {
-        self.is_reached_by(Share::All, r)
     }
 
     /// As [`is_reached`](Self::is_reached), by the residual of a share.

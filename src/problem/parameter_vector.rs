@@ -3,7 +3,6 @@
 use std::ops::Range;
 
 use super::{CompiledTask, Problem};
-use crate::model::JointId;
 use crate::spatial::Vector3;
 
 /// One number for each parameter that the solution of a [`Problem`] depends on: how far each is moved, or how
@@ -62,7 +61,7 @@ impl ParameterVector {
         /// The same, to write.
         pub fn weights_mut(&mut self) -> &mut [f64] = &mut self.weights;
         /// By where each joint's origin stands on its parent (in the parent's axes, metres), by
-        /// [`JointId::index`]: the lengths of links. Empty unless asked for.
+        /// [`JointId::index`](crate::model::JointId::index): the lengths of links. Empty unless asked for.
         pub fn joint_origins(&self) -> &[Vector3<f64>] = &self.joint_origins;
         /// The same, to write.
         pub fn joint_origins_mut(&mut self) -> &mut [Vector3<f64>] = &mut self.joint_origins;
@@ -79,12 +78,6 @@ impl ParameterVector {
     pub fn target_mut(&mut self, task: usize) -> &mut [f64] {
         let range = self.range(task);
         self.targets.get_mut(range).unwrap_or_default()
-    }
-
-    /// By the origin of one joint; `None` where joints' origins are not asked for.
-    #[must_use]
-    pub fn joint_origin(&self, joint: JointId) -> Option<Vector3<f64>> {
-        self.joint_origins.get(joint.index()).copied()
     }
 
     fn range(&self, task: usize) -> Range<usize> {

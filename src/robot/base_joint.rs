@@ -126,12 +126,10 @@ impl Robot {
     /// taken, under its own name, within the room and first in a configuration, and joints keep their ids.
     ///
     /// ```
-    /// # #[cfg(feature = "urdf")] {
     /// # use kinopt::robot::{BaseJoint, Robot};
     /// let robot = Robot::read("models/universal_ur5e.urdf")?.with_base_joint(BaseJoint::FREE)?;
     /// assert_eq!(robot.model().configuration_len(), 7 + 6);
     /// assert_eq!(robot.model().degrees_of_freedom(), 6 + 6);
-    /// # }
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///

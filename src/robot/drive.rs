@@ -24,12 +24,10 @@ impl Robot {
     /// speed write 0; a joint that cannot move at all is a fixed one.
     ///
     /// ```
-    /// # #[cfg(feature = "urdf")] {
     /// # use kinopt::robot::Robot;
     /// let robot = Robot::read("models/universal_ur5e.urdf")?;
     /// let wrist = robot.model().joint("joint6")?;
     /// assert_eq!(robot.velocity_limit(wrist), Some(std::f64::consts::PI));
-    /// # }
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]

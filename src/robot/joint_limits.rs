@@ -17,14 +17,12 @@ impl Robot {
     /// `max_position`, which narrow what the robot's file says. Radians and metres, seconds. Other keys, as of jerk, are passed over.
     ///
     /// ```
-    /// # #[cfg(feature = "urdf")] {
     /// use kinopt::robot::Robot;
     ///
     /// let limits = "joint_limits:\n  joint1: {has_acceleration_limits: true, max_acceleration: 3.75}";
     /// let robot = Robot::read("models/franka_panda.urdf")?.with_joint_limits_of(limits.as_bytes(), "limits")?;
     /// let joint = robot.model().joint("joint1")?;
     /// assert_eq!(robot.acceleration_limit(joint), Some(3.75));
-    /// # }
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///

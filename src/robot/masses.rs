@@ -11,7 +11,6 @@ impl Robot {
     /// The masses that the file gives the links (`<inertial>`), but for those that stand in the world.
     ///
     /// ```
-    /// # #[cfg(feature = "urdf")] {
     /// # use kinopt::robot::Robot;
     /// let text = r#"<robot name="pendulum"><link name="base"/><link name="bob"><inertial>
     ///     <origin xyz="0 0 -1"/><mass value="2"/><inertia ixx="0" iyy="0" izz="0" ixy="0" ixz="0" iyz="0"/>
@@ -20,7 +19,6 @@ impl Robot {
     /// let robot = Robot::reader().parse(text, "pendulum.urdf")?;
     /// assert_eq!(robot.masses()?.total(), 2.0);
     /// assert_eq!(robot.centre_of_mass(&[0.0])?.to_array(), [0.0, 0.0, -1.0]);
-    /// # }
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///

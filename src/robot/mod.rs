@@ -105,7 +105,6 @@ impl Robot {
         /// Starts a parameter map in which the mimic joints follow; lock joints or free only some.
         ///
         /// ```
-        /// # #[cfg(feature = "urdf")] {
         /// # use kinopt::robot::Robot;
         /// let robot = Robot::read("models/franka_panda.urdf")?;
         /// // The arm alone, the fingers held open: the second follows the first.
@@ -116,7 +115,6 @@ impl Robot {
         /// let wrist = robot.joints(&["joint5", "joint6", "joint7"])?;
         /// let wrist = robot.parameters().only(&wrist, &[0.0; 9]).build()?;
         /// assert_eq!(wrist.variables(), 3);
-        /// # }
         /// # Ok::<(), Box<dyn std::error::Error>>(())
         /// ```
         pub fn parameters(&self) -> ParameterMapBuilder<'_> = coupled(&self.model, &self.mimics);
@@ -126,27 +124,17 @@ impl Robot {
         pub fn passive_joints(&self) -> &[JointId] = &self.passive;
         /// The frames on which nothing hangs: hands, tools, feet.
         pub fn tips(&self) -> Vec<FrameId> = chain::tips(&self.model);
+        /// The shapes and mass of a link, which is a frame; `None` for frames that are no links, such as
+        /// tools, and for robots that came from no file.
+        pub fn link(&self, frame: FrameId) -> Option<&Link> = self.links.get(frame.index());
+        /// The file that it was read from, whose folder relative paths of meshes count from; `None` for one that was
+        /// parsed from memory, unless [said](Self::with_file).
+        pub fn file(&self) -> Option<&Path> = self.file.as_deref();
     }
 
-    /// The shapes and mass of a link, which is a frame; `None` for frames that are no links, such as
-    /// tools, and for robots that came from no file.
-    #[must_use]
-    pub fn link(&self, frame: FrameId) -> Option<&Link> {
-        self.links.get(frame.index())
-    }
-
-    /// The file that it was read from, whose folder relative paths of meshes count from; `None` for one that was
-    /// parsed from memory, unless [said](Self::with_file).
-    #[must_use]
-    pub fn file(&self) -> Option<&Path> {
-        self.file.as_deref()
-    }
-
-    /// The same robot as if it had been read from this file, which need not exist.
-    #[must_use]
-    pub fn with_file(mut self, file: impl Into<PathBuf>) -> Self {
-        self.file = Some(file.into());
-        self
+    setters! {
+        /// The same robot as if it had been read from this file, which need not exist.
+        pub fn with_file(mut self, file: impl Into<PathBuf>) { self.file = Some(file.into()) }
     }
 
     /// What the file leaves to defaults or gets wrong, and what was taken instead, in its order.
@@ -200,13 +188,11 @@ impl Robot {
     /// joints and frames stay as they are.
     ///
     /// ```
-    /// # #[cfg(feature = "urdf")] {
     /// # use kinopt::robot::Robot;
     /// # use kinopt::spatial::{Placement, Vector3};
     /// let gripper = Placement::translation(Vector3::new(0.0, 0.0, 0.12));
     /// let robot = Robot::read("models/universal_ur5e.urdf")?.with_tool("tool", "flange", gripper)?;
     /// assert!(robot.model().frame("tool").is_ok());
-    /// # }
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
@@ -243,12 +229,9 @@ impl Robot {
             ..self
         })
     }
-
-    /// The same robot without the loops of its file, for one whose loops contradict each other or are not meant.
-    #[must_use]
-    pub fn without_loops(mut self) -> Self {
-        self.model = self.model.without_loops();
-        self
+    setters! {
+        /// The same robot without the loops of its file, for one whose loops contradict each other or are not meant.
+        pub fn without_loops(mut self) { self.model = self.model.without_loops() }
     }
 }
 

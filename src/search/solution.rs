@@ -228,16 +228,14 @@ impl Solution {
         })
     }
 
-    /// The largest error of any goal in metres.
-    #[must_use]
-    pub fn position_error(&self) -> Option<f64> {
-        self.error(Quantity::Metres)
-    }
-
-    /// The largest error of any goal in radians.
-    #[must_use]
-    pub fn orientation_error(&self) -> Option<f64> {
-        self.error(Quantity::Radians)
+    getters! {
+        /// The largest error of any goal in metres.
+        pub fn position_error(&self) -> Option<f64> = self.error(Quantity::Metres);
+        /// The largest error of any goal in radians.
+        pub fn orientation_error(&self) -> Option<f64> = self.error(Quantity::Radians);
+        /// Whether a missed goal is certainly out of reach: its place is farther from where the chain
+        /// begins than the chain is long. False where that is not known.
+        pub fn is_out_of_reach(&self) -> bool = self.beyond.is_some();
     }
 
     /// The preferences that keep a missed goal from coming nearer, the strongest first. Only where they
@@ -247,13 +245,6 @@ impl Solution {
             let names = self.names.as_deref()?;
             names.tasks.get(task).map(String::as_str)
         })
-    }
-
-    /// Whether a missed goal is certainly out of reach: its place is farther from where the chain
-    /// begins than the chain is long. False where that is not known.
-    #[must_use]
-    pub fn is_out_of_reach(&self) -> bool {
-        self.beyond.is_some()
     }
 
     /// The limits that hold the solution back; empty when it is reached.

@@ -150,6 +150,12 @@ impl BallSkeleton {
         pub fn skeleton(&self) -> &Skeleton = &self.skeleton;
         /// The model with a ball a bone; it is what problems are stated on.
         pub fn model(&self) -> &Model = &self.model;
+        /// The model frame at a bone's tail, with the bone's axes.
+        pub fn tail(&self, bone: BoneId) -> FrameId = self.skeleton.tail(bone);
+        /// The model frame at a bone's tip, with the bone's axes.
+        pub fn tip(&self, bone: BoneId) -> FrameId = self.skeleton.tip(bone);
+        /// Whether a bone is the first that turns on a free root.
+        pub fn is_free(&self, bone: BoneId) -> bool = self.free.contains(&bone);
     }
 
     /// Looks a bone up by name.
@@ -158,18 +164,6 @@ impl BallSkeleton {
     /// An unknown name; the error lists the valid ones.
     pub fn bone(&self, name: &str) -> Result<BoneId, UnknownName> {
         self.skeleton.bone(name)
-    }
-
-    /// The model frame at a bone's tail, with the bone's axes.
-    #[must_use]
-    pub fn tail(&self, bone: BoneId) -> FrameId {
-        self.skeleton.tail(bone)
-    }
-
-    /// The model frame at a bone's tip, with the bone's axes.
-    #[must_use]
-    pub fn tip(&self, bone: BoneId) -> FrameId {
-        self.skeleton.tip(bone)
     }
 
     /// The ball that a bone turns on, a free root's too; `None` for one that does not turn.
@@ -186,12 +180,6 @@ impl BallSkeleton {
         let slides = if self.is_free(bone) { 3 } else { 0 };
         let own = ball.map(|ball| (ball - slides..=ball).map(JointId::new));
         own.into_iter().flatten().collect()
-    }
-
-    /// Whether a bone is the first that turns on a free root.
-    #[must_use]
-    pub fn is_free(&self, bone: BoneId) -> bool {
-        self.free.contains(&bone)
     }
 
     /// Memory for posing the bones again and again.

@@ -125,6 +125,10 @@ impl Skeleton {
         pub fn model(&self) -> &Model = &self.model;
         /// How many angles a configuration has: three for each bone.
         pub fn angles(&self) -> usize = ANGLES_PER_BONE * self.bones.len();
+        /// The model frame at a bone's tail, with the bone's canonical axes.
+        pub fn tail(&self, bone: BoneId) -> FrameId = FrameId::new(2 * bone.index());
+        /// The model frame at a bone's tip, with the bone's canonical axes.
+        pub fn tip(&self, bone: BoneId) -> FrameId = FrameId::new(2 * bone.index() + 1);
     }
 
     /// All bone ids in order.
@@ -146,18 +150,6 @@ impl Skeleton {
         self.by_name.get(name).copied().ok_or_else(|| {
             UnknownName::new("bone", name, self.bones.iter().map(|b| b.name.as_str()))
         })
-    }
-
-    /// The model frame at a bone's tail, with the bone's canonical axes.
-    #[must_use]
-    pub fn tail(&self, bone: BoneId) -> FrameId {
-        FrameId::new(2 * bone.index())
-    }
-
-    /// The model frame at a bone's tip, with the bone's canonical axes.
-    #[must_use]
-    pub fn tip(&self, bone: BoneId) -> FrameId {
-        FrameId::new(2 * bone.index() + 1)
     }
 
     /// A bone's joints in the order of its angles: first twist, bend, second twist.

@@ -87,6 +87,19 @@ impl CentreOfMass {
     fn axes(&self) -> impl Iterator<Item = usize> + '_ {
         (0..3).filter(|&axis| self.counts[axis])
     }
+
+    /// The residual where frames stand so, with the target moved by a step.
+    fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
+        let centre = self.body.centre(frames);
+        let at = match (self.base, frames.last()) {
+            (Some(_), Some(base)) => base.rotation.transpose_mul(centre - base.translation),
+            _ => centre,
+        };
+        let miss = (at - moved(self.target, step)).to_array();
+        for (row, axis) in residual.iter_mut().zip(self.axes()) {
+            *row = miss[axis];
+        }
+    }
 }
 
 impl Body {
@@ -140,25 +153,7 @@ impl Residual for CentreOfMass {
         parts.chain(self.base).collect()
     }
 
-    evaluate_unmoved!();
-
-    fn evaluate_moved<S: Scalar>(
-        &self,
-        frames: &[Placement<S>],
-        _joints: &[S],
-        step: &[S],
-        residual: &mut [S],
-    ) {
-        let centre = self.body.centre(frames);
-        let at = match (self.base, frames.last()) {
-            (Some(_), Some(base)) => base.rotation.transpose_mul(centre - base.translation),
-            _ => centre,
-        };
-        let miss = (at - moved(self.target, step)).to_array();
-        for (row, axis) in residual.iter_mut().zip(self.axes()) {
-            *row = miss[axis];
-        }
-    }
+    evaluate_by_frames!();
 
     fn differentiate(
         &self,

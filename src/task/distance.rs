@@ -27,25 +27,9 @@ impl Distance {
     pub fn set_distance(&mut self, distance: f64) {
         self.distance = distance;
     }
-}
 
-impl Residual for Distance {
-    answers! {
-        fn kind(&self) -> &'static str = "distance";
-        fn frames(&self) -> Vec<FrameId> = self.frames.to_vec();
-        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Metres, 1)];
-        fn target_len(&self) -> usize = 1;
-    }
-
-    evaluate_unmoved!();
-
-    fn evaluate_moved<S: Scalar>(
-        &self,
-        frames: &[Placement<S>],
-        _joints: &[S],
-        step: &[S],
-        residual: &mut [S],
-    ) {
+    /// The residual where frames stand so, with the target moved by a step.
+    fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
         let apart = frames[0].translation - frames[1].translation;
         let squared = apart.norm_squared();
         // Where the two coincide every direction is as good: take x, so that there is a derivative.
@@ -58,6 +42,17 @@ impl Residual for Distance {
         );
         residual[0] = length - moved_by(self.distance, step);
     }
+}
+
+impl Residual for Distance {
+    answers! {
+        fn kind(&self) -> &'static str = "distance";
+        fn frames(&self) -> Vec<FrameId> = self.frames.to_vec();
+        fn rows(&self) -> Vec<Rows> = vec![Rows::new(Quantity::Metres, 1)];
+        fn target_len(&self) -> usize = 1;
+    }
+
+    evaluate_by_frames!();
 
     fn validate(&self) -> Result<(), String> {
         not_finite("its distance", [self.distance])?;

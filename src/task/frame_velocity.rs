@@ -54,6 +54,20 @@ impl FrameVelocity {
         self.linear = linear.into();
         self.angular = angular.into();
     }
+
+    /// The residual where frames stand so, with the target moved by a step.
+    fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
+        let way = frames[0].translation - Vector3::constant(self.previous.translation);
+        let turn = Vector3::from(Orientation::miss(
+            self.previous.rotation,
+            frames[0].rotation,
+        ));
+        let per_second = S::constant(1.0 / self.time_step_s);
+        let linear = way * per_second - moved(self.linear, step);
+        let angular = turn * per_second - moved(self.angular, step.get(3..).unwrap_or_default());
+        residual[..3].copy_from_slice(&linear.to_array());
+        residual[3..].copy_from_slice(&angular.to_array());
+    }
 }
 
 impl Residual for FrameVelocity {
@@ -71,26 +85,7 @@ impl Residual for FrameVelocity {
         ]
     }
 
-    evaluate_unmoved!();
-
-    fn evaluate_moved<S: Scalar>(
-        &self,
-        frames: &[Placement<S>],
-        _joints: &[S],
-        step: &[S],
-        residual: &mut [S],
-    ) {
-        let way = frames[0].translation - Vector3::constant(self.previous.translation);
-        let turn = Vector3::from(Orientation::miss(
-            self.previous.rotation,
-            frames[0].rotation,
-        ));
-        let per_second = S::constant(1.0 / self.time_step_s);
-        let linear = way * per_second - moved(self.linear, step);
-        let angular = turn * per_second - moved(self.angular, step.get(3..).unwrap_or_default());
-        residual[..3].copy_from_slice(&linear.to_array());
-        residual[3..].copy_from_slice(&angular.to_array());
-    }
+    evaluate_by_frames!();
 
     fn validate(&self) -> Result<(), String> {
         not_finite("its previous place", self.previous.translation.to_array())?;

@@ -106,6 +106,16 @@ impl Gaze {
             Aim::At(_) => Aim::At(target.into()),
         };
     }
+
+    /// The residual where frames stand so, with the target moved by a step.
+    fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
+        let squared = self.squared_angle(frames, step);
+        // Well within the cone, where the angle itself has no derivative.
+        let inside = squared.less_than(S::constant(0.25 * self.half_angle * self.half_angle));
+        let angle = S::select(inside, S::one(), squared).sqrt();
+        let outside = beyond(angle, f64::NEG_INFINITY, self.half_angle);
+        residual[0] = S::select(inside, S::zero(), outside);
+    }
 }
 
 impl Residual for Gaze {
@@ -117,22 +127,7 @@ impl Residual for Gaze {
         fn rooms(&self) -> Vec<Room> = vec![Room::new(0..1, 1)];
     }
 
-    evaluate_unmoved!();
-
-    fn evaluate_moved<S: Scalar>(
-        &self,
-        frames: &[Placement<S>],
-        _joints: &[S],
-        step: &[S],
-        residual: &mut [S],
-    ) {
-        let squared = self.squared_angle(frames, step);
-        // Well within the cone, where the angle itself has no derivative.
-        let inside = squared.less_than(S::constant(0.25 * self.half_angle * self.half_angle));
-        let angle = S::select(inside, S::one(), squared).sqrt();
-        let outside = beyond(angle, f64::NEG_INFINITY, self.half_angle);
-        residual[0] = S::select(inside, S::zero(), outside);
-    }
+    evaluate_by_frames!();
 
     /// (α² − θ²) / 2α, which has a slope where θ has none.
     fn depths<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], depths: &mut [S]) {

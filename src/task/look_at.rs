@@ -36,6 +36,14 @@ impl LookAt {
     pub fn set_target(&mut self, target: impl Into<Vector3<f64>>) {
         self.target = target.into();
     }
+
+    /// The residual where frames stand so, with the target moved by a step.
+    fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
+        let unit_axis = self.axis * (1.0 / self.axis.norm());
+        let axis = frames[0].rotation * Vector3::constant(unit_axis);
+        let sight = line_of_sight(&frames[0], axis, moved(self.target, step));
+        residual.copy_from_slice(&turn_onto(axis, sight).to_array());
+    }
 }
 
 impl Residual for LookAt {
@@ -47,20 +55,7 @@ impl Residual for LookAt {
         fn has_edges(&self) -> bool = false;
     }
 
-    evaluate_unmoved!();
-
-    fn evaluate_moved<S: Scalar>(
-        &self,
-        frames: &[Placement<S>],
-        _joints: &[S],
-        step: &[S],
-        residual: &mut [S],
-    ) {
-        let unit_axis = self.axis * (1.0 / self.axis.norm());
-        let axis = frames[0].rotation * Vector3::constant(unit_axis);
-        let sight = line_of_sight(&frames[0], axis, moved(self.target, step));
-        residual.copy_from_slice(&turn_onto(axis, sight).to_array());
-    }
+    evaluate_by_frames!();
 
     fn validate(&self) -> Result<(), String> {
         not_finite("its target", self.target.to_array())?;

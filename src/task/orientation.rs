@@ -26,11 +26,9 @@ impl Orientation {
         }
     }
 
-    /// Targets are given in `base`, which may move with the joints (base_from_frame).
-    #[must_use]
-    pub fn relative_to(mut self, base: FrameId) -> Self {
-        self.base = Some(base);
-        self
+    setters! {
+        /// Targets are given in `base`, which may move with the joints (base_from_frame).
+        pub fn relative_to(mut self, base: FrameId) { self.base = Some(base) }
     }
 
     getters! {
@@ -89,6 +87,13 @@ impl Orientation {
             *slope -= own;
         }
     }
+
+    /// The residual where frames stand so, with the target moved by a step.
+    fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
+        let placed = in_base(frames);
+        let target = turned(self.target, step);
+        residual.copy_from_slice(&Self::miss_from(target, placed.rotation));
+    }
 }
 
 impl Residual for Orientation {
@@ -100,19 +105,7 @@ impl Residual for Orientation {
         fn has_edges(&self) -> bool = false;
     }
 
-    evaluate_unmoved!();
-
-    fn evaluate_moved<S: Scalar>(
-        &self,
-        frames: &[Placement<S>],
-        _joints: &[S],
-        step: &[S],
-        residual: &mut [S],
-    ) {
-        let placed = in_base(frames);
-        let target = turned(self.target, step);
-        residual.copy_from_slice(&Self::miss_from(target, placed.rotation));
-    }
+    evaluate_by_frames!();
 
     fn add_target_slopes(
         &self,

@@ -88,6 +88,14 @@ impl Pixel {
     pub fn set_target(&mut self, target: [f64; 2]) {
         self.target = target;
     }
+
+    /// The residual where frames stand so, with the target moved by a step.
+    fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
+        let seen = self.camera.project(frames[0].translation);
+        for (k, (row, at)) in residual.iter_mut().zip(seen).enumerate() {
+            *row = at - moved_by(self.target[k], step.get(k..).unwrap_or_default());
+        }
+    }
 }
 
 impl Residual for Pixel {
@@ -99,20 +107,7 @@ impl Residual for Pixel {
         fn has_edges(&self) -> bool = false;
     }
 
-    evaluate_unmoved!();
-
-    fn evaluate_moved<S: Scalar>(
-        &self,
-        frames: &[Placement<S>],
-        _joints: &[S],
-        step: &[S],
-        residual: &mut [S],
-    ) {
-        let seen = self.camera.project(frames[0].translation);
-        for (k, (row, at)) in residual.iter_mut().zip(seen).enumerate() {
-            *row = at - moved_by(self.target[k], step.get(k..).unwrap_or_default());
-        }
-    }
+    evaluate_by_frames!();
 
     fn validate(&self) -> Result<(), String> {
         not_finite("its pixel", self.target)?;

@@ -38,6 +38,12 @@ impl Plane {
     fn unit_normal(&self) -> Vector3<f64> {
         self.normal * (1.0 / self.normal.norm())
     }
+
+    /// The residual where frames stand so, with the target moved by a step.
+    fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
+        let from_plane = frames[0].translation - moved(self.point, step);
+        residual[0] = from_plane.dot(Vector3::constant(self.unit_normal()));
+    }
 }
 
 impl Residual for Plane {
@@ -49,18 +55,7 @@ impl Residual for Plane {
         fn has_edges(&self) -> bool = false;
     }
 
-    evaluate_unmoved!();
-
-    fn evaluate_moved<S: Scalar>(
-        &self,
-        frames: &[Placement<S>],
-        _joints: &[S],
-        step: &[S],
-        residual: &mut [S],
-    ) {
-        let from_plane = frames[0].translation - moved(self.point, step);
-        residual[0] = from_plane.dot(Vector3::constant(self.unit_normal()));
-    }
+    evaluate_by_frames!();
 
     fn differentiate(
         &self,

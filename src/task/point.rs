@@ -49,6 +49,13 @@ impl Point {
     pub fn set_target(&mut self, target: impl Into<Vector3<f64>>) {
         self.target = target.into();
     }
+
+    /// The residual where frames stand so, with the target moved by a step.
+    fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
+        let at = in_base(frames).apply(Vector3::constant(self.offset));
+        let miss = at - moved(self.target, step);
+        residual.copy_from_slice(&miss.to_array());
+    }
 }
 
 impl Residual for Point {
@@ -60,19 +67,7 @@ impl Residual for Point {
         fn has_edges(&self) -> bool = false;
     }
 
-    evaluate_unmoved!();
-
-    fn evaluate_moved<S: Scalar>(
-        &self,
-        frames: &[Placement<S>],
-        _joints: &[S],
-        step: &[S],
-        residual: &mut [S],
-    ) {
-        let at = in_base(frames).apply(Vector3::constant(self.offset));
-        let miss = at - moved(self.target, step);
-        residual.copy_from_slice(&miss.to_array());
-    }
+    evaluate_by_frames!();
 
     fn add_target_slopes(
         &self,

@@ -173,25 +173,9 @@ impl Pose {
             }
         }
     }
-}
 
-impl Residual for Pose {
-    answers! {
-        fn kind(&self) -> &'static str = "pose";
-        fn frames(&self) -> Vec<FrameId> = frame_and_base(self.frame, self.base);
-        fn rows(&self) -> Vec<Rows> = self.measures().to_vec();
-        fn target_len(&self) -> usize = 6;
-    }
-
-    evaluate_unmoved!();
-
-    fn evaluate_moved<S: Scalar>(
-        &self,
-        frames: &[Placement<S>],
-        _joints: &[S],
-        step: &[S],
-        residual: &mut [S],
-    ) {
+    /// The residual where frames stand so, with the target moved by a step.
+    fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
         let placed = self.base_from_tool(frames);
         let target = self.moved_target(step);
         if let Some(goal) = &self.goal {
@@ -219,6 +203,17 @@ impl Residual for Pose {
         position.copy_from_slice(&miss.to_array());
         orientation.copy_from_slice(&turn);
     }
+}
+
+impl Residual for Pose {
+    answers! {
+        fn kind(&self) -> &'static str = "pose";
+        fn frames(&self) -> Vec<FrameId> = frame_and_base(self.frame, self.base);
+        fn rows(&self) -> Vec<Rows> = self.measures().to_vec();
+        fn target_len(&self) -> usize = 6;
+    }
+
+    evaluate_by_frames!();
 
     fn add_target_slopes(
         &self,

@@ -41,6 +41,14 @@ impl Ray {
         let along = self.eye - self.through;
         along * (1.0 / along.norm())
     }
+
+    /// The residual where frames stand so, with the target moved by a step.
+    fn evaluate_frames<S: Scalar>(&self, frames: &[Placement<S>], step: &[S], residual: &mut [S]) {
+        let direction = Vector3::constant(self.direction());
+        let from_mouse = frames[0].translation - moved(self.through, step);
+        let across = from_mouse - direction * from_mouse.dot(direction);
+        residual.copy_from_slice(&across.to_array());
+    }
 }
 
 impl Residual for Ray {
@@ -52,20 +60,7 @@ impl Residual for Ray {
         fn has_edges(&self) -> bool = false;
     }
 
-    evaluate_unmoved!();
-
-    fn evaluate_moved<S: Scalar>(
-        &self,
-        frames: &[Placement<S>],
-        _joints: &[S],
-        step: &[S],
-        residual: &mut [S],
-    ) {
-        let direction = Vector3::constant(self.direction());
-        let from_mouse = frames[0].translation - moved(self.through, step);
-        let across = from_mouse - direction * from_mouse.dot(direction);
-        residual.copy_from_slice(&across.to_array());
-    }
+    evaluate_by_frames!();
 
     fn differentiate(
         &self,

@@ -22,11 +22,7 @@ impl Room {
     getters! {
         /// How many edges it has.
         pub fn edges(&self) -> usize = self.edges;
-    }
-
-    /// The rows that vanish within it.
-    #[must_use]
-    pub fn rows(&self) -> Range<usize> {
-        self.rows.clone()
+        /// The rows that vanish within it.
+        pub fn rows(&self) -> Range<usize> = self.rows.clone();
     }
 }

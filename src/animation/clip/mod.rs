@@ -114,11 +114,9 @@ impl Clip {
         f64::from(self.span()[1]) - f64::from(self.span()[0])
     }
 
-    /// The same motion under another name.
-    #[must_use]
-    pub fn renamed(mut self, name: impl Into<String>) -> Self {
-        self.name = name.into();
-        self
+    setters! {
+        /// The same motion under another name.
+        pub fn renamed(mut self, name: impl Into<String>) { self.name = name.into() }
     }
 
     /// Whether it is for an armature of this one's size.

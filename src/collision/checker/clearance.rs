@@ -20,7 +20,6 @@ use crate::task::{LocalJacobian, Numeric, NumericResidual, Quantity, Residual, R
 /// that of the first's), where n is the direction from one to the other.
 ///
 /// ```
-/// # #[cfg(feature = "urdf")] {
 /// use kinopt::collision::{Checker, Clearance, World};
 /// use kinopt::robot::Robot;
 /// use kinopt::spatial::Vector3;
@@ -38,7 +37,6 @@ use crate::task::{LocalJacobian, Numeric, NumericResidual, Quantity, Residual, R
 /// tasks.add(Task::new(Clearance::new(&checker, 0.5)).preference());
 /// let solution = Solver::default().solve_once(&tasks.build()?, &robot.model().neutral())?;
 /// assert!(solution.reached);
-/// # }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]

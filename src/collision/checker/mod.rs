@@ -36,7 +36,6 @@ use parts::{Pair, Scene};
 /// It never changes; changed copies share what stays.
 ///
 /// ```
-/// # #[cfg(feature = "urdf")] {
 /// use kinopt::collision::{Checker, World};
 /// use kinopt::robot::Robot;
 /// use kinopt::spatial::Vector3;
@@ -48,7 +47,6 @@ use parts::{Pair, Scene};
 /// let q = [0.0, 1.4, 0.0, -1.0, 0.0, 1.6, 0.8, 0.04, 0.04];
 /// let collisions = checker.collisions(&q)?;
 /// assert!(collisions.iter().any(|pair| pair.second == "table" && pair.depth() > 0.0));
-/// # }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]

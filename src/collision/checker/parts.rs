@@ -126,10 +126,6 @@ impl Scene {
         self.parts.iter().map(|part| part.frame)
     }
 
-    pub(super) fn motion_bound(&self) -> &MotionBound {
-        &self.motion_bound
-    }
-
     /// The names of both, and what they are.
     pub(super) fn bodies(&self, pair: Pair) -> [(&str, BodyKind); 2] {
         let part = |at: usize| (&*self.parts[at].name, self.parts[at].kind);
@@ -142,6 +138,7 @@ impl Scene {
     getters! {
         /// The parts that are kept apart, by place.
         pub(super) fn pairs(&self) -> &[[usize; 2]] = &self.pairs;
+        pub(super) fn motion_bound(&self) -> &MotionBound = &self.motion_bound;
     }
 
     /// Visits all pairs that are at most `within` apart, each by its shapes that are nearest, until told to stop.

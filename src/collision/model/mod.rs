@@ -62,7 +62,6 @@ impl CollisionObject {
 /// ([`with_ignored`](Self::with_ignored), [`with_checked`](Self::with_checked)) change that.
 ///
 /// ```
-/// # #[cfg(feature = "urdf")] {
 /// use kinopt::collision::CollisionModel;
 /// use kinopt::robot::Robot;
 ///
@@ -70,7 +69,6 @@ impl CollisionObject {
 /// let model = CollisionModel::of(&robot)?.with_pairs_sampled(100, 1)?;
 /// assert!(model.is_checked("base", "hand")?);
 /// assert!(!model.is_checked("link1", "link2")?);
-/// # }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]

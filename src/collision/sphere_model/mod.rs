@@ -41,7 +41,6 @@ pub enum Fineness {
 /// does. Those that are [read](Self::read) may leave [gaps](SphereGroup::gap).
 ///
 /// ```
-/// # #[cfg(feature = "urdf")] {
 /// use kinopt::collision::{CollisionModel, Fineness, SphereModel};
 /// use kinopt::robot::Robot;
 ///
@@ -49,7 +48,6 @@ pub enum Fineness {
 /// let model = CollisionModel::of(&robot)?;
 /// let spheres = SphereModel::of(&model, Fineness::Overhang(0.02))?;
 /// assert!(spheres.overhang() <= 0.02);
-/// # }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]

@@ -132,6 +132,8 @@ impl MotionSolution {
         pub fn loop_gap(&self) -> f64 = self.loop_gap;
         /// Whether every goal is within its tolerance in every frame.
         pub fn reached(&self) -> bool = self.missed.is_empty();
+        /// ½ ‖w ∘ r‖² of a frame's tasks.
+        pub fn frame_cost(&self, frame: usize) -> Option<f64> = self.costs.get(frame).copied();
     }
 
     /// The configuration of a frame.
@@ -139,12 +141,6 @@ impl MotionSolution {
     pub fn frame(&self, frame: usize) -> Option<&[f64]> {
         let n = self.configuration_len;
         self.q.get(frame * n..(frame + 1) * n)
-    }
-
-    /// ½ ‖w ∘ r‖² of a frame's tasks.
-    #[must_use]
-    pub fn frame_cost(&self, frame: usize) -> Option<f64> {
-        self.costs.get(frame).copied()
     }
 
     /// The goals that a frame misses, beyond their tolerances.

@@ -89,20 +89,15 @@ impl CartesianPath {
         Ok(self)
     }
 
-    /// The same path, gone otherwise. Default [`Course::Open`].
-    #[must_use]
-    pub fn with_course(mut self, course: Course) -> Self {
-        self.course = course;
-        self
-    }
-
-    /// The same path seen from elsewhere: every point p becomes `base_from_path` p.
-    #[must_use]
-    pub fn moved(mut self, base_from_path: &Placement<f64>) -> Self {
-        for point in &mut self.points {
-            *point = (*base_from_path * *point).made_rigid();
+    setters! {
+        /// The same path, gone otherwise. Default [`Course::Open`].
+        pub fn with_course(mut self, course: Course) { self.course = course }
+        /// The same path seen from elsewhere: every point p becomes `base_from_path` p.
+        pub fn moved(mut self, base_from_path: &Placement<f64>) {
+            for point in &mut self.points {
+                *point = (*base_from_path * *point).made_rigid();
+            }
         }
-        self
     }
 
     getters! {

@@ -135,13 +135,9 @@ impl<'r> Retargeting<'r> {
         pub fn driven(&self) -> Vec<FrameId> = self.limbs.all.iter().map(|limb| limb.frame).collect();
         /// How many times as large as the person's the model's steps are.
         pub fn stride(&self) -> f64 = self.limbs.stride;
-    }
-
-    /// The axis along which the model's root is above what stands, in its neutral configuration: z, unless its file has another
-    /// one upward; `None` where that cannot be told.
-    #[must_use]
-    pub fn model_stands_along(&self) -> Option<UpAxis> {
-        self.limbs.model_up
+        /// The axis along which the model's root is above what stands, in its neutral configuration: z, unless its file has another
+        /// one upward; `None` where that cannot be told.
+        pub fn model_stands_along(&self) -> Option<UpAxis> = self.limbs.model_up;
     }
 
     /// Where the driven points should be in a frame, metres.

@@ -77,7 +77,6 @@ impl Srdf {
     /// Reads a file that speaks of a robot.
     ///
     /// ```
-    /// # #[cfg(feature = "urdf")] {
     /// use kinopt::robot::{Robot, Srdf};
     ///
     /// let door = r#"<robot name="door"><link name="frame"/><link name="leaf"/><link name="handle"/>
@@ -91,7 +90,6 @@ impl Srdf {
     /// assert_eq!(opening.joints, [robot.model().joint("hinge")?]);
     /// let map = srdf.driven(&robot, &[0.0, 0.3]).build()?;
     /// assert_eq!(map.variables(), 1);
-    /// # }
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///

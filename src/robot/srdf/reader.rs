@@ -21,34 +21,30 @@ pub struct SrdfReader {
 }
 
 impl SrdfReader {
-    /// Leaves out what cannot be taken at its word, and lists it: see [`Srdf::repairs`]. Published files often name a
-    /// joint or a link that another version of the robot has.
-    ///
-    /// Left out are passive joints, end effectors, virtual joints and disabled pairs that name what there is not; of
-    /// groups and states their single joints, links, chains and groups; states of groups that there are not; of a group
-    /// that is given twice the second. A group within itself has the joints of all groups of its ring.
-    ///
-    /// ```
-    /// # #[cfg(feature = "urdf")] {
-    /// use kinopt::robot::{Robot, Srdf};
-    ///
-    /// let door = r#"<robot name="door"><link name="frame"/><link name="leaf"/>
-    ///   <joint name="hinge" type="continuous"><parent link="frame"/><child link="leaf"/></joint></robot>"#;
-    /// let robot = Robot::parse(door, "door.urdf")?;
-    /// let text = r#"<robot name="door"><group name="opening"><joint name="hinge"/></group>
-    ///   <passive_joint name="latch"/></robot>"#;
-    /// assert!(Srdf::parse(text, "door.srdf", &robot).is_err());
-    /// let srdf = Srdf::reader().lenient().parse(text, "door.srdf", &robot)?;
-    /// assert_eq!(srdf.group("opening")?.joints.len(), 1);
-    /// let repair = srdf.repairs[0].to_string();
-    /// assert!(repair.starts_with("2: passive_joint `latch`: left out: "), "{repair}");
-    /// # }
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    #[must_use]
-    pub fn lenient(mut self) -> Self {
-        self.lenient = true;
-        self
+    setters! {
+        /// Leaves out what cannot be taken at its word, and lists it: see [`Srdf::repairs`]. Published files often name a
+        /// joint or a link that another version of the robot has.
+        ///
+        /// Left out are passive joints, end effectors, virtual joints and disabled pairs that name what there is not; of
+        /// groups and states their single joints, links, chains and groups; states of groups that there are not; of a group
+        /// that is given twice the second. A group within itself has the joints of all groups of its ring.
+        ///
+        /// ```
+        /// use kinopt::robot::{Robot, Srdf};
+        ///
+        /// let door = r#"<robot name="door"><link name="frame"/><link name="leaf"/>
+        ///   <joint name="hinge" type="continuous"><parent link="frame"/><child link="leaf"/></joint></robot>"#;
+        /// let robot = Robot::parse(door, "door.urdf")?;
+        /// let text = r#"<robot name="door"><group name="opening"><joint name="hinge"/></group>
+        ///   <passive_joint name="latch"/></robot>"#;
+        /// assert!(Srdf::parse(text, "door.srdf", &robot).is_err());
+        /// let srdf = Srdf::reader().lenient().parse(text, "door.srdf", &robot)?;
+        /// assert_eq!(srdf.group("opening")?.joints.len(), 1);
+        /// let repair = srdf.repairs[0].to_string();
+        /// assert!(repair.starts_with("2: passive_joint `latch`: left out: "), "{repair}");
+        /// # Ok::<(), Box<dyn std::error::Error>>(())
+        /// ```
+        pub fn lenient(mut self) { self.lenient = true }
     }
 
     /// Reads a file that speaks of a robot.

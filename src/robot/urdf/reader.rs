@@ -22,33 +22,31 @@ pub struct UrdfReader {
 }
 
 impl UrdfReader {
-    /// Mends what can be mended in one way only, and lists each repair: see
-    /// [`Robot::repairs`] and [`Mended`](crate::robot::Mended).
-    ///
-    /// Limits out of order are exchanged; a joint that needs `<limit>` and has none is held at 0; of
-    /// an element that stands twice the first counts; commas between numbers are blanks; misspelt
-    /// names, and speeds, efforts and soft limits that are no numbers, are left out; a robot without
-    /// a name gets one; XML declarations may stand anywhere and prefixes be undeclared. Whatever
-    /// would need a guess at the kinematics stays an error.
-    ///
-    /// ```
-    /// use kinopt::robot::Robot;
-    ///
-    /// let text = r#"<robot name="door"><link name="frame"/><link name="leaf"/>
-    ///   <joint name="hinge" type="revolute"><parent link="frame"/><child link="leaf"/>
-    ///     <limit lower="1.5" upper="0"/></joint></robot>"#;
-    /// assert!(Robot::parse(text, "door.urdf").is_err());
-    /// let robot = Robot::reader().lenient().parse(text, "door.urdf")?;
-    /// assert_eq!(
-    ///     robot.repairs()[0].to_string(),
-    ///     "3: joint `hinge`, <limit>: limits out of order, taken as 0 to 1.5"
-    /// );
-    /// # Ok::<(), kinopt::robot::RobotFileError>(())
-    /// ```
-    #[must_use]
-    pub fn lenient(mut self) -> Self {
-        self.lenient = true;
-        self
+    setters! {
+        /// Mends what can be mended in one way only, and lists each repair: see
+        /// [`Robot::repairs`] and [`Mended`](crate::robot::Mended).
+        ///
+        /// Limits out of order are exchanged; a joint that needs `<limit>` and has none is held at 0; of
+        /// an element that stands twice the first counts; commas between numbers are blanks; misspelt
+        /// names, and speeds, efforts and soft limits that are no numbers, are left out; a robot without
+        /// a name gets one; XML declarations may stand anywhere and prefixes be undeclared. Whatever
+        /// would need a guess at the kinematics stays an error.
+        ///
+        /// ```
+        /// use kinopt::robot::Robot;
+        ///
+        /// let text = r#"<robot name="door"><link name="frame"/><link name="leaf"/>
+        ///   <joint name="hinge" type="revolute"><parent link="frame"/><child link="leaf"/>
+        ///     <limit lower="1.5" upper="0"/></joint></robot>"#;
+        /// assert!(Robot::parse(text, "door.urdf").is_err());
+        /// let robot = Robot::reader().lenient().parse(text, "door.urdf")?;
+        /// assert_eq!(
+        ///     robot.repairs()[0].to_string(),
+        ///     "3: joint `hinge`, <limit>: limits out of order, taken as 0 to 1.5"
+        /// );
+        /// # Ok::<(), kinopt::robot::RobotFileError>(())
+        /// ```
+        pub fn lenient(mut self) { self.lenient = true }
     }
 
     /// Reads a file.

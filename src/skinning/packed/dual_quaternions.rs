@@ -105,13 +105,10 @@ impl<'a> PackedDualQuaternionBlend<'a> {
             self.stretches.extend(stretches.map(avx2::columns));
         }
     }
-
-    /// The same with the instructions that every processor of its kind has: what runs where AVX2 is
-    /// missing, and the measure for the rest.
-    #[must_use]
-    pub fn portable(mut self) -> Self {
-        self.portable = true;
-        self
+    setters! {
+        /// The same with the instructions that every processor of its kind has: what runs where AVX2 is
+        /// missing, and the measure for the rest.
+        pub fn portable(mut self) { self.portable = true }
     }
 }
 
