@@ -29,3 +29,10 @@ impl<T: Default> Buffer<T> for Vec<T> {
         self
     }
 }
+
+/// Makes a vector hold so many of one value and nothing else, in the memory that it has.
+#[inline]
+pub(crate) fn refill<T: Clone>(vector: &mut Vec<T>, count: usize, value: T) {
+    vector.clear();
+    vector.resize(count, value);
+}

@@ -4,6 +4,7 @@
 use super::QueryError;
 use super::arm::Arm;
 use super::lanes_or_core::Query;
+use crate::buffer::refill;
 use crate::lanes::{Prefer, Work};
 use crate::model::Source;
 use crate::spatial::Placement;
@@ -38,10 +39,8 @@ impl Arm {
         ends: &mut Ends,
     ) -> Result<(), QueryError> {
         let n = self.joint_count();
-        ends.q.clear();
-        ends.q.resize(targets.len() * n, 0.0);
-        ends.outcomes.clear();
-        ends.outcomes.resize(targets.len(), PoseOutcome::default());
+        refill(&mut ends.q, targets.len() * n, 0.0);
+        refill(&mut ends.outcomes, targets.len(), PoseOutcome::default());
         let Some(lanes) = &self.lanes else {
             let each = targets.iter().zip(starts.chunks_exact(n));
             let ends = ends.q.chunks_exact_mut(n).zip(&mut ends.outcomes);

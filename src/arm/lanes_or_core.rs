@@ -288,8 +288,7 @@ impl Arm {
         workspace: &mut ArmWorkspace,
         solution: &mut Solution,
     ) {
-        solution.q.clear();
-        solution.q.extend_from_slice(&workspace.x);
+        workspace.x.clone_into(&mut solution.q);
         self.tell(found, workspace.errors, solution);
         if !solution.reached {
             let negligible = workspace.take_slope();

@@ -106,8 +106,7 @@ impl Arm {
         let n = x.len();
         let mut y = Vector6::<f64>::zeros();
         let wanted = &mut workspace.wanted;
-        wanted.clear();
-        wanted.extend_from_slice(&workspace.projected);
+        workspace.projected.clone_into(wanted);
         let column =
             |i: usize| -> Vector6<f64> { workspace.jacobian.fixed_view::<6, 1>(0, i).into() };
         for _ in 0..12 {

@@ -103,8 +103,7 @@ impl<'a> ClearEngine<'a> {
             return false;
         }
         let room = &mut *self.room;
-        room.x.clear();
-        room.x.extend_from_slice(room.memory.x());
+        room.memory.x().clone_into(&mut room.x);
         room.residual
             .resize(self.plain.memory.residual().len(), 0.0);
         let mut goals = Evaluation::of(self.plain.share, self.plain.question, self.plain.scratch);

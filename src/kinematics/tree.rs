@@ -3,6 +3,7 @@
 use std::ops::Mul;
 
 use super::motion::{BallPart, Motion};
+use crate::buffer::refill;
 use crate::model::{FrameId, JointKind, Model, ParameterMap, RotationChart, Source, quaternion_at};
 use crate::scalar::Scalar;
 use crate::scalar::elementary;
@@ -145,8 +146,7 @@ impl Tree {
             ..
         } = self;
         let TreeMemory { needed, carried } = memory;
-        needed.clear();
-        needed.resize(joints.len(), false);
+        refill(needed, joints.len(), false);
         for frame in &*frames {
             let mut at = model.frames()[frame.index()].joint;
             while let Some(joint) = at.filter(|j| !needed[j.index()]) {
@@ -157,8 +157,7 @@ impl Tree {
 
         nodes.clear();
         balls.clear();
-        carried.clear();
-        carried.resize(joints.len(), (None, Placement::identity()));
+        refill(carried, joints.len(), (None, Placement::identity()));
         for (index, joint) in joints.iter().enumerate().filter(|(i, _)| needed[*i]) {
             let (node, node_from_parent) = match joint.parent {
                 Some(parent) => carried[parent.index()],

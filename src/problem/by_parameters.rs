@@ -2,6 +2,7 @@
 //! parents.
 
 use super::{Evaluation, ParameterVector};
+use crate::buffer::refill;
 use crate::kinematics::joint_rotations;
 use crate::model::Model;
 use crate::scalar::{Dual, Scalar};
@@ -219,8 +220,7 @@ impl ParameterScratch {
         dual.joints.clear();
         dual.joints
             .extend(joints.iter().map(|&value| Dual::constant(value)));
-        dual.residual.clear();
-        dual.residual.resize(rows, Dual::zero());
+        refill(&mut dual.residual, rows, Dual::zero());
     }
 
     /// Evaluates with some of the target's numbers as variables.
@@ -231,8 +231,7 @@ impl ParameterScratch {
         first: usize,
         count: usize,
     ) {
-        self.step.clear();
-        self.step.resize(len, Dual::zero());
+        refill(&mut self.step, len, Dual::zero());
         for k in 0..count {
             self.step[first + k] = Dual::variable(0.0, k);
         }

@@ -12,6 +12,7 @@ use nalgebra::DMatrix;
 
 use super::linear::{add_scaled, dot, multiply_symmetric, quadratic};
 use super::{LeastSquares, SolverState};
+use crate::buffer::refill;
 
 /// A step that leaves more than this share of the cost is slow; after so many in a row the learning
 /// begins. Problems whose targets are reached never pay for it.
@@ -70,8 +71,7 @@ impl Differences {
             (&mut self.gradient, n),
             (&mut self.gradient_here, n),
         ] {
-            vector.clear();
-            vector.resize(length, 0.0);
+            refill(vector, length, 0.0);
         }
         if self.jacobian.shape() != (m, n) {
             self.jacobian = DMatrix::zeros(m, n);
@@ -104,8 +104,7 @@ impl Curvature {
             &mut self.crossed,
             &mut self.missing,
         ] {
-            vector.clear();
-            vector.resize(n, 0.0);
+            refill(vector, n, 0.0);
         }
     }
 
@@ -182,8 +181,7 @@ impl Curvature {
         room.reserve(at.residual.len(), n);
         self.pending = false;
         self.in_use = true;
-        self.matrix.clear();
-        self.matrix.resize(n * n, 0.0);
+        refill(&mut self.matrix, n * n, 0.0);
         room.x.copy_from_slice(x);
         // By the same route as the others, so that what rounding does cancels: the gradient in
         // memory may be Jᵀr.

@@ -7,6 +7,7 @@ use nalgebra::DMatrix;
 
 use super::LeastSquares;
 use super::linear::dot;
+use crate::buffer::refill;
 
 /// How often a problem was evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -135,12 +136,10 @@ impl SolverState {
             &mut self.step,
             &mut self.best_x,
         ] {
-            vector.clear();
-            vector.resize(n, 0.0);
+            refill(vector, n, 0.0);
         }
         for vector in [&mut self.residual, &mut self.trial_residual] {
-            vector.clear();
-            vector.resize(m, 0.0);
+            refill(vector, m, 0.0);
         }
         if self.jacobian.shape() != (m, n) {
             self.jacobian = DMatrix::zeros(m, n);

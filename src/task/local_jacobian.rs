@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::buffer::refill;
 use crate::spatial::Vector3;
 
 /// ∂r/∂twist for each frame and ∂r/∂value for each joint of one residual.
@@ -31,12 +32,10 @@ impl LocalJacobian {
     /// Takes a shape and sets every entry to zero, without allocating once it has been larger.
     pub(crate) fn reset(&mut self, rows: usize, frames: usize, joints: usize) {
         self.rows = rows;
-        self.linear.clear();
-        self.linear.resize(rows * frames, Vector3::zero());
+        refill(&mut self.linear, rows * frames, Vector3::zero());
         // Zeroed where a frame turns something, which most do not.
         self.angular.resize(rows * frames, Vector3::zero());
-        self.turning.clear();
-        self.turning.resize(frames, false);
+        refill(&mut self.turning, frames, false);
         self.joint_count = joints;
         self.columns.clear();
         self.entries.clear();
@@ -126,8 +125,7 @@ impl LocalJacobian {
             true => Vec::new(),
             false => std::mem::take(&mut self.entries),
         };
-        self.entries.clear();
-        self.entries.resize(rows * joints, 0.0);
+        refill(&mut self.entries, rows * joints, 0.0);
         for (joint, own) in sparse.iter().enumerate() {
             let to = &mut self.entries[joint * rows + own.first_row..][..own.count];
             to.copy_from_slice(&few[own.first..own.first + own.count]);

@@ -9,6 +9,7 @@ use nalgebra::DMatrix;
 
 use super::descent_problem::DescentProblem;
 use super::held_ranks::HeldRank;
+use crate::buffer::refill;
 use crate::problem::Share;
 use crate::solver::Inequalities;
 
@@ -58,10 +59,8 @@ pub(super) struct Rooms {
 impl Rooms {
     /// Makes room for so many edges of a problem's variables, and rows.
     pub(super) fn fit(&mut self, edges: usize, rows: usize, variables: usize) {
-        self.edges.clear();
-        self.edges.resize(edges, Edge::default());
-        self.replaced.clear();
-        self.replaced.resize(rows, false);
+        refill(&mut self.edges, edges, Edge::default());
+        refill(&mut self.replaced, rows, false);
         for depths in [&mut self.depths, &mut self.depths_there] {
             depths.resize(edges, 0.0);
         }

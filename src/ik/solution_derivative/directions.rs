@@ -1,5 +1,6 @@
 //! Which limits hold a configuration, and the directions that they leave free.
 
+use crate::buffer::refill;
 use crate::problem::{Question, Standing};
 use crate::spatial::Vector3;
 
@@ -108,11 +109,9 @@ impl Directions {
     pub(super) fn take(&mut self, question: Question<'_>, at: &Standing<'_>, bounds: &[Bound]) {
         let problem = question.problem();
         let n = at.x.len();
-        self.squared.clear();
-        self.squared.resize(n, 0.0);
+        refill(&mut self.squared, n, 0.0);
         problem.tangent().squared_speeds(at, &mut self.squared);
-        self.barred.clear();
-        self.barred.resize(n, false);
+        refill(&mut self.barred, n, false);
         for bound in bounds.iter().filter(|bound| bound.is_held) {
             self.barred[bound.variable] = true;
         }

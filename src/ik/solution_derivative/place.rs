@@ -58,8 +58,7 @@ impl Place {
         evaluation.residual(&self.x, &mut self.r);
         evaluation.analytic_jacobian(&self.x, &mut self.jacobian);
         self.roles.take(question, &self.r);
-        self.q.clear();
-        self.q.extend_from_slice(scratch.q());
+        scratch.q().clone_into(&mut self.q);
     }
 
     /// Where it is, for what knows how variables move the model.

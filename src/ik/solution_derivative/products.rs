@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 
 use super::system::inner;
 use super::{DerivativeError, Parts, SolutionDerivative};
+use crate::buffer::refill;
 use crate::model::Model;
 use crate::problem::{Evaluation, ParameterVector, Question, Scratch, Share};
 
@@ -113,8 +114,7 @@ impl Parts {
             rows,
             ..
         } = self;
-        rows.clear();
-        rows.resize(place.r.len(), 0.0);
+        refill(rows, place.r.len(), 0.0);
         let mut evaluation = Evaluation::of(Share::All, question, scratch);
         evaluation.rows_by_parameters(&place.x, rates, model, parameters, rows);
         self.follow(question, scratch, Some((model, rates)), v);
@@ -142,8 +142,7 @@ impl Parts {
         evaluation.rows_by_target(&place.x, task, &mut self.parameters, &mut columns);
         let count = own.rows.len().max(1);
         for (k, column) in columns.chunks_exact(count).enumerate() {
-            self.rows.clear();
-            self.rows.resize(self.place.r.len(), 0.0);
+            refill(&mut self.rows, self.place.r.len(), 0.0);
             self.rows[own.rows.clone()].copy_from_slice(column);
             let mut v = matrix.column_mut(k);
             self.follow(question, scratch, None, v.as_mut_slice());
@@ -173,8 +172,7 @@ impl Parts {
         let (m, free) = (place.r.len(), place.directions.len());
         system.restore(place, rows, step);
         if !place.roles.pulled.is_empty() {
-            slope.clear();
-            slope.resize(free, 0.0);
+            refill(slope, free, 0.0);
             for (k, slope) in slope.iter_mut().enumerate() {
                 let column = &place.along[k * m..(k + 1) * m];
                 let pulled = place.roles.pulled.iter();
@@ -201,8 +199,7 @@ impl Parts {
             }
             system.add_pull(slope, -1.0, step);
         }
-        self.rates.clear();
-        self.rates.resize(place.x.len(), 0.0);
+        refill(&mut self.rates, place.x.len(), 0.0);
         place.directions.expand(step, 1.0, &mut self.rates);
         let at = place.standing(question);
         question.problem().tangent().velocity(&at, &self.rates, v);
@@ -226,21 +223,17 @@ impl Parts {
             rows,
             ..
         } = self;
-        rates.clear();
-        rates.resize(place.x.len(), 0.0);
+        refill(rates, place.x.len(), 0.0);
         let tangent = question.problem().tangent();
         tangent.add_slope(&place.standing(question), by_v, rates);
         place.directions.reduce(1, rates, slope);
-        step.clear();
-        step.resize(place.directions.len(), 0.0);
-        rows.clear();
-        rows.resize(place.r.len(), 0.0);
+        refill(step, place.directions.len(), 0.0);
+        refill(rows, place.r.len(), 0.0);
         if !place.roles.pulled.is_empty() {
             system.add_pull(slope, -1.0, step);
         }
         if !place.roles.held.is_empty() {
-            image.clear();
-            image.resize(step.len(), 0.0);
+            refill(image, step.len(), 0.0);
             if step.iter().any(|step| *step != 0.0) {
                 system.add_hessian(question, scratch, place, (step, image));
             }
@@ -260,8 +253,7 @@ impl Parts {
         scratch: &mut Scratch,
         gradient: &mut ParameterVector,
     ) {
-        self.rows.clear();
-        self.rows.resize(self.place.r.len(), 0.0);
+        refill(&mut self.rows, self.place.r.len(), 0.0);
         self.add_slopes(question, scratch, None, gradient);
     }
 

@@ -3,6 +3,7 @@
 use super::Parts;
 use super::place::Place;
 use super::system::System;
+use crate::buffer::refill;
 use crate::problem::{Evaluation, ParameterVector, Question, Scratch, Share};
 use crate::random::RandomStream;
 use crate::solver::LeastSquares;
@@ -69,12 +70,10 @@ impl Parts {
         if place.roles.pulled.is_empty() {
             return 0.0;
         }
-        rates.clear();
-        rates.resize(place.x.len(), 0.0);
+        refill(rates, place.x.len(), 0.0);
         place.slope(rates);
         place.directions.reduce(1, rates, slope);
-        step.clear();
-        step.resize(place.directions.len(), 0.0);
+        refill(step, place.directions.len(), 0.0);
         system.add_pull(slope, -1.0, step);
         step.iter().fold(0.0, |most, step| step.abs().max(most))
     }
@@ -95,8 +94,7 @@ impl Parts {
         };
         let mut gradient = std::mem::take(&mut self.gradient);
         let mut along = |parts: &mut Self, y: &[f64]| {
-            parts.step.clear();
-            parts.step.extend_from_slice(y);
+            y.clone_into(&mut parts.step);
             gradient.clear();
             parts.add_slopes_along(question, scratch, &mut gradient);
             size(&gradient)
@@ -142,8 +140,7 @@ impl Parts {
         rows.extend(place.r.iter().map(|r| 2.0 * r));
         system.restore(place, rows, step);
         place.moved(step, 1.0);
-        image.clear();
-        image.resize(rows.len(), 0.0);
+        refill(image, rows.len(), 0.0);
         let mut evaluation = Evaluation::of(Share::All, question, scratch);
         evaluation.residual(place.shifted(), image);
         let vanish = |row: usize| place.r[row] != 0.0 && image[row] == 0.0;

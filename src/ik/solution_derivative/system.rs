@@ -12,6 +12,7 @@
 //! section 16.2).
 
 use super::place::Place;
+use crate::buffer::refill;
 use crate::problem::{Question, Scratch};
 use crate::solver::RowSpace;
 
@@ -51,8 +52,7 @@ impl System {
         self.free = place.directions.len();
         let (held, rows) = (&place.roles.held, place.jacobian.nrows());
         let count = held.len();
-        self.multipliers.clear();
-        self.multipliers.resize(count, 0.0);
+        refill(&mut self.multipliers, count, 0.0);
         if place.roles.pulled.is_empty() && count > 0 {
             if count == rows {
                 return self
@@ -103,8 +103,7 @@ impl System {
             let terms = column.iter().zip(&place.counts);
             self.side.push(-terms.map(|(j, c)| j * c).sum::<f64>());
         }
-        self.multipliers.clear();
-        self.multipliers.resize(place.roles.held.len(), 0.0);
+        refill(&mut self.multipliers, place.roles.held.len(), 0.0);
         let Self {
             held_space,
             side,
@@ -150,22 +149,19 @@ impl System {
             self.held_space.null_direction(k, direction);
         }
         // W Z, then Zᵀ of it.
-        self.image.clear();
-        self.image.resize(free * nullity, 0.0);
+        refill(&mut self.image, free * nullity, 0.0);
         let [hessian, _] = &mut self.directions;
         for k in 0..nullity {
             let own = k * free..(k + 1) * free;
             let direction = &self.null[own.clone()];
-            hessian.clear();
-            hessian.resize(free, 0.0);
+            refill(hessian, free, 0.0);
             multiply(&self.pulled, direction, hessian);
             if self.bends {
                 place.add_bend(question, scratch, direction, hessian);
             }
             self.image[own].copy_from_slice(hessian);
         }
-        self.reduced.clear();
-        self.reduced.resize(nullity * nullity, 0.0);
+        refill(&mut self.reduced, nullity * nullity, 0.0);
         for k in 0..nullity {
             for j in 0..=k {
                 let [one, other] = [(j, k), (k, j)].map(|(a, b)| {
@@ -192,8 +188,7 @@ impl System {
             return;
         }
         let mut slope = std::mem::take(&mut self.side);
-        slope.clear();
-        slope.resize(place.x.len(), 0.0);
+        refill(&mut slope, place.x.len(), 0.0);
         place.slope(&mut slope);
         for edge in edges {
             let push = edge.push(&slope);
@@ -219,11 +214,9 @@ impl System {
     /// A direction along which the reduced Hessian has no rank.
     pub(super) fn flat_direction(&mut self, k: usize, y: &mut Vec<f64>) {
         let nullity = self.nullity();
-        self.side.clear();
-        self.side.resize(nullity, 0.0);
+        refill(&mut self.side, nullity, 0.0);
         self.reduced_space.null_direction(k, &mut self.side);
-        y.clear();
-        y.resize(self.free, 0.0);
+        refill(y, self.free, 0.0);
         self.add_null(y);
     }
 
@@ -260,8 +253,7 @@ impl System {
         self.multipliers.clear();
         let held = place.roles.held.iter();
         self.multipliers.extend(held.map(|&row| -rates[row]));
-        y.clear();
-        y.resize(self.free, 0.0);
+        refill(y, self.free, 0.0);
         self.held_space.solve(&self.multipliers, y);
     }
 
@@ -272,8 +264,7 @@ impl System {
         self.image.clear();
         self.image
             .extend(null.map(|direction| factor * inner(direction, slope)));
-        self.side.clear();
-        self.side.resize(nullity, 0.0);
+        refill(&mut self.side, nullity, 0.0);
         if !self.pulled.is_empty() {
             self.reduced_space.solve(&self.image, &mut self.side);
         }
@@ -282,8 +273,7 @@ impl System {
 
     /// Writes (C⁺)ᵀ of a slope along the directions, by row of all tasks.
     pub(super) fn push_held(&mut self, place: &Place, slope: &[f64], by_row: &mut [f64]) {
-        self.multipliers.clear();
-        self.multipliers.resize(place.roles.held.len(), 0.0);
+        refill(&mut self.multipliers, place.roles.held.len(), 0.0);
         self.held_space
             .solve_transposed(slope, &mut self.multipliers);
         for (&row, multiplier) in place.roles.held.iter().zip(&self.multipliers) {

@@ -193,8 +193,7 @@ impl<'a> Evaluator<'a> {
                     products.fill(jacobian, all, gram);
                 }
                 true => {
-                    slopes_of_frame.clear();
-                    slopes_of_frame.extend_from_slice(own);
+                    own.clone_into(&mut slopes_of_frame);
                     self.frame_hessian(frame, x, &slopes_of_frame);
                 }
             }

@@ -4,6 +4,8 @@
 //! A knot has as many unknowns as the arm has joints to spare, one or two, and fewer where joints are held: the banded matrix of
 //! whole clips, whose blocks are of one order and padded to four, would be mostly padding here.
 
+use crate::buffer::refill;
+
 /// How often joints that would leave their limits are held at them, and the rest is solved anew.
 const HOLDINGS: usize = 8;
 /// Added to the diagonal, as a share of it.
@@ -61,8 +63,7 @@ impl Tridiagonal {
     /// Solves for the moves from q.
     pub(super) fn solve(&mut self, q: &[f64], limits: &[(f64, f64)]) {
         for numbers in [&mut self.moves, &mut self.offsets] {
-            numbers.clear();
-            numbers.resize(q.len(), 0.0);
+            refill(numbers, q.len(), 0.0);
         }
         for _ in 0..HOLDINGS {
             self.sweep(q);
@@ -133,10 +134,8 @@ impl Tridiagonal {
         let most = self.free.iter().copied().max().unwrap_or(0);
         // Each knot has room for as many as the freest.
         self.diagonal.resize(most * most, 0.0);
-        self.above.clear();
-        self.above.resize(count * most * most, 0.0);
-        self.side.clear();
-        self.side.resize(count * most, 0.0);
+        refill(&mut self.above, count * most * most, 0.0);
+        refill(&mut self.side, count * most, 0.0);
         let metric = |a: &[f64], b: &[f64], squares: &[f64]| -> f64 {
             let parts = a.iter().zip(b).zip(squares);
             parts.map(|((a, b), square)| a * b * square).sum()

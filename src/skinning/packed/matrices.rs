@@ -47,8 +47,7 @@ impl<'a> PackedLinearBlend<'a> {
     /// As [`new`](Self::new); the old pose is then kept.
     pub fn set_transforms(&mut self, transforms: &[Affine3A]) -> Result<(), SkinningError> {
         check(transforms, self.weights.bone_count())?;
-        self.transforms.clear();
-        self.transforms.extend_from_slice(transforms);
+        transforms.clone_into(&mut self.transforms);
         #[cfg(target_arch = "x86_64")]
         {
             self.columns.clear();

@@ -2,6 +2,7 @@
 
 use super::dense::{add_scaled, dot};
 use super::row_span::RowSpan;
+use crate::buffer::refill;
 
 /// Products that grow by less than this share of what they could do not grow.
 const ALONG: f64 = 1e-12;
@@ -48,10 +49,8 @@ impl BoundedProjection {
         room: impl Fn(usize) -> (f64, f64),
     ) -> f64 {
         let k = e.len();
-        self.nearest.clear();
-        self.nearest.resize(k, 0.0);
-        self.products.clear();
-        self.products.resize(count, 0.0);
+        refill(&mut self.nearest, k, 0.0);
+        refill(&mut self.products, count, 0.0);
         self.standing.clear();
         self.span.clear();
         let whole = dot(e, e).sqrt();

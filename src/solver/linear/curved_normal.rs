@@ -5,6 +5,7 @@ use nalgebra::DMatrix;
 use super::cholesky;
 use super::dense::{add_scaled, dot};
 use super::inner_products::InnerProducts;
+use crate::buffer::refill;
 use crate::solver::ConfigurationSpace;
 
 /// The quadratic model gᵀΔ + ½ Δᵀ(JᵀJ + S + λI)Δ over the free variables.
@@ -59,8 +60,7 @@ impl CurvedNormal {
         step: &mut [f64],
     ) -> bool {
         step.fill(0.0);
-        self.moving.clear();
-        self.moving.extend_from_slice(model.free);
+        model.free.clone_into(&mut self.moving);
         loop {
             let before = self.moving.len();
             if !self.solve(model, damping, step) {
@@ -91,8 +91,7 @@ impl CurvedNormal {
         let column = |j: usize| &entries[j * rows..(j + 1) * rows];
         let bend = |j: usize| &model.curvature[j * n..(j + 1) * n];
 
-        self.factor.clear();
-        self.factor.resize(order * order, 0.0);
+        refill(&mut self.factor, order * order, 0.0);
         let (moving, factor) = (&self.moving, &mut self.factor);
         self.products.fill(model.jacobian, moving, factor);
         for (a, &i) in self.moving.iter().enumerate() {
@@ -105,8 +104,7 @@ impl CurvedNormal {
             return false;
         }
 
-        self.stopped_effect.clear();
-        self.stopped_effect.resize(rows, 0.0);
+        refill(&mut self.stopped_effect, rows, 0.0);
         for (j, &moved) in stopped.iter().enumerate() {
             if moved != 0.0 {
                 add_scaled(&mut self.stopped_effect, moved, column(j));

@@ -71,8 +71,7 @@ impl DampedNormal {
             }
             self.gram_is_fresh = true;
         }
-        self.factor.clear();
-        self.factor.extend_from_slice(&self.gram);
+        self.gram.clone_into(&mut self.factor);
         for k in 0..order {
             self.factor[k * order + k] += damping;
         }

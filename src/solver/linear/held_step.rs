@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 
 use super::cholesky;
 use super::dense::{add_scaled, dot};
+use crate::buffer::refill;
 use crate::solver::ConfigurationSpace;
 
 /// What a variable that hardly any pull moves costs at least, as a share of the one that costs most.
@@ -90,8 +91,7 @@ impl HeldStep {
         let (rows, n) = jacobian.shape();
         let entries = jacobian.as_slice();
         let columns = || entries.chunks_exact(rows.max(1));
-        self.entries_of_row.clear();
-        self.entries_of_row.resize(rows, 0);
+        refill(&mut self.entries_of_row, rows, 0);
         for column in columns() {
             for (count, &entry) in self.entries_of_row.iter_mut().zip(column) {
                 *count += usize::from(entry != 0.0);
@@ -100,10 +100,8 @@ impl HeldStep {
         let counts = &self.entries_of_row;
         self.dense.clear();
         self.dense.extend((0..rows).filter(|&row| counts[row] > 1));
-        self.stiffness.clear();
-        self.stiffness.resize(n, 0.0);
-        self.slope.clear();
-        self.slope.resize(n, 0.0);
+        refill(&mut self.stiffness, n, 0.0);
+        refill(&mut self.slope, n, 0.0);
         let mut steepest = 0.0_f64;
         for ((column, stiffness), slope) in columns().zip(&mut self.stiffness).zip(&mut self.slope)
         {
@@ -139,8 +137,7 @@ impl HeldStep {
             self.columns
                 .extend(self.dense.iter().map(|&row| column[row]));
         }
-        self.bias.clear();
-        self.bias.resize(holds, 0.0);
+        refill(&mut self.bias, holds, 0.0);
         self.bias
             .extend(self.dense.iter().map(|&row| residual[row]));
         self.solve(holds, within, step);
@@ -154,10 +151,8 @@ impl HeldStep {
         within: &StepBounds<'_>,
         step: &mut [f64],
     ) {
-        self.columns.clear();
-        self.columns.extend_from_slice(held.as_slice());
-        self.bias.clear();
-        self.bias.extend_from_slice(miss);
+        held.as_slice().clone_into(&mut self.columns);
+        miss.clone_into(&mut self.bias);
         self.slope.fill(0.0);
         self.solve(held.nrows(), within, step);
     }
@@ -168,8 +163,7 @@ impl HeldStep {
     /// and hyperplanes").
     fn solve(&mut self, holds: usize, within: &StepBounds<'_>, step: &mut [f64]) {
         let order = self.bias.len();
-        self.unknown.clear();
-        self.unknown.resize(order, 0.0);
+        refill(&mut self.unknown, order, 0.0);
         self.take_moves(within, step);
         let mut height = self.height(holds, step);
         let strongest = (0..holds).map(|row| {
@@ -185,8 +179,7 @@ impl HeldStep {
                 return;
             }
             std::mem::swap(&mut self.standing, &mut self.last_standing);
-            self.start.clear();
-            self.start.extend_from_slice(&self.unknown);
+            self.unknown.clone_into(&mut self.start);
             let mut share = 1.0;
             let risen = loop {
                 self.unknown.copy_from_slice(&self.start);
@@ -228,8 +221,7 @@ impl HeldStep {
     /// D(w) for the moves that go with it; its slope is left here.
     fn height(&mut self, holds: usize, step: &[f64]) -> f64 {
         let order = self.bias.len();
-        self.slope_of_dual.clear();
-        self.slope_of_dual.extend_from_slice(&self.bias);
+        self.bias.clone_into(&mut self.slope_of_dual);
         let mut height = dot(&self.bias, &self.unknown);
         for ((column, &step), (slope, stiffness)) in
             (self.columns.chunks_exact(order.max(1)).zip(step))
@@ -249,8 +241,7 @@ impl HeldStep {
     /// Newton's step for the variables that move.
     fn take_newton(&mut self, holds: usize, weakest: f64, step: &[f64]) {
         let order = self.bias.len();
-        self.factor.clear();
-        self.factor.resize(order * order, 0.0);
+        refill(&mut self.factor, order * order, 0.0);
         for j in (0..step.len()).filter(|&j| self.standing[j]) {
             let column = &self.columns[j * order..(j + 1) * order];
             let give = 1.0 / self.stiffness[j];
@@ -267,8 +258,7 @@ impl HeldStep {
             self.factor[row * order + row] += if row < holds { weakest } else { 1.0 };
         }
         cholesky::factorise(&mut self.factor, order, &mut self.pivot_column);
-        self.newton.clear();
-        self.newton.extend_from_slice(&self.slope_of_dual);
+        self.slope_of_dual.clone_into(&mut self.newton);
         cholesky::substitute(&self.factor, order, &mut self.newton);
     }
 }

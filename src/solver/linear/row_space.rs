@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::cholesky;
 use super::dense::{add_scaled, dot};
 use super::householder::HouseholderQr;
+use crate::buffer::refill;
 
 /// Aᵀ P = Q [R; 0] with pivoting, so that the first columns of Q span A's rows and the others its null space
 /// (Golub & Van Loan 2013, section 5.4.7). Where rows depend on each other Rᵀ = Z U is taken too. Where they clearly do
@@ -120,8 +121,7 @@ impl RowSpace {
     /// A Aᵀ = L Lᵀ; whether the rows are clearly independent.
     fn take_gram(&mut self, entries: &[f64]) -> bool {
         let count = self.rows;
-        self.gram.clear();
-        self.gram.resize(count * count, 0.0);
+        refill(&mut self.gram, count * count, 0.0);
         self.spans.clear();
         // A limb's columns are in the rows of its own tip alone.
         for column in entries.chunks_exact(count) {
@@ -148,8 +148,7 @@ impl RowSpace {
             return false;
         }
         self.refinements = if least > WELL { 0 } else { 1 };
-        self.matrix.clear();
-        self.matrix.extend_from_slice(entries);
+        entries.clone_into(&mut self.matrix);
         true
     }
 
@@ -221,12 +220,10 @@ impl RowSpace {
             return self.solve_gram_transposed(g, lambda);
         }
         let rank = self.rank();
-        self.side.clear();
-        self.side.extend_from_slice(g);
+        g.clone_into(&mut self.side);
         self.q_r.apply_transpose(&mut self.side);
         let mut pivoted = std::mem::take(&mut self.left);
-        pivoted.clear();
-        pivoted.resize(self.rows, 0.0);
+        refill(&mut pivoted, self.rows, 0.0);
         if rank < self.rows {
             // Uᵀ w = (Qᵀ g)₁, λ = P Z [w; 0]
             for k in 0..rank {
@@ -260,8 +257,7 @@ impl RowSpace {
         let mut rest = std::mem::take(&mut self.rest);
         y.fill(0.0);
         for round in 0..=self.refinements {
-            rest.clear();
-            rest.extend_from_slice(b);
+            b.clone_into(&mut rest);
             if round > 0 {
                 for ((rows, column), y) in self.own_columns().zip(&*y) {
                     add_scaled(&mut rest[rows], -y, column);
@@ -280,8 +276,7 @@ impl RowSpace {
         let mut rest = std::mem::take(&mut self.rest);
         lambda.fill(0.0);
         for round in 0..=self.refinements {
-            rest.clear();
-            rest.resize(self.rows, 0.0);
+            refill(&mut rest, self.rows, 0.0);
             for ((rows, column), g) in self.own_columns().zip(g) {
                 let left = match round {
                     0 => *g,

@@ -97,8 +97,7 @@ impl TangentNewton {
     ) -> Option<f64> {
         let n = slope.len();
         let count = self.directions.len().checked_div(n).unwrap_or(0);
-        self.factor.clear();
-        self.factor.extend_from_slice(&self.hessian);
+        self.hessian.clone_into(&mut self.factor);
         for j in 0..count {
             self.factor[j * count + j] += damping;
         }
