@@ -60,24 +60,16 @@ impl AnimatedArmature {
 
     fn of_capture(file: String, capture: MotionCapture) -> Self {
         let turning = capture.turning_bones();
-        let MotionCapture {
-            armature,
-            clip,
-            frames,
-            frame_time,
-            channels,
-            notes,
-        } = capture;
         Self {
-            notes: notes.iter().map(ToString::to_string).collect(),
+            notes: capture.notes.iter().map(ToString::to_string).collect(),
             file,
             kind: "motion capture",
-            armature,
-            clips: vec![clip],
+            armature: capture.armature,
+            clips: vec![capture.clip],
             frames: Some(CapturedFrames {
-                count: frames,
-                time: frame_time,
-                channels,
+                count: capture.frames,
+                time: capture.frame_time,
+                channels: capture.channels,
             }),
             turning,
             scene: None,

@@ -160,12 +160,9 @@ impl<O: LeastSquares, M: Method> Solver<O, MethodState> for ExecutorMethod<M> {
         let stopping = self.stopping();
         let least_squares = inner(problem)?;
         let method = &self.method;
-        let Running {
-            progress,
-            state: at,
-            own,
-        } = self.search.running(least_squares, method)?;
-        self.ended = progress.step(least_squares, method, own, at, &stopping);
+        let at = self.search.running(least_squares, method)?;
+        let (own, state_there) = (&mut at.own, &mut at.state);
+        self.ended = (at.progress).step(least_squares, method, own, state_there, &stopping);
         self.look(problem, state)
     }
 

@@ -72,17 +72,11 @@ struct Passes<'a> {
 
 impl Sweep for Passes<'_> {
     fn sweep(&mut self, x: &mut [f64]) {
-        let Self {
-            linkage,
-            pins,
-            points,
-            fit,
-        } = self;
-        fit.points_at(x, points);
-        reach(linkage, points, pins);
+        self.fit.points_at(x, &mut self.points);
+        reach(&mut self.linkage, &mut self.points, &self.pins);
         // What a limit keeps one bone from, the bones beyond it make up for.
-        fit.follow(points, x, |points, fixed| {
-            linkage.pass_beyond(fixed, points, pins)
+        self.fit.follow(&mut self.points, x, |points, fixed| {
+            self.linkage.pass_beyond(fixed, points, &self.pins)
         });
     }
 }

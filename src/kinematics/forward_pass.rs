@@ -78,15 +78,12 @@ impl Tree {
             let own = [last - 2, last - 1, *last];
             self.place(placed..own[0], state);
             let before_motion = self.nodes[own[0]].before_motion(&state.origin_from_node);
-            let Placement {
-                rotation,
-                translation,
-            } = before_motion;
+            let rotation = before_motion.rotation;
             let x = own.map(|node| state.values[node]);
             state.origin_from_node[own[0]..*last].fill(before_motion);
             state.ball_axes[ball] = chart.axes(x).map(|axis| rotation * axis);
             let turned = rotation * chart.rotation(x).to_matrix();
-            state.origin_from_node[*last] = Placement::new(turned, translation);
+            state.origin_from_node[*last] = Placement::new(turned, before_motion.translation);
             placed = last + 1;
         }
         self.place(placed..self.nodes.len(), state);

@@ -239,11 +239,7 @@ impl ParameterScratch {
     }
 
     fn evaluate(&mut self, own: &dyn ErasedResidual) {
-        let DualScratch {
-            frames,
-            joints,
-            residual,
-        } = &mut self.dual;
-        own.evaluate_moved(frames, joints, &self.step, residual);
+        let dual = &mut self.dual;
+        own.evaluate_moved(&dual.frames, &dual.joints, &self.step, &mut dual.residual);
     }
 }

@@ -100,14 +100,8 @@ impl Scratch {
         &mut LocalJacobian,
         &mut DualScratch,
     ) {
-        let Self {
-            frames,
-            joints,
-            local,
-            local_dual,
-            ..
-        } = self;
-        (frames, joints, local, local_dual)
+        let (local, dual) = (&mut self.local, &mut self.local_dual);
+        (&self.frames, &self.joints, local, dual)
     }
 
     getters! {

@@ -24,17 +24,12 @@ impl Pulls<'_> {
     /// x, the strongest first. `slope` is room for as many numbers as there are variables.
     pub(crate) fn list(&self, x: &[f64], slope: &mut [f64], tasks: &mut Vec<usize>) {
         tasks.clear();
-        let Self {
-            question,
-            jacobian,
-            residual,
-            negligible,
-        } = *self;
+        let (question, residual) = (self.question, self.residual);
         let problem = question.problem;
         let rows = residual.len();
         // The slope by the j-th variable of half a task's squared residual.
         let slope_by = |j: usize, task: &Range<usize>| {
-            let column = &jacobian.as_slice()[j * rows..(j + 1) * rows];
+            let column = &self.jacobian.as_slice()[j * rows..(j + 1) * rows];
             let own = column[task.clone()].iter().zip(&residual[task.clone()]);
             own.map(|(j, r)| j * r).sum::<f64>()
         };
@@ -53,7 +48,7 @@ impl Pulls<'_> {
         }
         let steepest = slope.iter().fold(0.0, |most: f64, s| most.max(s.abs()));
         let all: f64 = slope.iter().map(|s| s * s).sum();
-        if steepest <= negligible || !all.is_finite() {
+        if steepest <= self.negligible || !all.is_finite() {
             return;
         }
         // How fast a preference's cost rises along minus the goals' slope.

@@ -133,28 +133,21 @@ impl Curvature {
     /// Notes a step that will be accepted, before x moves and J is evaluated anew. `linear` is the cost that
     /// JᵀJ foretold for it.
     pub(super) fn note(&mut self, at: &SolverState, linear: f64, new_cost: f64) {
-        let SolverState {
-            jacobian,
-            gradient,
-            step,
-            trial_residual: new_residual,
-            cost: old_cost,
-            ..
-        } = at;
-        let bent = linear + 0.5 * quadratic(&self.matrix, step);
+        let bent = linear + 0.5 * quadratic(&self.matrix, &at.step);
         self.in_use =
             !self.matrix.is_empty() && (bent - new_cost).abs() < (linear - new_cost).abs();
-        let slow = new_cost > SLOW * *old_cost;
+        let slow = new_cost > SLOW * at.cost;
         self.slow_steps = if slow { self.slow_steps + 1 } else { 0 };
         self.pending = self.slow_steps >= SLOW_STEPS || !self.matrix.is_empty();
         if !self.pending {
             return;
         }
-        self.step.copy_from_slice(step);
-        self.gradient_before.copy_from_slice(gradient);
-        let columns = jacobian.as_slice().chunks_exact(new_residual.len().max(1));
+        self.step.copy_from_slice(&at.step);
+        self.gradient_before.copy_from_slice(&at.gradient);
+        let rows = at.trial_residual.len().max(1);
+        let columns = at.jacobian.as_slice().chunks_exact(rows);
         for (entry, column) in self.crossed.iter_mut().zip(columns) {
-            *entry = dot(column, new_residual);
+            *entry = dot(column, &at.trial_residual);
         }
     }
 

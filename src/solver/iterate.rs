@@ -57,16 +57,12 @@ impl Iterate<'_> {
 
     /// ½‖r + J Δ‖²: what the linear model promises of the step. Overwrites the trial's residual.
     pub fn model_cost(&mut self) -> f64 {
-        let SolverState {
-            residual,
-            jacobian,
-            step,
-            trial_residual: predicted,
-            ..
-        } = &mut *self.state;
-        predicted.copy_from_slice(residual);
-        let columns = jacobian.as_slice().chunks_exact(residual.len().max(1));
-        for (&step, column) in step.iter().zip(columns) {
+        let at = &mut *self.state;
+        let predicted = &mut at.trial_residual;
+        predicted.copy_from_slice(&at.residual);
+        let columns = at.jacobian.as_slice();
+        let columns = columns.chunks_exact(at.residual.len().max(1));
+        for (&step, column) in at.step.iter().zip(columns) {
             if step != 0.0 {
                 add_scaled(predicted, step, column);
             }

@@ -199,27 +199,19 @@ impl LevenbergMarquardtState {
         let Some(curvature) = self.curvature.in_use() else {
             return false;
         };
-        let SolverState {
-            x,
-            gradient,
-            jacobian,
-            column_norm,
-            free,
-            step,
-            ..
-        } = &mut *iterate.state;
+        let at = &mut *iterate.state;
         let model = CurvedModel {
-            jacobian,
+            jacobian: &at.jacobian,
             curvature,
-            gradient,
-            free,
-            x,
+            gradient: &at.gradient,
+            free: &at.free,
+            x: &at.x,
             space: iterate.problem.space(),
         };
-        let least = LEAST_CONVEX_DAMPING * *column_norm * *column_norm;
+        let least = LEAST_CONVEX_DAMPING * at.column_norm * at.column_norm;
         let mut damping = self.damping;
         for _ in 0..MOST_CONVEX_TRIALS {
-            if self.buffers.curved.minimise(&model, damping, step) {
+            if self.buffers.curved.minimise(&model, damping, &mut at.step) {
                 self.damping = damping;
                 return true;
             }

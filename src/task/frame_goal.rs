@@ -3,7 +3,7 @@
 use std::any::Any;
 
 use super::{Orientation, Point, Pose};
-use crate::spatial::{Matrix3, Placement, Vector3};
+use crate::spatial::{Matrix3, Vector3};
 
 /// Where in the world a frame should be, exactly.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,14 +38,11 @@ impl FrameGoal {
         }
         let pose = residual.downcast_ref::<Pose>()?;
         let exact = pose.goal().is_none_or(|goal| goal.is_exact_in_position());
-        let Placement {
-            rotation: tool,
-            translation: offset,
-        } = pose.frame_from_tool();
+        let tool = pose.frame_from_tool();
         (pose.base().is_none() && exact).then(|| Self {
-            offset,
+            offset: tool.translation,
             place: Some(pose.target().translation),
-            axes: Some(pose.target().rotation * tool.transpose()),
+            axes: Some(pose.target().rotation * tool.rotation.transpose()),
             whole: pose.goal().is_none_or(|goal| goal.is_full_pose()),
         })
     }

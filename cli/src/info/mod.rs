@@ -42,10 +42,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
-    let Arguments {
-        model,
-        model_options,
-    } = arguments;
+    let (model, model_options) = (&arguments.model, &arguments.model_options);
     if AnimatedArmature::is_at(model) && !model_options.makes_figure() {
         model_options.refuse(&model.display().to_string())?;
         let animated = AnimatedArmature::read(model)?;

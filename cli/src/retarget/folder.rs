@@ -59,14 +59,9 @@ pub(super) fn run(arguments: &Arguments, into: &Path, json: bool) -> Outcome<()>
 }
 
 fn one(job: &Job<'_>, movement: Movement) -> Report {
-    let Movement {
-        source,
-        out,
-        done_before,
-    } = movement;
-    let solved = match done_before {
+    let solved = match movement.done_before {
         true => Ok(None),
-        false => job.run(&source, &out).map(Some),
+        false => job.run(&movement.source, &movement.out).map(Some),
     };
     let (clip, error) = match solved {
         Ok(clip) => (clip, None),
@@ -74,9 +69,9 @@ fn one(job: &Job<'_>, movement: Movement) -> Report {
         Err(_) => (None, Some("not done".to_owned())),
     };
     Report {
-        source,
+        source: movement.source,
         error,
-        done_before,
+        done_before: movement.done_before,
         clip,
     }
 }

@@ -201,14 +201,9 @@ impl Timelines {
     pub(super) fn by_track<V: Copy>(&self, values: &[V]) -> Vec<(Vec<f32>, Vec<V>)> {
         let timelines = self.timelines.iter();
         let tracks = timelines.flat_map(|timeline| {
-            let TimelineKey {
-                time,
-                values: first,
-                tracks,
-                ..
-            } = timeline.first;
-            let (first, tracks) = (first as usize, tracks as usize);
-            let times = &self.times[time as usize..time as usize + timeline.keys];
+            let key = timeline.first;
+            let [time, first, tracks] = [key.time, key.values, key.tracks].map(|at| at as usize);
+            let times = &self.times[time..time + timeline.keys];
             let own = &values[first..first + timeline.keys * tracks];
             (0..tracks).map(move |track| {
                 let keys = own.iter().skip(track).step_by(tracks).copied();
@@ -223,12 +218,8 @@ impl Timelines {
     pub(super) fn in_order<'a, V: Copy + 'a>(&self, keys: impl Fn(usize) -> &'a [V]) -> Vec<V> {
         let timelines = self.timelines.iter();
         let places = timelines.flat_map(|timeline| {
-            let TimelineKey {
-                first_track,
-                tracks,
-                ..
-            } = timeline.first;
-            let tracks = first_track..first_track + tracks;
+            let key = timeline.first;
+            let tracks = key.first_track..key.first_track + key.tracks;
             (0..timeline.keys).flat_map(move |key| tracks.clone().map(move |track| (track, key)))
         });
         places

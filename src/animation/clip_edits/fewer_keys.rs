@@ -42,22 +42,17 @@ impl Clip {
         armature: &Armature,
         tolerance: &KeyTolerance,
     ) -> Result<Self, SizeMismatch> {
-        let KeyTolerance {
-            translation,
-            rotation,
-            scale,
-        } = *tolerance;
         let apart = |a: Vec3A, b: Vec3A| (a - b).length();
         let axis_apart = |a: Vec3A, b: Vec3A| (a - b).abs().max_element();
         let channel_now = |channel| match channel {
             Channel::Translation(curve) => {
-                Channel::Translation(straight(curve, apart, translation))
+                Channel::Translation(straight(curve, apart, tolerance.translation))
             }
-            Channel::Scale(curve) => Channel::Scale(straight(curve, axis_apart, scale)),
-            Channel::Rotation(curve) => Channel::Rotation(turning(curve, rotation)),
+            Channel::Scale(curve) => Channel::Scale(straight(curve, axis_apart, tolerance.scale)),
+            Channel::Rotation(curve) => Channel::Rotation(turning(curve, tolerance.rotation)),
             Channel::Euler(_) => channel,
         };
-        let weight_now = |curve| straight(curve, |a: f32, b| (a - b).abs(), scale);
+        let weight_now = |curve| straight(curve, |a: f32, b| (a - b).abs(), tolerance.scale);
         self.rebuilt([armature; 2], channel_now, weight_now)
     }
 }

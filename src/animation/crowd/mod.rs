@@ -83,15 +83,9 @@ impl Crowd {
     /// # Errors
     /// A character was swapped with one of another crowd, whose armature has another size.
     pub fn advance(&mut self, seconds: f64) -> Result<(), SizeMismatch> {
-        let Self {
-            armature,
-            limbs,
-            characters,
-            other,
-        } = self;
-        characters
+        self.characters
             .iter_mut()
-            .try_for_each(|own| own.advance(armature, limbs, seconds, other))
+            .try_for_each(|own| own.advance(&self.armature, &self.limbs, seconds, &mut self.other))
     }
 
     /// As [`advance`](Self::advance), over the threads of the current rayon pool, with the same
@@ -102,13 +96,8 @@ impl Crowd {
     #[cfg(feature = "rayon")]
     pub fn advance_parallel(&mut self, seconds: f64) -> Result<(), SizeMismatch> {
         use rayon::prelude::*;
-        let Self {
-            armature,
-            limbs,
-            characters,
-            ..
-        } = self;
-        characters
+        let (armature, limbs) = (&self.armature, &self.limbs);
+        self.characters
             .par_iter_mut()
             .with_min_len(CHARACTERS_AT_A_TIME)
             .try_for_each_init(

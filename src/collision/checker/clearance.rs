@@ -126,19 +126,12 @@ impl NumericResidual for Distances {
                 let turning = jacobian.angular_mut(frame);
                 turning[row] += lever.cross(slope);
             };
-            let Separation {
-                on_first,
-                on_second,
-                normal,
-                ..
-            } = *separation;
             // What is too near is so by more as the first goes along the normal.
-            match pair {
-                Pair::Standing(part, _) => add(part, normal * lack, on_first),
-                Pair::Parts(first, second) => {
-                    add(first, normal * lack, on_first);
-                    add(second, -normal * lack, on_second);
-                }
+            let along = separation.normal * lack;
+            let (Pair::Standing(first, _) | Pair::Parts(first, _)) = pair;
+            add(first, along, separation.on_first);
+            if let Pair::Parts(_, second) = pair {
+                add(second, -along, separation.on_second);
             }
         });
         // d‖l‖ = Σ l dl / ‖l‖, and where nothing is too near 0.

@@ -25,14 +25,12 @@ impl Descent {
         descent.counts.residuals += 1;
         let worthwhile = self.held.worthwhile();
         let limit = steps.min(descent.stopping.max_iterations());
+        let end = |iterations, cut| Descended { iterations, cut };
         self.newton.has_stepped = false;
         let (mut iterations, mut bend, mut moved, mut last_falls) = (0, 1.0, 0.0, None);
         loop {
             if !cost.is_finite() {
-                return Descended {
-                    iterations,
-                    cut: Some(Termination::NonFinite),
-                };
+                return end(iterations, Some(Termination::NonFinite));
             }
             let seen = observer.observe(&Iteration {
                 index: iterations,
@@ -43,36 +41,21 @@ impl Descent {
                 x: &self.x,
             });
             if seen.is_break() {
-                return Descended {
-                    iterations,
-                    cut: Some(Termination::Cancelled),
-                };
+                return end(iterations, Some(Termination::Cancelled));
             }
             if descent.is_late() {
-                return Descended {
-                    iterations,
-                    cut: Some(Termination::TimeLimit),
-                };
+                return end(iterations, Some(Termination::TimeLimit));
             }
             if iterations >= limit {
-                return Descended {
-                    iterations,
-                    cut: Some(Termination::IterationLimit),
-                };
+                return end(iterations, Some(Termination::IterationLimit));
             }
             let Some(falls) = self.aim(descent) else {
-                return Descended {
-                    iterations,
-                    cut: None,
-                };
+                return end(iterations, None);
             };
             // What the step promises: its fall along what is held alone, without what rounding lets slip.
             let promised = falls.min(inner(&self.effects[0], &self.effects[0]));
             if promised <= 2.0 * worthwhile * cost {
-                return Descended {
-                    iterations,
-                    cut: None,
-                };
+                return end(iterations, None);
             }
             iterations += 1;
             let Way {
@@ -88,14 +71,7 @@ impl Descent {
                 let space = question.space();
                 space.integrate_share(&self.x, share, &self.direction, &mut self.trial);
                 space.project(&mut self.trial);
-                let Self {
-                    held,
-                    trial,
-                    step,
-                    fixed,
-                    ..
-                } = self;
-                let back = held.bring_back(descent, trial, step, fixed);
+                let back = self.bring_back(descent);
                 let now = match back {
                     true => self.cost_at_trial(descent),
                     false => f64::INFINITY,
@@ -117,10 +93,7 @@ impl Descent {
                     last_falls = None;
                     continue;
                 }
-                return Descended {
-                    iterations,
-                    cut: None,
-                };
+                return end(iterations, None);
             };
             // What was best before is done with.
             let way = &mut self.last_best;

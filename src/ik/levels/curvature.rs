@@ -79,17 +79,14 @@ impl Curvature {
         fixed: &[bool],
     ) {
         let n = x.len();
-        let Self {
-            rows, differences, ..
-        } = self;
         let of = Weighted {
             share: Share::rank(0),
             multipliers: &[],
             edges: &[],
             own: 0..0,
         };
-        differences.columns(descent, &of, x, fixed, |j, column| {
-            rows.as_mut_slice()[j * n..(j + 1) * n].copy_from_slice(column);
+        (self.differences).columns(descent, &of, x, fixed, |j, column| {
+            self.rows.as_mut_slice()[j * n..(j + 1) * n].copy_from_slice(column);
         });
     }
 
@@ -164,18 +161,11 @@ impl Curvature {
     ) {
         let (rows, n) = ((self.residual, self.first), trial.len());
         for missed in ranks.iter().filter(|held| !held.reached) {
-            let Self {
-                change,
-                differences,
-                multipliers,
-                above,
-                ..
-            } = self;
-            let of = lagrangian(descent, ranks, missed, multipliers, rows);
-            let slope = differences.slope(descent, &of, trial, fixed);
-            above[missed.rank].project_out(slope);
+            let of = lagrangian(descent, ranks, missed, &self.multipliers, rows);
+            let slope = self.differences.slope(descent, &of, trial, fixed);
+            self.above[missed.rank].project_out(slope);
             let first = rows.1 + missed.rank * n;
-            change[first..first + n].copy_from_slice(slope);
+            self.change[first..first + n].copy_from_slice(slope);
         }
     }
 
@@ -188,21 +178,12 @@ impl Curvature {
         fixed: &[bool],
     ) {
         let n = x.len();
-        let Self {
-            rows: to,
-            differences,
-            multipliers,
-            above,
-            residual,
-            first,
-            ..
-        } = self;
-        let (order, rows) = (to.nrows(), (*residual, *first));
-        let of = lagrangian(descent, ranks, missed, multipliers, rows);
-        differences.columns(descent, &of, x, fixed, |j, column| {
-            above[missed.rank].project_out(column);
+        let (order, rows) = (self.rows.nrows(), (self.residual, self.first));
+        let of = lagrangian(descent, ranks, missed, &self.multipliers, rows);
+        (self.differences).columns(descent, &of, x, fixed, |j, column| {
+            self.above[missed.rank].project_out(column);
             let first = j * order + rows.1 + missed.rank * n;
-            to.as_mut_slice()[first..first + n].copy_from_slice(column);
+            self.rows.as_mut_slice()[first..first + n].copy_from_slice(column);
         });
     }
 

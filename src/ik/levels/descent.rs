@@ -120,20 +120,18 @@ impl Descent {
             return;
         }
         self.trial.copy_from_slice(&self.x);
-        let Self {
-            held,
-            trial,
-            step,
-            fixed,
-            ..
-        } = self;
-        let here = held.keep(kept);
-        match held.bring_back(descent, trial, step, fixed) {
+        let here = self.held.keep(kept);
+        match self.bring_back(descent) {
             true => self.x.copy_from_slice(&self.trial),
             false => {
                 self.held.keep(&here);
             }
         }
+    }
+
+    /// Brings back at the trial what is held; whether it is.
+    pub(super) fn bring_back(&mut self, descent: &mut DescentProblem<'_, '_>) -> bool {
+        (self.held).bring_back(descent, &mut self.trial, &mut self.step, &self.fixed)
     }
 
     /// Whether its goals are reached by the last residual, where it has nothing else.

@@ -9,15 +9,14 @@ impl Descent {
     /// Takes what is held at x, then ∇L and what multiplies the gradients of all rows in it, by the rank's residual and
     /// Jacobian there.
     pub(super) fn take_lagrangian(&mut self, descent: &mut DescentProblem<'_, '_>) {
-        let Self {
-            newton,
-            held,
-            x,
-            fixed,
-            ..
-        } = self;
-        held.take_rows(descent, x, fixed, newton.has_stepped);
+        self.take_held(descent);
         self.take_multipliers(descent);
+    }
+
+    /// Takes what is held at x.
+    pub(super) fn take_held(&mut self, descent: &mut DescentProblem<'_, '_>) {
+        let stepped = self.newton.has_stepped;
+        self.held.take_rows(descent, &self.x, &self.fixed, stepped);
     }
 
     /// Takes ∇L anew for what is held and the variables that are pinned, without the edges that it pulls away from.

@@ -202,14 +202,7 @@ impl Descent {
             let rests = !newton.has_stepped || newton.resting[j];
             newton.pinned[j] = self.fixed[j] || (stands && rests);
         }
-        let Self {
-            held,
-            newton,
-            x,
-            fixed,
-            ..
-        } = self;
-        held.take_rows(descent, x, fixed, newton.has_stepped);
+        self.take_held(descent);
         loop {
             self.take_multipliers(descent);
             // What is pulled inward is let go.
@@ -231,12 +224,7 @@ impl Descent {
                 break;
             }
         }
-        let Self {
-            newton,
-            held,
-            pulls,
-            ..
-        } = self;
+        let (newton, held) = (&mut self.newton, &mut self.held);
         newton.left.clone_from(&newton.slope);
         release(&mut newton.left, &newton.pinned);
         newton.above.project_out(&mut newton.left);
@@ -247,6 +235,6 @@ impl Descent {
         }
         held.rooms.take_out(&newton.edges, &mut newton.slope);
         let left = dot(&newton.left, &newton.left).sqrt();
-        left <= LEVEL * (longest * dot(pulls, pulls)).sqrt()
+        left <= LEVEL * (longest * dot(&self.pulls, &self.pulls)).sqrt()
     }
 }

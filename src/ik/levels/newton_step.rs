@@ -86,24 +86,16 @@ impl Descent {
         let space = descent.question.space();
         space.integrate(&self.x, &self.best, &mut self.trial);
         space.project(&mut self.trial);
-        let Self {
-            held,
-            trial,
-            step,
-            fixed,
-            best,
-            newton,
-            ..
-        } = self;
         // What came to a bound stays there, if that can be.
-        for (j, stopped) in newton.stopped.iter_mut().enumerate() {
-            *stopped = fixed[j] || !space.is_between_bounds(trial, j);
+        for (j, stopped) in self.newton.stopped.iter_mut().enumerate() {
+            *stopped = self.fixed[j] || !space.is_between_bounds(&self.trial, j);
         }
-        let mut back = held.bring_back(descent, trial, step, &newton.stopped);
-        if !back && newton.stopped != *fixed {
-            space.integrate(&self.x, best, trial);
-            space.project(trial);
-            back = held.bring_back(descent, trial, step, fixed);
+        let stopped = &self.newton.stopped;
+        let mut back = (self.held).bring_back(descent, &mut self.trial, &mut self.step, stopped);
+        if !back && *stopped != self.fixed {
+            space.integrate(&self.x, &self.best, &mut self.trial);
+            space.project(&mut self.trial);
+            back = self.bring_back(descent);
         }
         if !back {
             return f64::INFINITY;

@@ -108,15 +108,10 @@ impl Parts {
         rates: &ParameterVector,
         v: &mut [f64],
     ) {
-        let Self {
-            place,
-            parameters,
-            rows,
-            ..
-        } = self;
-        refill(rows, place.r.len(), 0.0);
+        refill(&mut self.rows, self.place.r.len(), 0.0);
         let mut evaluation = Evaluation::of(Share::All, question, scratch);
-        evaluation.rows_by_parameters(&place.x, rates, model, parameters, rows);
+        let (x, parameters) = (&self.place.x, &mut self.parameters);
+        evaluation.rows_by_parameters(x, rates, model, parameters, &mut self.rows);
         self.follow(question, scratch, Some((model, rates)), v);
     }
 

@@ -59,23 +59,18 @@ impl System {
 impl Parts {
     /// How far Newton's step would still go, in radians or metres.
     pub(super) fn distance_left(&mut self) -> f64 {
-        let Self {
-            place,
-            system,
-            rates,
-            slope,
-            step,
-            ..
-        } = self;
+        let place = &self.place;
         if place.roles.pulled.is_empty() {
             return 0.0;
         }
-        refill(rates, place.x.len(), 0.0);
-        place.slope(rates);
-        place.directions.reduce(1, rates, slope);
-        refill(step, place.directions.len(), 0.0);
-        system.add_pull(slope, -1.0, step);
-        step.iter().fold(0.0, |most, step| step.abs().max(most))
+        refill(&mut self.rates, place.x.len(), 0.0);
+        place.slope(&mut self.rates);
+        (place.directions).reduce(1, &self.rates, &mut self.slope);
+        refill(&mut self.step, place.directions.len(), 0.0);
+        (self.system).add_pull(&self.slope, -1.0, &mut self.step);
+        self.step
+            .iter()
+            .fold(0.0, |most, step| step.abs().max(most))
     }
 
     /// What the directions are in which the reduced cost is flat.

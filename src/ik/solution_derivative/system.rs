@@ -104,14 +104,8 @@ impl System {
             self.side.push(-terms.map(|(j, c)| j * c).sum::<f64>());
         }
         refill(&mut self.multipliers, place.roles.held.len(), 0.0);
-        let Self {
-            held_space,
-            side,
-            multipliers,
-            ..
-        } = self;
-        held_space.solve_transposed(side, multipliers);
-        for (&row, &multiplier) in place.roles.held.iter().zip(&*multipliers) {
+        (self.held_space).solve_transposed(&self.side, &mut self.multipliers);
+        for (&row, &multiplier) in place.roles.held.iter().zip(&self.multipliers) {
             place.counts[row] = multiplier;
         }
     }

@@ -66,14 +66,10 @@ impl<'a> Evaluator<'a> {
     /// Jᵀr of a frame's tasks, by a step.
     fn frame_gradient(&mut self, frame: usize, x: &[f64], gradient: &mut [f64]) {
         self.counts.gradients += 1;
-        let Self {
-            residuals,
-            residual,
-            jacobian,
-            ..
-        } = self;
-        residuals.residual(frame, x, residual);
-        residuals.gradient(frame, x, residual, gradient, jacobian);
+        self.residuals.residual(frame, x, &mut self.residual);
+        let (residual, jacobian) = (&mut self.residual, &mut self.jacobian);
+        self.residuals
+            .gradient(frame, x, residual, gradient, jacobian);
         self.motion.space.by_steps(x, 1, gradient);
     }
 
@@ -182,16 +178,7 @@ impl<'a> Evaluator<'a> {
                 return Err(MotionError::NotFinite { frame });
             }
             match self.curved {
-                false => {
-                    let Self {
-                        products,
-                        jacobian,
-                        all,
-                        gram,
-                        ..
-                    } = self;
-                    products.fill(jacobian, all, gram);
-                }
+                false => (self.products).fill(&self.jacobian, &self.all, &mut self.gram),
                 true => {
                     own.clone_into(&mut slopes_of_frame);
                     self.frame_hessian(frame, x, &slopes_of_frame);

@@ -241,20 +241,14 @@ impl<'a> Window<'a, '_> {
 
     /// Solves for the step with a barrier of this μ; how steep the barrier problem falls along it.
     fn aim(&self, step: &mut Step, barrier: &Barrier<'_>, mu: f64) -> f64 {
-        let Step {
-            factor,
-            gradient,
-            way,
-            room,
-            ..
-        } = step;
-        for (way, slope) in way.iter_mut().zip(&*gradient) {
+        let way = &mut step.way;
+        for (way, slope) in way.iter_mut().zip(&step.gradient) {
             *way = -slope;
         }
         barrier.add_push(mu, way);
         self.keep_fixed(way);
         let downhill = way.clone();
-        factor.solve(way, room);
+        step.factor.solve(way, &mut step.room);
         self.keep_fixed(way);
         dot(&downhill, way)
     }

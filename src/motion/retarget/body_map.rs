@@ -205,20 +205,13 @@ impl BodyMap {
             let list = "a map is an object whose `drives` say what drives what, not a list";
             return Err(RetargetError::Map(list.to_owned()));
         }
-        let File {
-            joints,
-            fps,
-            up,
-            drives,
-            contacts,
-            ..
-        } = serde_json::from_str(text).map_err(wrong)?;
-        if drives.as_ref().is_some_and(BTreeMap::is_empty) {
+        let file: File = serde_json::from_str(text).map_err(wrong)?;
+        if file.drives.as_ref().is_some_and(BTreeMap::is_empty) {
             return Err(RetargetError::NoDrives {
                 model: robot.to_owned(),
             });
         }
-        let drives = drives.unwrap_or_default();
+        let drives = file.drives.unwrap_or_default();
         let of_robots = |value: &Value| value.is_object() && value.get("frame").is_none();
         let drives = match drives.values().any(of_robots) {
             false => drives,
@@ -234,10 +227,10 @@ impl BodyMap {
         });
         Ok(Self {
             drives: drives.collect::<Result<_, RetargetError>>()?,
-            joints,
-            frame_rate: fps,
-            up,
-            contacts,
+            joints: file.joints,
+            frame_rate: file.fps,
+            up: file.up,
+            contacts: file.contacts,
         })
     }
 

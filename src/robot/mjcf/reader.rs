@@ -100,27 +100,21 @@ fn robot(tree: &Tree) -> Result<Robot, RobotFileError> {
     let mut build = Build::new(root.text("model").unwrap_or(NAMELESS));
     build.add(&bodies)?;
     let mimics = build.couple(&equalities, &mut left_out)?;
-    let Build {
-        builder,
-        names,
-        drawn,
-        drives,
-    } = build;
-
     let unsound = |source| RobotFileError::Model {
         file: tree.file().to_owned(),
         source,
     };
-    let mut model = builder.build().map_err(unsound)?;
-    let loops = loops::read_all(&equalities, &bodies, &names, &model, &drawn, &mut left_out)?;
+    let mut model = build.builder.build().map_err(unsound)?;
+    let (names, drawn) = (&build.names, &build.drawn);
+    let loops = loops::read_all(&equalities, &bodies, names, &model, drawn, &mut left_out)?;
     if !loops.is_empty() {
         let mut builder = ModelBuilder::from_model(&model);
         loops.into_iter().for_each(|closed| builder.close(closed));
         model = builder.build().map_err(unsound)?;
     }
     let mut robot = Robot::new(model, mimics).map_err(unsound)?;
-    robot.passive = passive::joints(root, &names, &robot);
-    robot.drives = drives;
+    robot.passive = passive::joints(root, names, &robot);
+    robot.drives = build.drives;
     let (weights, notes) = weights::weigh(&bodies, &compiler);
     let bodies = bodies.into_iter().zip(weights);
     robot.links = bodies.map(|(body, weight)| link(body, weight)).collect();

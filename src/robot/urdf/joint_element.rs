@@ -172,11 +172,8 @@ fn drive(
         effort: stated(number(&limit, "effort")?),
         acceleration: None,
         soft_limits: lower.or(upper).map(|_| {
-            let Limits {
-                lower: low,
-                upper: high,
-            } = Limits::UNBOUNDED;
-            Limits::new(lower.unwrap_or(low), upper.unwrap_or(high))
+            let all = Limits::UNBOUNDED;
+            Limits::new(lower.unwrap_or(all.lower), upper.unwrap_or(all.upper))
         }),
     };
     Ok(match kind {

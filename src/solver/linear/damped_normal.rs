@@ -45,16 +45,9 @@ impl DampedNormal {
 
     /// Writes the damped step over the free variables where a search stands.
     pub(in crate::solver) fn step(&mut self, at: &mut SolverState, damping: f64) {
-        let SolverState {
-            residual,
-            jacobian,
-            free,
-            step,
-            ..
-        } = at;
-        step.fill(0.0);
-        self.factorise(jacobian, free, damping);
-        self.solve(jacobian, free, residual, step);
+        at.step.fill(0.0);
+        self.factorise(&at.jacobian, &at.free, damping);
+        self.solve(&at.jacobian, &at.free, &at.residual, &mut at.step);
     }
 
     /// Factorises the damped system over the free columns.
