@@ -110,10 +110,7 @@ fn a_file_of_points_is_a_curve_and_feet_stand_on_what_is_there() {
 fn a_rig_reaches_within_its_limits_and_is_written_as_one_file() {
     let folder = Folder::new("clip-ik-rig");
     let out = folder.file("humanoid.glb");
-    let rig = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../models/humanoid/humanoid.json"
-    );
+    let rig = &model("humanoid/humanoid.json");
     let document = answer!(
         "animate {rig} --fps=20 --reach left_hand=0.35,0.25,1.1 --span 1.2,2.6 --out {out}"
     );
@@ -127,10 +124,7 @@ fn a_rig_reaches_within_its_limits_and_is_written_as_one_file() {
 fn a_rig_s_own_keys_are_solved_for() {
     let folder = Folder::new("clip-ik-keys");
     let out = folder.file("changed.json");
-    let rig = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../models/humanoid/humanoid.json"
-    );
+    let rig = &model("humanoid/humanoid.json");
     let document = answer!(
         "animate {rig} --fps=30 --reach right_hand=0.3,-0.3,1.3 --span 0.9,2.2 --out {out}"
     );
@@ -155,10 +149,7 @@ fn a_rig_s_own_keys_are_solved_for() {
 #[test]
 fn a_rig_whose_up_is_z_stands_in_the_file() {
     let folder = Folder::new("clip-ik-up");
-    let rig = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../models/humanoid/humanoid.json"
-    );
+    let rig = &model("humanoid/humanoid.json");
     let head = |file: &str| {
         let scene = gltf::read(file).unwrap();
         let bone = scene.armature.bone("head").unwrap();

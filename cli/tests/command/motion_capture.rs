@@ -37,12 +37,8 @@ fn info_lists_bones_frames_and_channels() {
     let file = wave(&folder);
     let info = answer!("info {file}");
     has!(info, {"file": file, "kind": "motion capture", "size": 5.0});
-    assert_eq!(
-        info["clips"],
-        json!([{"name": "wave", "start": 0.0, "end": 0.5}])
-    );
-    let captured = json!({"frames": 3, "frame_time": 0.25, "channels": 6});
-    assert_eq!(info["captured"], captured);
+    has!(info, {"clips": [{"name": "wave", "start": 0.0, "end": 0.5}]});
+    has!(info, {"captured": {"frames": 3, "frame_time": 0.25, "channels": 6}});
     let arm = json!({
         "name": "Upper Arm",
         "parent": "Hips",

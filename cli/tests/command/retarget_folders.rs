@@ -55,10 +55,7 @@ fn a_folder_goes_on_where_it_was() {
         serde_json::from_slice(&run.stdout).unwrap()
     };
     let first = told("", 1);
-    assert_eq!(
-        (&first["done"], &first["done_before"], &first["failed"]),
-        (&3.into(), &0.into(), &2.into())
-    );
+    has!(first, {"done": 3, "done_before": 0, "failed": 2});
     let errors: Vec<&str> = list(&first["clips"])
         .iter()
         .filter_map(|clip| clip["error"].as_str())
@@ -78,20 +75,12 @@ fn a_folder_goes_on_where_it_was() {
     std::fs::write(format!("{from}/broken.bvh"), capture("Hips")).unwrap();
     std::fs::remove_file(format!("{from}/nobody.bvh")).unwrap();
     let second = told("", 0);
-    assert_eq!(
-        (&second["done"], &second["done_before"], &second["failed"]),
-        (&2.into(), &2.into(), &0.into())
-    );
+    has!(second, {"done": 2, "done_before": 2, "failed": 0});
     assert_eq!(std::fs::read(written("two.npz")).unwrap(), whole);
     assert!(!written(".part.two.npz").exists());
     assert_eq!(told("--again", 0)["done"], 4);
     // Another question.
-    let run = kinopt!("{asked} --whole");
-    let message = String::from_utf8(run.stderr).unwrap();
-    assert!(
-        run.status.code() == Some(1) && message.contains("another question"),
-        "{message}"
-    );
+    refused!("{asked} --whole" => 1, "another question");
 }
 
 /// What Python began, which asks the library, the command goes on with.
@@ -128,10 +117,7 @@ fn a_folder_is_gone_on_with_whoever_began_it() {
         "retarget {from} {file} --base-joint free --map {map} --up z --whole --contact-speed 0.2 --out {into}"
     );
     let told = answer!("{command}");
-    assert_eq!(
-        (&told["done"], &told["done_before"]),
-        (&1.into(), &1.into())
-    );
+    has!(told, {"done": 1, "done_before": 1});
     refused!("{command} --contact-height 0.1" => 1, "(contact_height): give another folder, or --again");
     // The map says something else now.
     std::fs::write(&map, text.replace("20", "25")).unwrap();
@@ -146,19 +132,12 @@ fn folders_that_cannot_be_done_are_refused() {
     let (from, into) = (folder.file("from"), folder.file("into"));
     std::fs::create_dir_all(&from).unwrap();
     let robot = model("aldebaran_nao.urdf");
-    let refused = |options: &str, words: &str| {
-        let run = kinopt!("retarget {from} {robot} --base-joint free --out {into} {options}");
-        let told = String::from_utf8(run.stderr).unwrap();
-        assert!(
-            run.status.code() != Some(0) && told.contains(words),
-            "{told}"
-        );
-    };
-    refused("", "there is no .npy");
+    let asked = format!("retarget {from} {robot} --base-joint free --out {into}");
+    refused!("{asked}" => 1, "there is no .npy");
     std::fs::write(format!("{from}/a.bvh"), capture("Hips")).unwrap();
     std::fs::write(format!("{from}/a.npy"), "").unwrap();
-    refused("", "would both be written");
-    refused("--format glb", "are of figures");
-    refused("--print-map", "of one movement");
+    refused!("{asked}" => 1, "would both be written");
+    refused!("{asked} --format glb" => 1, "are of figures");
+    refused!("{asked} --print-map" => 2, "of one movement");
     assert!(!Path::new(&into).exists());
 }

@@ -30,7 +30,7 @@ fn feet_stay_where_a_hand_is_out_of_reach() {
     assert_eq!(level(&answer, "target left_hand"), 2);
     assert!(miss(&answer, "target left_hand") > 0.5);
     let told = text!("solve {NAO} {FAR} --attempts 1");
-    assert!(told.contains("Level 2 gives way"), "{told}");
+    says!(told => "Level 2 gives way");
 
     let traded = answer!("solve {NAO} {FAR} --weight left_hand=100 --one-level --attempts 1");
     assert_eq!(level(&traded, "target left_hand"), 0);
