@@ -117,6 +117,11 @@ impl ReadError {
         Self::new(file, place, ReadProblem::Referenced(Box::new(error)))
     }
 
+    /// What is wrong with a file as a whole.
+    pub(crate) fn of_file(file: &str, problem: impl Into<String>) -> Self {
+        Self::malformed(file, Place::File, problem)
+    }
+
     pub(crate) fn malformed(file: &str, place: Place, problem: impl Into<String>) -> Self {
         Self::new(file, place, ReadProblem::Malformed(problem.into()))
     }

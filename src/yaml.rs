@@ -65,7 +65,7 @@ pub(crate) fn parse<'t>(text: &'t str, file: &str) -> Result<Node<'t>, ReadError
             None => return Ok(done),
         }
     }
-    Err(ReadError::malformed(file, Place::File, "holds no YAML"))
+    Err(ReadError::of_file(file, "holds no YAML"))
 }
 
 impl<'t> Open<'t> {

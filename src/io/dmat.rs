@@ -163,7 +163,7 @@ fn text_values(
     }
     if values.len() != count {
         let problem = format!("holds {} of the {count} values announced", values.len());
-        return Err(ReadError::malformed(name, Place::File, problem));
+        return Err(ReadError::of_file(name, problem));
     }
     Ok(DMatrix::from_vec(rows, columns, values))
 }
@@ -177,11 +177,8 @@ fn binary_values(
     let rest = bytes.get(body..).unwrap_or(&[]);
     let count = checked_count((columns, rows), 8, rest.len(), name)?;
     let fail = |value: usize, problem| {
-        Err(ReadError::malformed(
-            name,
-            Place::Byte(body + 8 * value),
-            problem,
-        ))
+        let place = Place::Byte(body + 8 * value);
+        Err(ReadError::malformed(name, place, problem))
     };
     let mut values = Vec::with_capacity(count);
     for (index, chunk) in rest.chunks_exact(8).take(count).enumerate() {

@@ -27,11 +27,8 @@ impl FrameRef<'_> {
             Self::Id(id) if id.index() < model.frames().len() => Ok(id),
             Self::Id(id) => {
                 let names = model.frames().iter().map(|frame| frame.name.as_str());
-                Err(UnknownName::new(
-                    "frame",
-                    &format!("#{}", id.index()),
-                    names,
-                ))
+                let id = format!("#{}", id.index());
+                Err(UnknownName::new("frame", &id, names))
             }
         }
     }
@@ -48,11 +45,8 @@ impl JointRef<'_> {
             Self::Id(id) if id.index() < model.joints().len() => Ok(id),
             Self::Id(id) => {
                 let names = model.joints().iter().map(|joint| joint.name.as_str());
-                Err(UnknownName::new(
-                    "joint",
-                    &format!("#{}", id.index()),
-                    names,
-                ))
+                let id = format!("#{}", id.index());
+                Err(UnknownName::new("joint", &id, names))
             }
         }
     }

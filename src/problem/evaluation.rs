@@ -280,12 +280,7 @@ impl<'a> Evaluation<'a> {
         first_row: usize,
         jacobian: &mut DMatrix<f64>,
     ) {
-        let Scratch {
-            state,
-            local,
-            wrenches,
-            ..
-        } = scratch;
+        let (local, wrenches) = (&scratch.local, &mut scratch.wrenches);
         let rows = jacobian.nrows();
         let entries = jacobian.as_mut_slice();
         for row in 0..local.rows() {
@@ -302,9 +297,9 @@ impl<'a> Evaluation<'a> {
                     force: part(local.linear(k)).unwrap_or(Vector3::zero()),
                     moment: part(local.angular(k)).unwrap_or(Vector3::zero()),
                 };
-                tree.push(state, frame, wrench, wrenches);
+                tree.push(&scratch.state, frame, wrench, wrenches);
             }
-            tree.sweep_by(state, wrenches, |variable, share| {
+            tree.sweep_by(&scratch.state, wrenches, |variable, share| {
                 entries[variable * rows + first_row + row] += share;
             });
         }
@@ -343,12 +338,8 @@ impl<'a> Evaluation<'a> {
         gradient: &mut [f64],
     ) {
         let (problem, tree) = (self.question.problem, self.question.tree());
-        let Scratch {
-            state,
-            local,
-            wrenches,
-            ..
-        } = &mut *self.scratch;
+        let scratch = &mut *self.scratch;
+        let local = &scratch.local;
         for (k, &frame) in task.frames.iter().enumerate() {
             let sum = |parts: &[Vector3<f64>]| {
                 let weighted = parts.iter().zip(r).map(|(&part, &value)| part * value);
@@ -358,7 +349,7 @@ impl<'a> Evaluation<'a> {
                 force: sum(local.linear(k)),
                 moment: sum(local.angular(k)),
             };
-            tree.push(state, frame, wrench, wrenches);
+            tree.push(&scratch.state, frame, wrench, &mut scratch.wrenches);
         }
         for (k, &coordinate) in task.coordinates.iter().enumerate() {
             for (variable, slope) in problem.map.slopes(coordinate, x) {
@@ -370,11 +361,8 @@ impl<'a> Evaluation<'a> {
 
     /// Adds to the gradient what has been pushed at the frames.
     pub(super) fn end_sweep(&mut self, gradient: &mut [f64]) {
-        let tree = self.question.tree();
-        let Scratch {
-            state, wrenches, ..
-        } = &mut *self.scratch;
-        tree.sweep(state, wrenches, gradient);
+        let (tree, scratch) = (self.question.tree(), &mut *self.scratch);
+        tree.sweep(&scratch.state, &mut scratch.wrenches, gradient);
     }
 }
 

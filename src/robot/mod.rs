@@ -229,6 +229,7 @@ impl Robot {
             ..self
         })
     }
+
     setters! {
         /// The same robot without the loops of its file, for one whose loops contradict each other or are not meant.
         pub fn without_loops(mut self) { self.model = self.model.without_loops() }

@@ -100,16 +100,11 @@ impl TaskReport<'_> {
         Some(rows.fold(first, |sum, r| elementary::hypot(sum, r.error)))
     }
 
-    /// The error in metres.
-    #[must_use]
-    pub fn position_error(&self) -> Option<f64> {
-        self.error(Quantity::Metres)
-    }
-
-    /// The error in radians.
-    #[must_use]
-    pub fn orientation_error(&self) -> Option<f64> {
-        self.error(Quantity::Radians)
+    getters! {
+        /// The error in metres.
+        pub fn position_error(&self) -> Option<f64> = self.error(Quantity::Metres);
+        /// The error in radians.
+        pub fn orientation_error(&self) -> Option<f64> = self.error(Quantity::Radians);
     }
 }
 

@@ -196,10 +196,7 @@ impl QueryBackend for ArmBackend<'_> {
         let Some(first) = queries.first() else {
             return Ok(Path::default());
         };
-        let ArmWorkspace {
-            mut q_arm,
-            mut solution,
-        } = ArmWorkspace::default();
+        let (mut q_arm, mut solution) = (Vec::new(), Solution::default());
         self.arm.joint_values(&first.start, &mut q_arm)?;
         let mut follower = self.arm.follower(&q_arm)?;
         let mut jumps = Vec::new();

@@ -54,7 +54,7 @@ impl MeshFile {
     /// # Errors
     /// As [`read`](Self::read).
     pub fn parse(bytes: &[u8], file: &str) -> Result<Self, ReadError> {
-        let malformed = |text: String| ReadError::malformed(file, Place::File, text);
+        let malformed = |text: String| ReadError::of_file(file, text);
         let end = file.rsplit('.').next().unwrap_or_default();
         let mesh = match end.to_ascii_lowercase().as_str() {
             "obj" => obj::parse(bytes, file)?,

@@ -26,9 +26,8 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
             u128::from(length - HEADER as u64),
             bytes.len() - HEADER,
         )),
-        None => Err(ReadError::malformed(
+        None => Err(ReadError::of_file(
             file,
-            Place::File,
             "is no STL: neither text that begins with `solid` nor a header of 84 bytes",
         )),
     }
@@ -90,11 +89,7 @@ fn ascii(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
         }
     }
     if !corners.is_empty() {
-        return Err(ReadError::malformed(
-            file,
-            Place::File,
-            "ends within a triangle",
-        ));
+        return Err(ReadError::of_file(file, "ends within a triangle"));
     }
     Ok(MeshFile {
         points: points.points,

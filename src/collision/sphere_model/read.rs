@@ -48,7 +48,7 @@ impl SphereModel {
             "urdf" => of_urdf(text, file)?,
             _ => {
                 let problem = "is of no format of spheres: its name must end in .yaml or .urdf";
-                return Err(ReadError::malformed(file, Place::File, problem));
+                return Err(ReadError::of_file(file, problem));
             }
         };
         let invalid = |error: Box<dyn std::error::Error + Send + Sync>| {
@@ -77,7 +77,7 @@ impl SphereModel {
         groups.sort_by_key(|group| group.link);
         if let Some(twice) = groups.windows(2).find(|two| two[0].link == two[1].link) {
             let problem = format!("has the link `{}` twice", twice[0].name);
-            return Err(ReadError::malformed(file, Place::File, problem));
+            return Err(ReadError::of_file(file, problem));
         }
         Ok(Self {
             pairs: pairs(model, &groups),
@@ -125,7 +125,7 @@ fn of_urdf(text: &str, file: &str) -> Result<NamedSpheres, ReadError> {
         for object in model.objects_of(link) {
             let ShapeKind::Sphere { radius } = *object.shape.kind() else {
                 let problem = format!("link `{name}` has a collision shape that is no sphere");
-                return Err(ReadError::malformed(file, Place::File, problem));
+                return Err(ReadError::of_file(file, problem));
             };
             let centre = object.link_from_shape.translation;
             spheres.push(Ball { centre, radius });

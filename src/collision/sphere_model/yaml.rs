@@ -45,7 +45,7 @@ pub(super) fn parse(text: &str, file: &str) -> Result<NamedSpheres, ReadError> {
     let fail = |node: &Node<'_>, problem: &str| {
         ReadError::malformed(file, Place::Line(node.line), problem)
     };
-    let missing = || ReadError::malformed(file, Place::File, "has no `collision_spheres`");
+    let missing = || ReadError::of_file(file, "has no `collision_spheres`");
     let found = find(&root).ok_or_else(missing)?;
     let Value::Map(links) = &found.value else {
         let problem = "`collision_spheres` is no map of links, but may name a file with one";

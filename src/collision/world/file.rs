@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::{World, json, moveit};
-use crate::file::{Place, ReadError, WriteError, read_bytes, write_bytes};
+use crate::file::{ReadError, WriteError, read_bytes, write_bytes};
 
 /// The longest file that is read.
 const LENGTH_LIMIT: u64 = 1 << 30;
@@ -43,9 +43,8 @@ impl World {
                 json::parse(&bytes, &name, Some(folder))
             }
             Some("yaml" | "yml") => moveit::parse(&bytes, &name),
-            _ => Err(ReadError::malformed(
+            _ => Err(ReadError::of_file(
                 &name,
-                Place::File,
                 "its name ends neither in .json nor in .yaml or .yml, so it is not known what it holds",
             )),
         }

@@ -2,7 +2,6 @@
 
 use super::descent::Descent;
 use super::descent_problem::DescentProblem;
-use super::newton::NewtonMemory;
 use super::slope_differences::Weighted;
 use crate::problem::Share;
 use crate::solver::{StepBounds, dot};
@@ -10,31 +9,22 @@ use crate::solver::{StepBounds, dot};
 impl Descent {
     /// ∇²L along what is free at x.
     pub(super) fn take_hessian(&mut self, descent: &mut DescentProblem<'_, '_>) {
-        let NewtonMemory {
-            weights,
-            edges,
-            differences,
-            above,
-            model,
-            pinned,
-            weighs_bounds,
-            ..
-        } = &mut self.newton;
+        let newton = &mut self.newton;
+        let rows = newton.weights.len();
         let of = Weighted {
             share: Share::above(self.rank + 1),
-            multipliers: weights,
-            edges,
-            own: weights.len() - self.pulls.len()..weights.len(),
+            multipliers: &newton.weights,
+            edges: &newton.edges,
+            own: rows - self.pulls.len()..rows,
         };
-        let kept = if *weighs_bounds {
-            &self.fixed
-        } else {
-            &*pinned
+        let kept = match newton.weighs_bounds {
+            true => &self.fixed,
+            false => &newton.pinned,
         };
-        above.complement(kept, &mut model.directions);
-        differences.stand(descent, &of, &self.x);
-        model.take(self.x.len(), |direction, image| {
-            differences.along(descent, &of, (&self.x, direction), image);
+        (newton.above).complement(kept, &mut newton.model.directions);
+        newton.differences.stand(descent, &of, &self.x);
+        newton.model.take(self.x.len(), |direction, image| {
+            (newton.differences).along(descent, &of, (&self.x, direction), image);
         });
     }
 
@@ -45,38 +35,29 @@ impl Descent {
         descent: &DescentProblem<'_, '_>,
         damping: f64,
     ) -> Option<f64> {
-        let NewtonMemory {
-            model,
-            slope,
-            resting,
-            has_stepped,
-            pinned,
-            weighs_bounds,
-            ..
-        } = &mut self.newton;
+        let newton = &mut self.newton;
+        let (pinned, keeps) = (&newton.pinned, !newton.weighs_bounds);
         let within = StepBounds {
             x: &self.x,
             space: descent.question.space(),
-            fixed: if *weighs_bounds { &self.fixed } else { pinned },
+            fixed: if keeps { pinned } else { &self.fixed },
         };
-        let (rooms, keeps) = (&mut self.held.rooms, !*weighs_bounds);
-        let inequalities = rooms.inequalities(keeps);
-        let whole = model.minimise(damping, slope, &within, inequalities, &mut self.best)?;
-        model.write_resting(resting);
-        for (resting, pinned) in resting.iter_mut().zip(pinned) {
+        let (slope, inequalities) = (&newton.slope, self.held.rooms.inequalities(keeps));
+        let whole =
+            (newton.model).minimise(damping, slope, &within, inequalities, &mut self.best)?;
+        newton.model.write_resting(&mut newton.resting);
+        for (resting, pinned) in newton.resting.iter_mut().zip(pinned) {
             *resting |= *pinned && keeps;
         }
-        *has_stepped = true;
+        newton.has_stepped = true;
         self.direction.copy_from_slice(&self.best);
         let share = self.longest_share(descent.question).min(1.0);
         for entry in &mut self.best {
             *entry *= share;
         }
-        let NewtonMemory { model, slope, .. } = &self.newton;
-        self.held
-            .rooms
-            .rest(model.resting_on(), keeps, share == 1.0);
-        let linear = -dot(slope, &self.direction);
+        let resting = self.newton.model.resting_on();
+        self.held.rooms.rest(resting, keeps, share == 1.0);
+        let linear = -dot(&self.newton.slope, &self.direction);
         let promise = share * (linear - share * (linear - whole));
         (promise > 0.0).then_some(promise)
     }

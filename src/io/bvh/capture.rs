@@ -12,7 +12,7 @@ use crate::animation::curve::KeyedCurve;
 use crate::animation::rotation::RotationCurve;
 use crate::animation::rotation::exponential::turn_about_exactly;
 use crate::animation::{Armature, ArmatureBone, Channel, ChannelError, Clip, LocalTransform};
-use crate::io::{Place, ReadError};
+use crate::io::ReadError;
 
 /// Puts the two parts of a file together.
 pub(super) fn capture(
@@ -29,8 +29,7 @@ pub(super) fn capture(
         },
     });
     let armature = Armature::new(bones.collect(), Vec::new());
-    let armature = armature
-        .map_err(|error| ReadError::malformed(lexer.file(), Place::File, error.to_string()))?;
+    let armature = armature.map_err(|error| ReadError::of_file(lexer.file(), error.to_string()))?;
     let clip = clip(lexer.file(), &armature, &joints, &motion);
     let clip = clip.map_err(|error| lexer.error(motion.frame_time_line, error.to_string()))?;
     Ok(MotionCapture {

@@ -49,9 +49,8 @@ pub(super) fn document(json: &[u8], name: &str) -> Result<(Root, Nodeless), Read
     let object = json.trim_ascii_start().starts_with(b"{");
     let heading: Result<Heading, _> = match object {
         true => parse(json, name),
-        false => Err(ReadError::malformed(
+        false => Err(ReadError::of_file(
             name,
-            Place::File,
             "it begins with no JSON object, as a .gltf does, nor with `glTF` and a chunk that does, as a .glb",
         )),
     };
@@ -69,11 +68,8 @@ fn check(asset: &Asset, required: &[String], name: &str) -> Result<(), ReadError
     let wrong_minor = asset.min_version.is_some() && needed != "2.0";
     if needed.split('.').next() != Some("2") || wrong_minor {
         let problem = format!("is glTF of version {needed}; version 2.0 is read");
-        return Err(ReadError::malformed(
-            name,
-            Place::Json("asset".into()),
-            problem,
-        ));
+        let place = Place::Json("asset".into());
+        return Err(ReadError::malformed(name, place, problem));
     }
     let harmless = |required: &str| HARMLESS.iter().any(|known| required.starts_with(known));
     for (index, required) in required.iter().enumerate() {

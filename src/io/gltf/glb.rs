@@ -39,6 +39,9 @@ pub(super) fn split<'a>(bytes: &'a [u8], name: &str) -> Result<Chunks<'a>, ReadE
         word.map(u32::from_le_bytes)
             .ok_or_else(|| fail(at, "the header is cut off".into()))
     };
+    let cut_off = |at: usize, what: &str, needed: usize, left: usize| {
+        ReadError::truncated(name, Place::Byte(at), what.into(), needed as u128, left)
+    };
     let version = word(4)?;
     if version != 2 {
         let problem = format!("is GLB of version {version}; version 2 is read");
@@ -46,15 +49,8 @@ pub(super) fn split<'a>(bytes: &'a [u8], name: &str) -> Result<Chunks<'a>, ReadE
     }
     let announced = word(8)? as usize;
     let Some(file) = bytes.get(..announced) else {
-        let what = "the contents of the GLB file".to_owned();
-        let left = bytes.len();
-        return Err(ReadError::truncated(
-            name,
-            Place::Byte(8),
-            what,
-            announced as u128,
-            left,
-        ));
+        let what = "the contents of the GLB file";
+        return Err(cut_off(8, what, announced, bytes.len()));
     };
     let (mut json, mut binary, mut others, mut at) = (None, None, Vec::new(), HEADER);
     // A tail too short for a header of a chunk is padding of a careless writer.
@@ -62,14 +58,7 @@ pub(super) fn split<'a>(bytes: &'a [u8], name: &str) -> Result<Chunks<'a>, ReadE
         let (length, kind) = (word(at)? as usize, word(at + 4)?);
         let (start, left) = (at + CHUNK_HEADER, file.len() - at - CHUNK_HEADER);
         let Some(chunk) = file.get(start..start.saturating_add(length)) else {
-            let (what, length) = ("a chunk".to_owned(), length as u128);
-            return Err(ReadError::truncated(
-                name,
-                Place::Byte(at),
-                what,
-                length,
-                left,
-            ));
+            return Err(cut_off(at, "a chunk", length, left));
         };
         match &kind.to_le_bytes() {
             b"JSON" if json.is_none() => json = Some(chunk),

@@ -6,7 +6,7 @@ use crate::io::{Place, ReadError};
 
 /// Checks that the elements and properties that a mesh needs are declared, each once.
 pub(super) fn check(header: &Header, text: &[u8], name: &str) -> Result<(), ReadError> {
-    let fail = |problem: String| Err(ReadError::malformed(name, Place::File, problem));
+    let fail = |problem: String| Err(ReadError::of_file(name, problem));
     // The parser keeps the last of two declarations of one name and would then misread the rest.
     let declared: usize = header
         .elements
@@ -77,7 +77,7 @@ pub(super) fn check_count(
         .sum();
     if entry == 0 && element.count > 0 {
         let problem = format!("the element `{}` has no properties", element.name);
-        return Err(ReadError::malformed(name, Place::File, problem));
+        return Err(ReadError::of_file(name, problem));
     }
     let needed = (element.count as u128).saturating_mul(entry);
     // The last ASCII line needs no line break.

@@ -212,11 +212,8 @@ impl Source<'_> {
             return Ok(());
         }
         let problem = format!("{} bytes are left after the last entry", rest.len());
-        Err(ReadError::malformed(
-            self.name,
-            Place::Byte(self.offset()),
-            problem,
-        ))
+        let place = Place::Byte(self.offset());
+        Err(ReadError::malformed(self.name, place, problem))
     }
 
     fn fail(&self, error: &ParseError) -> ReadError {

@@ -153,16 +153,8 @@ impl BodyMap {
         }
         if drives.len() < FEWEST {
             return Err(RetargetError::NothingInCommon {
-                capture: joints
-                    .keys()
-                    .map(|part| part.name())
-                    .collect::<Vec<_>>()
-                    .join(", "),
-                model: parts
-                    .keys()
-                    .map(|part| part.name())
-                    .collect::<Vec<_>>()
-                    .join(", "),
+                capture: named(joints.keys()),
+                model: named(parts.keys()),
             });
         }
         // As they are read from a file, so that what is written and read again answers the same.
@@ -239,14 +231,15 @@ pub(super) fn upward(above: Vector3<f64>) -> Option<UpAxis> {
 fn some_of<'a>(names: impl Iterator<Item = &'a str>) -> String {
     const LISTED: usize = 12;
     let all: Vec<&str> = names.collect();
-    let listed = all
-        .iter()
-        .take(LISTED)
-        .copied()
-        .collect::<Vec<_>>()
-        .join(", ");
+    let listed = all.get(..LISTED).unwrap_or(&all).join(", ");
     match all.len() > LISTED {
         true => format!("{listed} and {} more", all.len() - LISTED),
         false => listed,
     }
+}
+
+/// Names of parts, one after another.
+fn named<'p>(parts: impl Iterator<Item = &'p BodyPart>) -> String {
+    let names: Vec<&str> = parts.map(|part| part.name()).collect();
+    names.join(", ")
 }

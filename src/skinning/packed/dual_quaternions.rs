@@ -105,6 +105,7 @@ impl<'a> PackedDualQuaternionBlend<'a> {
             self.stretches.extend(stretches.map(avx2::columns));
         }
     }
+
     setters! {
         /// The same with the instructions that every processor of its kind has: what runs where AVX2 is
         /// missing, and the measure for the rest.

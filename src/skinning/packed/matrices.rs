@@ -55,6 +55,7 @@ impl<'a> PackedLinearBlend<'a> {
         }
         Ok(())
     }
+
     setters! {
         /// The same with the instructions that every processor of its kind has: what runs where AVX2 is
         /// missing, and the measure for the rest.

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use serde_json::value::RawValue;
 
 use self::json_edit::Members;
-use super::glb::{self, Chunks};
+use super::glb;
 use super::write::{UnwritableScene, WriteOptions, clip_document};
 use super::{LENGTH_LIMIT, Parsed, Scene, parse};
 use crate::animation::{Armature, Clip, LocalTransform, Pose};
@@ -81,18 +81,14 @@ impl SceneFile {
         open: impl FnMut(&str) -> Result<Vec<u8>, ReadError>,
     ) -> Result<Self, ReadError> {
         let Parsed { scene, bone_of } = parse(bytes, name, open)?;
-        let Chunks {
-            json,
-            binary,
-            others,
-        } = glb::split(bytes, name)?;
-        let document = parse_by(|json| serde_json::from_slice(json), json, name)?;
+        let chunks = glb::split(bytes, name)?;
+        let document = parse_by(|json| serde_json::from_slice(json), chunks.json, name)?;
         let own = |(kind, bytes): ([u8; 4], &[u8])| (kind, bytes.to_vec());
         let container = match glb::is_glb(bytes) {
             false => Container::Text,
             true => Container::Binary {
-                buffer: binary.unwrap_or(&[]).to_vec(),
-                others: others.into_iter().map(own).collect(),
+                buffer: chunks.binary.unwrap_or(&[]).to_vec(),
+                others: chunks.others.into_iter().map(own).collect(),
             },
         };
         Ok(Self {
