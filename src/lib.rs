@@ -71,6 +71,7 @@ pub mod animation;
 pub mod argmin_bridge;
 pub mod arm;
 mod bad_option;
+mod bisection;
 mod buffer;
 pub mod clock;
 #[cfg(feature = "collision")]

@@ -45,11 +45,7 @@ impl Coordinates {
                 } => {
                     let leader = joint_of(full.leaders()[variable]);
                     if let Some(variable) = serial.joints.iter().position(|id| *id == leader) {
-                        let source = Source::Variable {
-                            variable,
-                            ratio,
-                            offset,
-                        };
+                        let source = Source::of_variable(variable, ratio, offset);
                         entries.push((c, source, limits));
                     }
                 }

@@ -35,10 +35,15 @@ pub enum Source {
 impl Source {
     /// The variable itself.
     pub(crate) const fn copy_of(variable: usize) -> Self {
+        Self::of_variable(variable, 1.0, 0.0)
+    }
+
+    /// `ratio · x[variable] + offset`.
+    pub(crate) const fn of_variable(variable: usize, ratio: f64, offset: f64) -> Self {
         Self::Variable {
             variable,
-            ratio: 1.0,
-            offset: 0.0,
+            ratio,
+            offset,
         }
     }
 

@@ -73,12 +73,7 @@ impl<'m> ParameterMapBuilder<'m> {
             self.single(joint, "coupled"),
             self.single(master, "followed"),
         ) {
-            let role = Source::Variable {
-                variable: master,
-                ratio,
-                offset,
-            };
-            self.set(coordinate, role);
+            self.set(coordinate, Source::of_variable(master, ratio, offset));
         }
         self
     }
@@ -305,13 +300,7 @@ fn resolve(
     let (mut total, mut shift, mut at) = (1.0, 0.0, coordinate);
     for _ in 0..=roles.len() {
         match roles[at] {
-            None => {
-                return variable_of[at].map(|variable| Source::Variable {
-                    variable,
-                    ratio: total,
-                    offset: shift,
-                });
-            }
+            None => return variable_of[at].map(|x| Source::of_variable(x, total, shift)),
             Some(Source::Rotation { .. }) => return None,
             Some(Source::Constant(value)) => return Some(Source::Constant(total * value + shift)),
             Some(Source::Variable {

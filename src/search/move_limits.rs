@@ -2,7 +2,6 @@
 
 use super::{SolveError, check_start};
 use crate::bad_option::{AT_LEAST_0, BadOption};
-use crate::model::Source;
 use crate::problem::{Problem, Question};
 use crate::solver::TurnLimit;
 
@@ -84,9 +83,7 @@ impl MoveLimits {
         let map = problem.parameters();
         let mut by_variable = vec![f64::INFINITY; problem.variables()];
         for (source, &most) in map.sources().iter().zip(most) {
-            if let Source::Variable {
-                variable, ratio, ..
-            } = *source
+            if let Some((variable, ratio)) = source.slope()
                 && ratio != 0.0
             {
                 by_variable[variable] = by_variable[variable].min(most / ratio.abs());

@@ -154,7 +154,7 @@ fn an_array_of_a_known_skeleton_needs_its_name_alone() {
     assert_eq!(told["frames"], 2);
     let asked = format!("retarget {source} {rig} --fps 30 --out {out}x.npz");
     refused!("{asked} --map lafan1" => 1, "no array of the skeleton lafan1");
-    refused!("{asked} --map smpk" => 1, "did you mean `smpl`");
+    refused!("{asked} --map smpk" => 2, "did you mean `smpl`");
     refused!("{asked}" => 1, "what its 24 joints are called");
     assert!(!std::path::Path::new(&format!("{out}x.npz")).exists());
 }

@@ -137,7 +137,7 @@ fn folders_that_cannot_be_done_are_refused() {
     std::fs::write(format!("{from}/a.bvh"), capture("Hips")).unwrap();
     std::fs::write(format!("{from}/a.npy"), "").unwrap();
     refused!("{asked}" => 1, "would both be written");
-    refused!("{asked} --format glb" => 1, "are of figures");
+    refused!("{asked} --format glb" => 2, "are of figures");
     refused!("{asked} --print-map" => 2, "of one movement");
     assert!(!Path::new(&into).exists());
 }

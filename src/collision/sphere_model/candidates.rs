@@ -2,13 +2,14 @@
 
 use super::cells::Cell;
 use super::solid::Solid;
+use crate::bisection::bisect;
 use crate::collision::Ball;
 use crate::spatial::Vector3;
 
 /// So many spheres are tried for a link.
 const TRIED: usize = 400;
 /// Halvings on the way to the largest ball that touches the surface at a point.
-const HALVINGS: u32 = 24;
+const HALVINGS: usize = 24;
 
 /// Balls that stick out no further than `overhang`: about the middles of the largest balls that touch the surface
 /// from within (points of the medial axis), and about other places within.
@@ -55,13 +56,5 @@ fn medial(solid: &Solid<'_>, cell: &Cell, largest: f64) -> Option<Vector3<f64>> 
     let inward = way * length.recip();
     let at = |t: f64| foot + inward * t;
     let touches = |t: f64| -solid.signed_distance(at(t)) >= t * (1.0 - 1e-3);
-    let (mut low, mut high) = (0.0, largest);
-    for _ in 0..HALVINGS {
-        let middle = (low + high) / 2.0;
-        match touches(middle) {
-            true => low = middle,
-            false => high = middle,
-        }
-    }
-    Some(at(low))
+    Some(at(bisect(0.0, largest, HALVINGS, touches)))
 }

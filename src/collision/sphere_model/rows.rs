@@ -1,5 +1,6 @@
 //! Rows of spheres along capsules, in closed form.
 
+use crate::bisection::bisect;
 use crate::collision::Ball;
 use crate::spatial::{Placement, Vector3};
 
@@ -85,16 +86,8 @@ fn evened(radius: f64, length: f64, between: f64) -> (f64, f64) {
         let half = (length - 2.0 * inset) / between / 2.0;
         (half * half + radius * radius).sqrt()
     };
-    let (mut low, mut high) = (0.0, length / 2.0);
-    for _ in 0..60 {
-        let middle = (low + high) / 2.0;
-        match side(middle) > radius + middle {
-            true => low = middle,
-            false => high = middle,
-        }
-    }
-    (
-        high,
-        side(high).max(radius + high) * (1.0 + 4.0 * f64::EPSILON),
-    )
+    let poles = |inset: f64| radius + inset;
+    let inset = bisect(length / 2.0, 0.0, 60, |inset| side(inset) <= poles(inset));
+    let needed = side(inset).max(poles(inset));
+    (inset, needed * (1.0 + 4.0 * f64::EPSILON))
 }

@@ -1,6 +1,7 @@
 //! How high obstacles stand over a place.
 
 use super::{Obstacle, World};
+use crate::bisection::bisect;
 use crate::collision::distance::separation_within;
 use crate::collision::shape::{Shape, ShapeKind};
 use crate::spatial::{Matrix3, Placement, Vector3};
@@ -43,19 +44,12 @@ impl World {
                 separation_within(&line, &place, shape, stands, 0.0).is_some()
             })
         };
-        let (mut bottom, above) = (lowest - range, highest + range);
+        let (bottom, above) = (lowest - range, highest + range);
         if is_free(bottom, above) || !is_free(highest + 0.5 * range, above) {
             return None;
         }
-        let mut free = highest + 0.5 * range;
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (bottom + free);
-            match is_free(middle, above) {
-                true => free = middle,
-                false => bottom = middle,
-            }
-        }
-        Some(free)
+        let free = highest + 0.5 * range;
+        Some(bisect(free, bottom, HALVINGS, |from| is_free(from, above)))
     }
 }
 

@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use super::bounds::{FrameBounds, Frames, TooFar};
 use super::length_limits::LengthLimit;
 use super::space::{is_bounded, rotation};
+use crate::bisection::bisect;
 use crate::model::BallVariables;
 use crate::spatial::{Quaternion, Vector3};
 
@@ -66,16 +67,10 @@ impl<'a> Together<'a> {
             }
             let from = self.variables.map(|variable| x[variable]);
             let to = self.inside(limit);
-            let (mut within, mut beyond) = (1.0, 0.0);
-            for _ in 0..HALVINGS {
-                let middle = 0.5 * (within + beyond);
-                self.put(x, from, to, middle);
-                *(if is_inside(x) {
-                    &mut within
-                } else {
-                    &mut beyond
-                }) = middle;
-            }
+            let within = bisect(1.0, 0.0, HALVINGS, |share| {
+                self.put(x, from, to, share);
+                is_inside(x)
+            });
             self.put(x, from, to, within);
         }
     }
@@ -185,16 +180,10 @@ impl<'a> Together<'a> {
         if self.moved(from, to) <= most {
             return self.variables.map(|variable| to[variable]);
         }
-        let (mut within, mut beyond) = (0.0, 1.0);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (within + beyond);
-            self.write(&mut at, self.between(from, to, middle));
-            *(if self.moved(from, &at) <= most {
-                &mut within
-            } else {
-                &mut beyond
-            }) = middle;
-        }
+        let within = bisect(0.0, 1.0, HALVINGS, |share| {
+            self.write(&mut at, self.between(from, to, share));
+            self.moved(from, &at) <= most
+        });
         self.between(from, to, within)
     }
 

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use crate::bisection::bisect;
 use crate::model::RotationChart;
 use crate::spatial::{Quaternion, Vector3};
 
@@ -156,14 +157,8 @@ impl TurnLimit {
             to[2] -= TAU * ((to[2] - self.inside[2]) / TAU).round();
         }
         let at = |share: f64| [0, 1, 2].map(|k| self.inside[k] + share * (to[k] - self.inside[k]));
-        let (mut within, mut beyond) = (0.0, 1.0);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (within + beyond);
-            match self.angle(at(middle)) <= most && keeps_others(at(middle)) {
-                true => within = middle,
-                false => beyond = middle,
-            }
-        }
-        at(within)
+        at(bisect(0.0, 1.0, HALVINGS, |share| {
+            self.angle(at(share)) <= most && keeps_others(at(share))
+        }))
     }
 }

@@ -5,7 +5,6 @@ use nalgebra::{DMatrix, DVector};
 use super::basis::KeyAngle;
 use super::interior::Cost;
 use crate::animation::{EulerClip, Playback};
-use crate::model::Source;
 use crate::motion::clip_ik::{ClipIkError, Reach};
 use crate::problem::{Evaluation, Problem, Scratch, Targets, TaskId};
 use crate::skeleton::Skeleton;
@@ -70,12 +69,8 @@ impl KeyCost {
             }
             let gains = keys.iter().enumerate().filter_map(|(k, key)| {
                 let gain = key.gain(time);
-                match map.sources()[key.coordinate] {
-                    Source::Variable {
-                        variable, ratio, ..
-                    } if gain != 0.0 => Some((variable, k, gain / ratio)),
-                    _ => None,
-                }
+                let (variable, ratio) = map.sources()[key.coordinate].slope()?;
+                (gain != 0.0).then(|| (variable, k, gain / ratio))
             });
             let gains = gains.collect();
             moments.push(Moment {
