@@ -6,7 +6,6 @@
 use super::knots::{NEAR, between};
 use super::layers::{Growth, Layer};
 use crate::arm::{Ends, QueryError};
-use crate::buffer::refill;
 use crate::spatial::Placement;
 
 /// The share of the last motion that a step begins with.
@@ -105,18 +104,21 @@ impl Carrier {
         let arm = growth.arms.of(knots.tool(ends[1]));
         self.stand.clear();
         self.stand.extend(from.iter().map(|q| f64::from(*q)));
-        refill(&mut self.came, from.len() / n, None);
+        self.came.clear();
+        self.came.resize(from.len() / n, None);
         if from.is_empty() {
             return Ok(());
         }
         growth.bounds.write(knots, low, high, &mut self.limits);
-        self.stand.clone_into(&mut self.starts);
+        self.starts.clear();
+        self.starts.extend_from_slice(&self.stand);
         let starts = self.starts[moving.start * n..].iter_mut();
         for (q, by) in starts.zip(&self.motions) {
             *q += MOMENTUM * by;
         }
         let target = knots.targets[ends[1]];
-        refill(&mut self.targets, self.came.len(), target);
+        self.targets.clear();
+        self.targets.resize(self.came.len(), target);
         arm.continue_all(&self.targets, &self.starts, &mut self.ends)?;
         self.take_near(n, false);
         self.failed.clear();
@@ -205,7 +207,8 @@ impl Carrier {
                 true => to,
                 false => between(&from, &to, share),
             };
-            refill(&mut self.targets, self.failed.len(), target);
+            self.targets.clear();
+            self.targets.resize(self.failed.len(), target);
             arm.continue_all(&self.targets, &self.starts, &mut self.again)?;
             // Those that reach with no long move go on.
             let (mut left, mut place) = (Vec::new(), 0);

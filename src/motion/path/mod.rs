@@ -5,6 +5,7 @@
 //! far the tool strays from the path between two points (a bound, not a sample), and which points are missed.
 //!
 //! ```
+//! # #[cfg(feature = "urdf")] {
 //! use kinopt::Arm;
 //! use kinopt::motion::path::{CartesianPath, PathSolver};
 //! use kinopt::robot::Robot;
@@ -21,6 +22,7 @@
 //! let solution = PathSolver::new(&arm).solve(&path)?;
 //! assert!(solution.reconfigurations.is_empty() && solution.missed.is_empty());
 //! assert!(solution.largest_deviation.metres < 1e-4);
+//! # }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
