@@ -2,7 +2,7 @@
 
 use super::defaults::Defaults;
 use super::tree::Tag;
-use crate::robot::xml::{Fault, RobotFileError, exactly};
+use crate::robot::xml::{Fault, Read, RobotFileError, exactly};
 
 /// An element's own attributes, then those of its class, then of the classes around that.
 #[derive(Clone, Debug)]
@@ -20,11 +20,7 @@ impl<'a> Attributes<'a> {
     }
 
     /// Those of an element of its class, or else of the class that the bodies around it say.
-    pub(super) fn of(
-        tag: Tag<'a>,
-        defaults: &Defaults<'a>,
-        around: Option<&str>,
-    ) -> Result<Self, RobotFileError> {
+    pub(super) fn of(tag: Tag<'a>, defaults: &Defaults<'a>, around: Option<&str>) -> Read<Self> {
         Self::named(tag, tag.name(), defaults, around)
     }
 
@@ -34,7 +30,7 @@ impl<'a> Attributes<'a> {
         name: &str,
         defaults: &Defaults<'a>,
         around: Option<&str>,
-    ) -> Result<Self, RobotFileError> {
+    ) -> Read<Self> {
         let class = defaults.class(tag, tag.text("class").or(around))?;
         let mut layers = vec![tag];
         defaults.add_layers(class, name, &mut layers);
@@ -54,7 +50,7 @@ impl<'a> Attributes<'a> {
     pub(super) fn numbers<const N: usize>(
         &self,
         attribute: &'static str,
-    ) -> Result<Option<[f64; N]>, RobotFileError> {
+    ) -> Read<Option<[f64; N]>> {
         let Some(text) = self.text(attribute) else {
             return Ok(None);
         };
@@ -66,7 +62,7 @@ impl<'a> Attributes<'a> {
     pub(super) fn up_to<const N: usize>(
         &self,
         attribute: &'static str,
-    ) -> Result<Option<([f64; N], usize)>, RobotFileError> {
+    ) -> Read<Option<([f64; N], usize)>> {
         let Some(text) = self.text(attribute) else {
             return Ok(None);
         };
@@ -83,7 +79,7 @@ impl<'a> Attributes<'a> {
     }
 
     /// As [`numbers`](Self::numbers), of one.
-    pub(super) fn number(&self, attribute: &'static str) -> Result<Option<f64>, RobotFileError> {
+    pub(super) fn number(&self, attribute: &'static str) -> Read<Option<f64>> {
         Ok(self.numbers(attribute)?.map(|[value]| value))
     }
 
@@ -92,7 +88,7 @@ impl<'a> Attributes<'a> {
         &self,
         attribute: &'static str,
         words: &'static [&'static str],
-    ) -> Result<Option<usize>, RobotFileError> {
+    ) -> Read<Option<usize>> {
         let Some(text) = self.text(attribute) else {
             return Ok(None);
         };
@@ -108,7 +104,7 @@ impl<'a> Attributes<'a> {
     }
 
     /// "true" or "false".
-    pub(super) fn flag(&self, attribute: &'static str) -> Result<Option<bool>, RobotFileError> {
+    pub(super) fn flag(&self, attribute: &'static str) -> Read<Option<bool>> {
         let word = self.word(attribute, &["false", "true"])?;
         Ok(word.map(|word| word == 1))
     }

@@ -13,7 +13,7 @@ use super::orientation::placement;
 use super::segment;
 use super::tree::Tag;
 use crate::robot::Inertial;
-use crate::robot::xml::{Fault, RobotFileError};
+use crate::robot::xml::{Fault, Read, RobotFileError};
 use crate::spatial::Placement;
 
 /// What makes bodies or joints and is not read.
@@ -53,7 +53,7 @@ type Waiting<'a> = (Tag<'a>, Placement<f64>, Option<&'a str>);
 
 impl<'a> BodyReader<'_, 'a> {
     /// All bodies, the world first, parents before children, in MuJoCo's order.
-    pub(super) fn read(&mut self, root: Tag<'a>) -> Result<Vec<Body<'a>>, RobotFileError> {
+    pub(super) fn read(&mut self, root: Tag<'a>) -> Read<Vec<Body<'a>>> {
         let mut worlds: Vec<Waiting<'a>> = Vec::new();
         for world in root.children_named("worldbody") {
             worlds.push((world, Placement::identity(), world.text("childclass")));
@@ -91,7 +91,7 @@ impl<'a> BodyReader<'_, 'a> {
         body: &mut Body<'a>,
         mut contents: Vec<Waiting<'a>>,
         children: &mut Vec<(Waiting<'a>, Placement<f64>)>,
-    ) -> Result<(), RobotFileError> {
+    ) -> Read<()> {
         contents.reverse();
         let mut waiting: Vec<(Tag<'a>, Placement<f64>, Option<&'a str>)> = Vec::new();
         while let Some((holder, body_from_holder, class)) = contents.pop() {
@@ -114,7 +114,7 @@ impl<'a> BodyReader<'_, 'a> {
         (child, at, class): Waiting<'a>,
         waiting: &mut Vec<Waiting<'a>>,
         children: &mut Vec<(Waiting<'a>, Placement<f64>)>,
-    ) -> Result<(), RobotFileError> {
+    ) -> Read<()> {
         match child.name() {
             "body" => {
                 let own = at * placement(&Attributes::own(child), self.compiler)?;
@@ -165,7 +165,7 @@ impl<'a> BodyReader<'_, 'a> {
     }
 }
 
-fn check_free(body: &Body<'_>) -> Result<(), RobotFileError> {
+fn check_free(body: &Body<'_>) -> Read<()> {
     let free = body.joints.iter().find(|joint| joint.kind == Kind::Free);
     match free {
         Some(joint) if body.joints.len() > 1 || body.parent != Some(0) => {

@@ -9,7 +9,7 @@ use super::joint::{JointElement, Kind};
 use super::names::{self, FreshNames, Names, WORLD};
 use super::orientation::direction;
 use crate::model::{BallLimits, FrameId, JointId, Limits, Model, ModelBuilder};
-use crate::robot::xml::{Fault, RobotFileError, clean_sin_cos};
+use crate::robot::xml::{Fault, Read, RobotFileError, clean_sin_cos};
 use crate::robot::{Drive, Mimic};
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
 
@@ -36,7 +36,7 @@ impl<'a> Build<'a> {
     }
 
     /// Adds bodies, their joints and sites: the frames of bodies first, as links are counted by them.
-    pub(super) fn add(&mut self, bodies: &[Body<'a>]) -> Result<(), RobotFileError> {
+    pub(super) fn add(&mut self, bodies: &[Body<'a>]) -> Read<()> {
         let [mut joint_names, mut frame_names] = names::given(bodies)?;
         let mut stands: Vec<Stand> = Vec::with_capacity(bodies.len());
         let mut called: Vec<String> = Vec::with_capacity(bodies.len());
@@ -145,7 +145,7 @@ impl<'a> Build<'a> {
         &mut self,
         equalities: &[Attributes<'_>],
         left_out: &mut Vec<RobotFileError>,
-    ) -> Result<Vec<Mimic>, RobotFileError> {
+    ) -> Read<Vec<Mimic>> {
         let mut mimics = Vec::new();
         for equality in equalities {
             match equality.tag.name() {

@@ -2,7 +2,7 @@
 
 use super::attributes::Attributes;
 use super::tree::Tag;
-use crate::robot::xml::{Fault, RobotFileError};
+use crate::robot::xml::{Fault, Read};
 
 /// What the `<compiler>` elements say, the later the stronger, for the whole document.
 #[derive(Clone, Debug)]
@@ -25,7 +25,7 @@ pub(super) struct Compiler {
 }
 
 impl Compiler {
-    pub(super) fn read(root: Tag<'_>) -> Result<Self, RobotFileError> {
+    pub(super) fn read(root: Tag<'_>) -> Read<Self> {
         let mut own = Self {
             angle: std::f64::consts::PI / 180.0,
             euler: [(0, false), (1, false), (2, false)],
@@ -42,7 +42,7 @@ impl Compiler {
         Ok(own)
     }
 
-    fn take(&mut self, compiler: &Attributes<'_>) -> Result<(), RobotFileError> {
+    fn take(&mut self, compiler: &Attributes<'_>) -> Read<()> {
         match compiler.word("angle", &["radian", "degree"])? {
             Some(0) => self.angle = 1.0,
             Some(_) => self.angle = std::f64::consts::PI / 180.0,
@@ -57,7 +57,7 @@ impl Compiler {
                 })
             })?;
         }
-        let flag = |attribute, own: &mut bool| -> Result<(), RobotFileError> {
+        let flag = |attribute, own: &mut bool| -> Read<()> {
             *own = compiler.flag(attribute)?.unwrap_or(*own);
             Ok(())
         };

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::tree::Tag;
 use crate::model::UnknownName;
-use crate::robot::xml::{Fault, RobotFileError};
+use crate::robot::xml::{Fault, Read};
 
 /// What the outermost class is called unless it says otherwise.
 const MAIN: &str = "main";
@@ -24,7 +24,7 @@ struct Class<'a> {
 }
 
 impl<'a> Defaults<'a> {
-    pub(super) fn read(root: Tag<'a>) -> Result<Self, RobotFileError> {
+    pub(super) fn read(root: Tag<'a>) -> Read<Self> {
         let mut own = Self {
             classes: vec![Class::default()],
             by_name: HashMap::from([(MAIN, 0)]),
@@ -65,7 +65,7 @@ impl<'a> Defaults<'a> {
         name: &'a str,
         class: usize,
         lines: &mut HashMap<&'a str, u32>,
-    ) -> Result<(), RobotFileError> {
+    ) -> Read<()> {
         let known = self.by_name.insert(name, class);
         let first_line = lines.insert(name, tag.line());
         match known {
@@ -78,7 +78,7 @@ impl<'a> Defaults<'a> {
     }
 
     /// The class that an element asks for; the outermost where it asks for none.
-    pub(super) fn class(&self, tag: Tag<'a>, name: Option<&str>) -> Result<usize, RobotFileError> {
+    pub(super) fn class(&self, tag: Tag<'a>, name: Option<&str>) -> Read<usize> {
         let Some(name) = name else { return Ok(0) };
         self.by_name.get(name).copied().ok_or_else(|| {
             let mut valid: Vec<&str> = self.by_name.keys().copied().collect();

@@ -6,13 +6,10 @@ use super::names::Names;
 use super::tree::Tag;
 use crate::model::{JointId, Limits, ModelBuilder};
 use crate::robot::Mimic;
-use crate::robot::xml::{Fault, RobotFileError};
+use crate::robot::xml::{Fault, Read};
 
 /// The active equalities of a document.
-pub(super) fn read_all<'a>(
-    root: Tag<'a>,
-    defaults: &Defaults<'a>,
-) -> Result<Vec<Attributes<'a>>, RobotFileError> {
+pub(super) fn read_all<'a>(root: Tag<'a>, defaults: &Defaults<'a>) -> Read<Vec<Attributes<'a>>> {
     let sections = root.children_named("equality");
     let mut active = Vec::new();
     for tag in sections.flat_map(|section| section.children()) {
@@ -34,10 +31,7 @@ pub(super) enum Coupling {
 }
 
 /// A relation between two joints, or the value of one.
-pub(super) fn coupling(
-    equality: &Attributes<'_>,
-    names: &Names<'_>,
-) -> Result<Coupling, RobotFileError> {
+pub(super) fn coupling(equality: &Attributes<'_>, names: &Names<'_>) -> Read<Coupling> {
     let attribute = "joint1";
     let missing = || equality.fault(Fault::MissingAttribute { attribute });
     let first = equality.text(attribute).ok_or_else(missing)?;
@@ -74,7 +68,7 @@ pub(super) fn take(
     coupling: Coupling,
     mimics: &mut Vec<Mimic>,
     builder: &mut ModelBuilder,
-) -> Result<(), RobotFileError> {
+) -> Read<()> {
     match coupling {
         Coupling::Stands(joint, value) => {
             if let Some(limits) = builder.limits(joint).filter(|own| !own.contains(value)) {

@@ -11,7 +11,7 @@ use super::segment;
 use super::solid::Solid;
 use super::tree::Tag;
 use crate::model::UnknownName;
-use crate::robot::xml::{Fault, RobotFileError};
+use crate::robot::xml::{Fault, Read};
 use crate::robot::{Geometry, Shape};
 use crate::spatial::Placement;
 
@@ -60,7 +60,7 @@ pub(super) fn read<'a>(
     (compiler, defaults, meshes): (&Compiler, &Defaults<'a>, &HashMap<String, Mesh>),
     around: Option<&str>,
     body_from_frame: &Placement<f64>,
-) -> Result<Geom, RobotFileError> {
+) -> Read<Geom> {
     let geom = Attributes::of(tag, defaults, around)?;
     let kind = geom.word("type", &TYPES)?.unwrap_or(SPHERE);
     let segment = segment::read(&geom)?;
@@ -109,10 +109,7 @@ pub(super) fn read<'a>(
     })
 }
 
-fn mesh<'m>(
-    geom: &Attributes<'_>,
-    meshes: &'m HashMap<String, Mesh>,
-) -> Result<Option<&'m Mesh>, RobotFileError> {
+fn mesh<'m>(geom: &Attributes<'_>, meshes: &'m HashMap<String, Mesh>) -> Read<Option<&'m Mesh>> {
     let attribute = "mesh";
     let missing = || geom.fault(Fault::MissingAttribute { attribute });
     let name = geom.text(attribute).ok_or_else(missing)?;
@@ -128,7 +125,7 @@ fn solid(
     geom: &Attributes<'_>,
     kind: &'static str,
     length: Option<f64>,
-) -> Result<(Solid, Option<Geometry>), RobotFileError> {
+) -> Read<(Solid, Option<Geometry>)> {
     let attribute = "size";
     let missing = || geom.fault(Fault::MissingAttribute { attribute });
     let (mut size, mut given) = geom.up_to::<3>(attribute)?.ok_or_else(missing)?;
@@ -192,7 +189,7 @@ fn weight(
     geom: &Attributes<'_>,
     solid: Option<Solid>,
     body_from_geom: Placement<f64>,
-) -> Result<Weight, RobotFileError> {
+) -> Read<Weight> {
     let not_negative = |attribute| match geom.number(attribute)? {
         Some(value) if value < 0.0 => Err(geom.fault(Fault::NegativeMass { attribute, value })),
         value => Ok(value),

@@ -5,7 +5,7 @@ use super::compiler::Compiler;
 use super::geom::{Geom, Weight};
 use super::orientation::placement;
 use super::tree::Tag;
-use crate::robot::xml::{Fault, RobotFileError};
+use crate::robot::xml::{Fault, Read};
 use crate::robot::{Inertial, LeftToMeshes};
 use crate::spatial::{Placement, Vector3};
 
@@ -17,7 +17,7 @@ pub(super) enum Weighed {
     Left(LeftToMeshes),
 }
 
-pub(super) fn read(tag: Tag<'_>, compiler: &Compiler) -> Result<Inertial, RobotFileError> {
+pub(super) fn read(tag: Tag<'_>, compiler: &Compiler) -> Read<Inertial> {
     let inertial = Attributes::own(tag);
     let missing = |attribute| tag.fault(Fault::MissingAttribute { attribute });
     let mass = inertial.number("mass")?.ok_or_else(|| missing("mass"))?;

@@ -5,7 +5,7 @@ use super::compiler::Compiler;
 use super::defaults::Defaults;
 use super::tree::Tag;
 use crate::model::Limits;
-use crate::robot::xml::{Fault, RobotFileError};
+use crate::robot::xml::{Fault, Read};
 use crate::spatial::{Placement, Vector3};
 
 /// How a joint moves its body.
@@ -52,7 +52,7 @@ pub(super) fn read<'a>(
     defaults: &Defaults<'a>,
     around: Option<&str>,
     body_from_frame: &Placement<f64>,
-) -> Result<JointElement<'a>, RobotFileError> {
+) -> Read<JointElement<'a>> {
     if tag.name() == "freejoint" {
         return Ok(free(tag));
     }
@@ -108,7 +108,7 @@ fn range(
     kind: Kind,
     unit: f64,
     compiler: &Compiler,
-) -> Result<Option<Limits>, RobotFileError> {
+) -> Read<Option<Limits>> {
     let range = joint.numbers::<2>("range")?;
     let [lower, upper] = range.unwrap_or_default().map(|end| end * unit);
     let limited = match joint.word("limited", &["false", "true", "auto"])? {
@@ -130,7 +130,7 @@ fn range(
 }
 
 /// The largest force or torque that its actuators may have on it together.
-fn effort(joint: &Attributes<'_>) -> Result<Option<f64>, RobotFileError> {
+fn effort(joint: &Attributes<'_>) -> Read<Option<f64>> {
     let range = joint.numbers::<2>("actuatorfrcrange")?;
     let limited = joint.word("actuatorfrclimited", &["false", "true", "auto"])?;
     let most = range.map(|[lower, upper]| lower.abs().max(upper.abs()));

@@ -5,7 +5,7 @@ use super::body::Body;
 use super::names::{FreshNames, Names};
 use crate::kinematics::ForwardKinematics;
 use crate::model::{FrameId, Loop, LoopKind, Model};
-use crate::robot::xml::{Fault, RobotFileError, rotation_of_wxyz};
+use crate::robot::xml::{Fault, Read, RobotFileError, rotation_of_wxyz};
 use crate::spatial::{Placement, Vector3};
 
 /// The loops that equalities close, where the model stands as the file draws it at `drawn`.
@@ -16,7 +16,7 @@ pub(super) fn read_all(
     model: &Model,
     drawn: &[f64],
     left_out: &mut Vec<RobotFileError>,
-) -> Result<Vec<Loop>, RobotFileError> {
+) -> Read<Vec<Loop>> {
     let kinds = [LoopKind::Connect, LoopKind::Weld];
     let closing = equalities.iter().filter_map(|equality| {
         let kind = kinds.into_iter().find(|k| k.name() == equality.tag.name());
@@ -77,7 +77,7 @@ fn joined(
     kind: LoopKind,
     names: &Names<'_>,
     drawn: &[Placement<f64>],
-) -> Result<([FrameId; 2], [Placement<f64>; 2]), RobotFileError> {
+) -> Read<([FrameId; 2], [Placement<f64>; 2])> {
     let at = |frame: FrameId| {
         drawn
             .get(frame.index())

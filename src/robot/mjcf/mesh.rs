@@ -7,7 +7,7 @@ use super::compiler::Compiler;
 use super::defaults::Defaults;
 use super::tree::Tag;
 use crate::robot::Geometry;
-use crate::robot::xml::{Fault, RobotFileError, rotation_of_wxyz};
+use crate::robot::xml::{Fault, Read, RobotFileError, rotation_of_wxyz};
 use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// A mesh as shapes use it.
@@ -44,7 +44,7 @@ fn read(
     tag: Tag<'_>,
     compiler: &Compiler,
     defaults: &Defaults<'_>,
-) -> Result<Option<(String, Mesh)>, RobotFileError> {
+) -> Read<Option<(String, Mesh)>> {
     let mesh = Attributes::of(tag, defaults, None)?;
     // One that is made of numbers in the document is in no file.
     let Some(file) = tag.text("file") else {

@@ -7,7 +7,7 @@ use super::body::Body;
 use super::joint::JointElement;
 use super::tree::Tag;
 use crate::model::{FrameId, JointId, UnknownName};
-use crate::robot::xml::{Fault, RobotFileError};
+use crate::robot::xml::{Fault, Read};
 
 /// What MuJoCo calls the body that carries the others.
 pub(super) const WORLD: &str = "world";
@@ -66,19 +66,15 @@ impl<'a> Names<'a> {
         own.into_iter().chain(sites).copied().collect()
     }
 
-    pub(super) fn joint(
-        &self,
-        by: &Attributes<'_>,
-        name: &str,
-    ) -> Result<NamedJoint, RobotFileError> {
+    pub(super) fn joint(&self, by: &Attributes<'_>, name: &str) -> Read<NamedJoint> {
         look_up(&self.joints, "joint", by, name)
     }
 
-    pub(super) fn body(&self, by: &Attributes<'_>, name: &str) -> Result<FrameId, RobotFileError> {
+    pub(super) fn body(&self, by: &Attributes<'_>, name: &str) -> Read<FrameId> {
         look_up(&self.bodies, "body", by, name)
     }
 
-    pub(super) fn site(&self, by: &Attributes<'_>, name: &str) -> Result<FrameId, RobotFileError> {
+    pub(super) fn site(&self, by: &Attributes<'_>, name: &str) -> Read<FrameId> {
         look_up(&self.sites, "site", by, name)
     }
 }
@@ -88,7 +84,7 @@ fn look_up<T: Copy>(
     kind: &'static str,
     by: &Attributes<'_>,
     name: &str,
-) -> Result<T, RobotFileError> {
+) -> Read<T> {
     known.get(name).copied().ok_or_else(|| {
         let mut valid: Vec<&str> = known.keys().copied().collect();
         valid.sort_unstable();
@@ -124,7 +120,7 @@ impl FreshNames {
 }
 
 /// The names of joints, and those of frames, that the file gives; each must be given once.
-pub(super) fn given(bodies: &[Body<'_>]) -> Result<[FreshNames; 2], RobotFileError> {
+pub(super) fn given(bodies: &[Body<'_>]) -> Read<[FreshNames; 2]> {
     let [mut joints, mut frames] = [FreshNames::default(), FreshNames::default()];
     let joint_tags = bodies
         .iter()
@@ -144,7 +140,7 @@ fn once<'a>(
     tags: impl Iterator<Item = Tag<'a>>,
     taken: &mut FreshNames,
     reserved: Option<&'a str>,
-) -> Result<(), RobotFileError> {
+) -> Read<()> {
     let mut lines: HashMap<&str, u32> = reserved.into_iter().map(|name| (name, 1)).collect();
     for tag in tags {
         let Some(name) = tag.text("name") else {

@@ -2,7 +2,7 @@
 
 use super::attributes::Attributes;
 use super::compiler::Compiler;
-use crate::robot::xml::{Fault, RobotFileError, clean_sin_cos, rotation_of_wxyz};
+use crate::robot::xml::{Fault, Read, clean_sin_cos, rotation_of_wxyz};
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
 
@@ -12,16 +12,13 @@ const FORMS: [&str; 4] = ["axisangle", "xyaxes", "zaxis", "euler"];
 const ALONG_Z: f64 = 1e-10;
 
 /// `pos` and an orientation; nothing moved or turned where neither is given.
-pub(super) fn placement(
-    element: &Attributes<'_>,
-    compiler: &Compiler,
-) -> Result<Placement<f64>, RobotFileError> {
+pub(super) fn placement(element: &Attributes<'_>, compiler: &Compiler) -> Read<Placement<f64>> {
     let position = element.numbers::<3>("pos")?.unwrap_or_default();
     let rotation = rotation(element, compiler)?;
     Ok(Placement::new(rotation, Vector3::from(position)))
 }
 
-fn rotation(element: &Attributes<'_>, compiler: &Compiler) -> Result<Matrix3<f64>, RobotFileError> {
+fn rotation(element: &Attributes<'_>, compiler: &Compiler) -> Read<Matrix3<f64>> {
     let mut form = None;
     for layer in element.layers() {
         let mut given = FORMS.into_iter().filter(|form| layer.text(form).is_some());

@@ -14,7 +14,7 @@ use super::passive;
 use super::tree::Tree;
 use super::weights;
 use crate::model::ModelBuilder;
-use crate::robot::xml::{Fault, Repair, RobotFileError};
+use crate::robot::xml::{Fault, Read, Repair, RobotFileError};
 use crate::robot::{Link, Robot};
 
 /// What MuJoCo calls a model without a name.
@@ -78,7 +78,7 @@ pub fn mjcf_with_includes(path: impl AsRef<Path>) -> Result<String, RobotFileErr
     Tree::text_with_includes(path.as_ref())
 }
 
-fn robot(tree: &Tree) -> Result<Robot, RobotFileError> {
+fn robot(tree: &Tree) -> Read<Robot> {
     let root = tree.root();
     if root.name() != "mujoco" {
         return Err(root.fault(Fault::NotMujoco));

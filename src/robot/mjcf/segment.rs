@@ -2,7 +2,7 @@
 
 use super::attributes::Attributes;
 use super::orientation::{direction, turn_of_z_to};
-use crate::robot::xml::{Fault, RobotFileError};
+use crate::robot::xml::{Fault, Read};
 use crate::spatial::{Placement, Vector3};
 
 /// Its middle, its z axis from the second end to the first, and how far that is.
@@ -13,7 +13,7 @@ pub(super) struct Segment {
 }
 
 /// The segment of an element that has one.
-pub(super) fn read(element: &Attributes<'_>) -> Result<Option<Segment>, RobotFileError> {
+pub(super) fn read(element: &Attributes<'_>) -> Read<Option<Segment>> {
     let attribute = "fromto";
     let Some([ax, ay, az, bx, by, bz]) = element.numbers::<6>(attribute)? else {
         return Ok(None);

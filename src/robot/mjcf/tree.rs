@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use roxmltree::Node;
 
 use crate::file::{Place, ReadError, read_bytes};
-use crate::robot::xml::{Fault, RobotFileError, parse};
+use crate::robot::xml::{Fault, Read, RobotFileError, parse};
 
 /// The longest file that is read; real robots stay below 1 MB.
 const LENGTH_LIMIT: u64 = 64 << 20;
@@ -41,12 +41,12 @@ pub(super) struct Tag<'a> {
 
 impl Tree {
     /// Reads a file and what it includes.
-    pub(super) fn read(path: &Path) -> Result<Self, RobotFileError> {
+    pub(super) fn read(path: &Path) -> Read<Self> {
         Self::parse(&text_of(path)?, &path.display().to_string())
     }
 
     /// Reads a document; what it includes is looked for beside `file`.
-    pub(super) fn parse(text: &str, file: &str) -> Result<Self, RobotFileError> {
+    pub(super) fn parse(text: &str, file: &str) -> Read<Self> {
         let mut tree = Self {
             nodes: Vec::new(),
             files: Vec::new(),
@@ -65,7 +65,7 @@ impl Tree {
     }
 
     /// A file as one document: as it is where it includes nothing.
-    pub(super) fn text_with_includes(path: &Path) -> Result<String, RobotFileError> {
+    pub(super) fn text_with_includes(path: &Path) -> Read<String> {
         let text = text_of(path)?;
         let tree = Self::parse(&text, &path.display().to_string())?;
         Ok(match tree.files.len() {
@@ -111,7 +111,7 @@ impl Tree {
         name: String,
         within: Option<usize>,
         (folder, nested): (&Path, usize),
-    ) -> Result<(), RobotFileError> {
+    ) -> Read<()> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let document = parse(&name, text)?;
         let file = self.files.len();
@@ -163,7 +163,7 @@ impl Tree {
         include: &Stored,
         parent: Option<usize>,
         (folder, nested): (&Path, usize),
-    ) -> Result<(), RobotFileError> {
+    ) -> Read<()> {
         let fault = |fault| RobotFileError::Element {
             file: self.files[include.file].clone(),
             line: include.line,

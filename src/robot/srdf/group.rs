@@ -4,7 +4,7 @@ use std::collections::{BTreeSet, HashMap};
 
 use crate::model::{JointId, UnknownName};
 use crate::robot::Robot;
-use crate::robot::xml::{Element, Fault, Mended, RobotFileError, is};
+use crate::robot::xml::{Element, Fault, Mended, Read, is};
 
 /// Joints that are used together.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -27,7 +27,7 @@ pub(super) fn read_all(
     elements: &[Element<'_>],
     robot: &Robot,
     virtual_joints: &[&str],
-) -> Result<Vec<Group>, RobotFileError> {
+) -> Read<Vec<Group>> {
     let mut names: Vec<String> = Vec::new();
     let mut parts: HashMap<String, Part> = HashMap::new();
     let mut known = Vec::new();
@@ -77,18 +77,14 @@ pub(super) fn read_all(
     Ok(groups)
 }
 
-fn read(
-    group: &Element<'_>,
-    robot: &Robot,
-    virtual_joints: &[&str],
-) -> Result<Part, RobotFileError> {
+fn read(group: &Element<'_>, robot: &Robot, virtual_joints: &[&str]) -> Read<Part> {
     let model = robot.model();
     let mut joints = BTreeSet::new();
     let mut groups = Vec::new();
     for node in group.node.children().filter(|node| node.is_element()) {
         let part = group.part(node);
         let unknown = |error: UnknownName| part.fault(error.into());
-        let mut take = || -> Result<(), RobotFileError> {
+        let mut take = || -> Read<()> {
             if is(node, "joint") {
                 let name = part.name("name")?;
                 if !virtual_joints.contains(&name.as_str()) {

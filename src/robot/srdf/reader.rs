@@ -9,7 +9,9 @@ use super::{DisabledPair, EndEffector, Srdf, VirtualJoint, group, state};
 use crate::file::{Place, ReadError, read_bytes};
 use crate::model::{FrameId, UnknownName};
 use crate::robot::Robot;
-use crate::robot::xml::{Element, Fault, Reading, RobotFileError, is, mended, parse as parse_xml};
+use crate::robot::xml::{
+    Element, Fault, Read, Reading, RobotFileError, is, mended, parse as parse_xml,
+};
 
 /// The longest file that is read; real ones stay below 1 MB.
 const LENGTH_LIMIT: u64 = 64 << 20;
@@ -86,7 +88,7 @@ impl SrdfReader {
     }
 }
 
-fn read(reading: &Reading<'_>, robot: &Robot) -> Result<Srdf, RobotFileError> {
+fn read(reading: &Reading<'_>, robot: &Robot) -> Read<Srdf> {
     let document = parse_xml(reading.file, reading.text)?;
     let root = document.root_element();
     if !root.has_tag_name("robot") {
@@ -164,10 +166,7 @@ fn read(reading: &Reading<'_>, robot: &Robot) -> Result<Srdf, RobotFileError> {
 }
 
 /// What elements say, without those that a lenient reader leaves out.
-fn all<T>(
-    elements: &[Element<'_>],
-    read: impl Fn(&Element<'_>) -> Result<T, RobotFileError>,
-) -> Result<Vec<T>, RobotFileError> {
+fn all<T>(elements: &[Element<'_>], read: impl Fn(&Element<'_>) -> Read<T>) -> Read<Vec<T>> {
     let mut all = Vec::with_capacity(elements.len());
     for element in elements {
         all.extend(element.reading.leniently(read(element))?);
@@ -183,11 +182,7 @@ fn labelled<'a>(reading: &'a Reading<'a>, node: Node<'a, 'a>, tag: &str) -> Elem
     Element::new(reading, node, label)
 }
 
-fn link(
-    element: &Element<'_>,
-    attribute: &'static str,
-    robot: &Robot,
-) -> Result<FrameId, RobotFileError> {
+fn link(element: &Element<'_>, attribute: &'static str, robot: &Robot) -> Read<FrameId> {
     let name = element.name(attribute)?;
     let unknown = |error: UnknownName| element.fault(error.into());
     robot.model().frame(&name).map_err(unknown)

@@ -3,7 +3,7 @@
 use super::Srdf;
 use crate::model::{JointId, JointKind, Model, UnknownName};
 use crate::robot::Robot;
-use crate::robot::xml::{Element, Fault, Mended, RobotFileError, is};
+use crate::robot::xml::{Element, Fault, Mended, Read, is};
 
 /// What Pinocchio calls the joint that moves a whole robot, whether or not it has one.
 const BASE: &str = "root_joint";
@@ -45,7 +45,7 @@ pub(super) fn read(
     robot: &Robot,
     groups: &[&str],
     virtual_joints: &[&str],
-) -> Result<GroupState, RobotFileError> {
+) -> Read<GroupState> {
     let (name, group) = (element.name("name")?, element.name("group")?);
     if !groups.contains(&group.as_str()) {
         let unknown = UnknownName::new("group", &group, groups.iter().copied());
@@ -102,7 +102,7 @@ fn coordinates(model: &Model, name: &str) -> Option<Vec<usize>> {
     }
 }
 
-fn numbers(part: &Element<'_>, count: usize) -> Result<Vec<f64>, RobotFileError> {
+fn numbers(part: &Element<'_>, count: usize) -> Read<Vec<f64>> {
     let attribute = "value";
     let text = part.name(attribute)?;
     let words = text.split_whitespace();

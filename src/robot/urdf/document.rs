@@ -6,7 +6,7 @@ use super::joint_element::{self, JointElement, READ};
 use super::link_element;
 use super::version::Version;
 use crate::robot::Link;
-use crate::robot::xml::{Element, Fault, Mended, Named, Reading, RobotFileError, is, parse};
+use crate::robot::xml::{Element, Fault, Mended, Named, Read, Reading, RobotFileError, is, parse};
 
 /// What a lenient reader calls a robot without a name.
 const NAMELESS: &str = "robot";
@@ -27,7 +27,7 @@ pub(super) struct LinkElement {
 }
 
 /// Reads every link and joint on its own.
-pub(super) fn read(reading: &Reading<'_>) -> Result<Document, RobotFileError> {
+pub(super) fn read(reading: &Reading<'_>) -> Read<Document> {
     let xml = parse(reading.file, reading.text)?;
     let root = xml.root_element();
     refuse_macros(reading, root)?;
@@ -58,7 +58,7 @@ pub(super) fn read(reading: &Reading<'_>) -> Result<Document, RobotFileError> {
     Ok(document)
 }
 
-fn name_of(robot: &Element<'_>) -> Result<Named, RobotFileError> {
+fn name_of(robot: &Element<'_>) -> Read<Named> {
     let read = robot.named();
     if read.is_ok() || !robot.reading.lenient {
         return read;
@@ -69,7 +69,7 @@ fn name_of(robot: &Element<'_>) -> Result<Named, RobotFileError> {
 }
 
 /// Finds xacro's own elements, and `${…}` or `$(…)` where kinematics would read a number or name.
-fn refuse_macros(reading: &Reading<'_>, root: Node<'_, '_>) -> Result<(), RobotFileError> {
+fn refuse_macros(reading: &Reading<'_>, root: Node<'_, '_>) -> Read<()> {
     let is_macro = |node: &Node<'_, '_>| {
         let namespace = node.tag_name().namespace();
         let mut names = ["robot", "link", "joint"]

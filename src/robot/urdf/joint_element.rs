@@ -6,7 +6,7 @@ use super::origin;
 use super::version::Version;
 use crate::model::{JointKind, Limits};
 use crate::robot::Drive;
-use crate::robot::xml::{Element, Fault, Mended, Named, Reading, RobotFileError};
+use crate::robot::xml::{Element, Fault, Mended, Named, Read, Reading};
 use crate::spatial::{Placement, Vector3};
 
 /// The children of a joint that are read, with their attributes.
@@ -59,7 +59,7 @@ pub(super) fn read<'a>(
     reading: &'a Reading<'a>,
     node: Node<'a, 'a>,
     version: Version,
-) -> Result<JointElement, RobotFileError> {
+) -> Read<JointElement> {
     let named = Element::new(reading, node, "<joint>".to_owned()).named()?;
     let joint = Element::new(reading, node, format!("joint `{}`", named.name));
     let kind = joint.name("type")?;
@@ -105,7 +105,7 @@ pub(super) fn read<'a>(
 }
 
 /// The direction of a joint that has one; x where the file gives none.
-fn axis(axis: Option<Element<'_>>, kind: JointKind) -> Result<Vector3<f64>, RobotFileError> {
+fn axis(axis: Option<Element<'_>>, kind: JointKind) -> Read<Vector3<f64>> {
     let x = Vector3::new(1.0, 0.0, 0.0);
     let Some(axis) = axis else { return Ok(x) };
     axis.name("xyz")?;
@@ -123,7 +123,7 @@ fn limits(
     limit: Option<&Element<'_>>,
     kind: JointKind,
     version: Version,
-) -> Result<Limits, RobotFileError> {
+) -> Read<Limits> {
     let held = Limits::new(0.0, 0.0);
     let name = match kind {
         JointKind::Fixed => return Ok(held),
@@ -135,7 +135,7 @@ fn limits(
         joint.mend(Fault::NoLimits { kind: name }, |_| Mended::HeldAtZero)?;
         return Ok(held);
     };
-    let bound = |missing, value: f64| -> Result<f64, RobotFileError> {
+    let bound = |missing, value: f64| -> Read<f64> {
         let given = limit.number(missing)?;
         if given.is_none() {
             limit.note(Mended::BoundByDefault { missing, value });
@@ -154,11 +154,7 @@ fn limits(
 }
 
 /// What moves the joint, as far as files tell it.
-fn drive(
-    limit: Option<Element<'_>>,
-    safety: Option<Element<'_>>,
-    kind: JointKind,
-) -> Result<Drive, RobotFileError> {
+fn drive(limit: Option<Element<'_>>, safety: Option<Element<'_>>, kind: JointKind) -> Read<Drive> {
     let number = |element: &Option<Element<'_>>, attribute| match element {
         Some(element) => element.number_or_left_out(attribute),
         None => Ok(None),
@@ -182,7 +178,7 @@ fn drive(
     })
 }
 
-fn follows(mimic: Option<Element<'_>>, kind: JointKind) -> Result<Option<Follows>, RobotFileError> {
+fn follows(mimic: Option<Element<'_>>, kind: JointKind) -> Read<Option<Follows>> {
     let Some(mimic) = mimic else { return Ok(None) };
     let follows = Follows {
         ratio: mimic.number("multiplier")?.unwrap_or(1.0),

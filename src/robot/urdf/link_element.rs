@@ -4,7 +4,7 @@ use roxmltree::Node;
 
 use super::origin;
 use super::version::Version;
-use crate::robot::xml::{Element, Fault, Reading, RobotFileError, is};
+use crate::robot::xml::{Element, Fault, Read, Reading, RobotFileError, is};
 use crate::robot::{Geometry, Inertial, Link, Shape};
 
 /// The shapes that a `<geometry>` can hold.
@@ -34,7 +34,7 @@ pub(super) fn read<'a>(
     }
 }
 
-fn shape(shape: &Element<'_>, version: Version) -> Result<Shape, RobotFileError> {
+fn shape(shape: &Element<'_>, version: Version) -> Read<Shape> {
     let geometry = shape.required("geometry")?;
     let mut children = geometry.node.children();
     let body =
@@ -71,7 +71,7 @@ fn shape(shape: &Element<'_>, version: Version) -> Result<Shape, RobotFileError>
     })
 }
 
-fn inertial(inertial: &Element<'_>, version: Version) -> Result<Inertial, RobotFileError> {
+fn inertial(inertial: &Element<'_>, version: Version) -> Read<Inertial> {
     let (mass, inertia) = (inertial.required("mass")?, inertial.required("inertia")?);
     let moment = |attribute| Ok::<_, RobotFileError>(inertia.number(attribute)?.unwrap_or(0.0));
     let (xy, xz, yz) = (moment("ixy")?, moment("ixz")?, moment("iyz")?);

@@ -1,14 +1,11 @@
 //! `<origin>`: where something stands, and rotations as URDF writes them.
 
 use super::version::Version;
-use crate::robot::xml::{Element, Fault, RobotFileError, clean_sin_cos, rotation_of_wxyz};
+use crate::robot::xml::{Element, Fault, Read, clean_sin_cos, rotation_of_wxyz};
 use crate::spatial::{Matrix3, Placement, Vector3};
 
 /// Where the child `<origin>` of an element puts it; the identity where there is none.
-pub(super) fn read(
-    element: &Element<'_>,
-    version: Version,
-) -> Result<Placement<f64>, RobotFileError> {
+pub(super) fn read(element: &Element<'_>, version: Version) -> Read<Placement<f64>> {
     let Some(origin) = element.child("origin")? else {
         return Ok(Placement::identity());
     };

@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use super::document::Document;
 use super::joint_element::{Follows, JointElement};
 use crate::model::UnknownName;
-use crate::robot::xml::{Fault, Named, Reading, RobotFileError};
+use crate::robot::xml::{Fault, Named, Read, Reading, RobotFileError};
 
 /// One joint in its place in the tree; all are positions in the document's lists.
 #[derive(Clone, Copy, Debug)]
@@ -25,10 +25,7 @@ pub(super) struct Topology {
 }
 
 /// Finds the tree that a document's links and joints form.
-pub(super) fn order(
-    reading: &Reading<'_>,
-    document: &Document,
-) -> Result<Topology, RobotFileError> {
+pub(super) fn order(reading: &Reading<'_>, document: &Document) -> Read<Topology> {
     let Document { links, joints, .. } = document;
     if links.is_empty() {
         return Err(reading.fault(document.robot.at, "<robot>".into(), Fault::NoLinks));
@@ -121,7 +118,7 @@ fn index<'a>(
     reading: &Reading<'_>,
     kind: &str,
     things: impl Iterator<Item = &'a Named>,
-) -> Result<HashMap<&'a str, usize>, RobotFileError> {
+) -> Read<HashMap<&'a str, usize>> {
     let mut by_name = HashMap::new();
     let mut starts = Vec::new();
     for (position, thing) in things.enumerate() {

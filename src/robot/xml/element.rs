@@ -2,7 +2,7 @@
 
 use roxmltree::Node;
 
-use super::error::{Fault, RobotFileError};
+use super::error::{Fault, Read, RobotFileError};
 use super::reading::Reading;
 use super::repair::Mended;
 
@@ -57,16 +57,12 @@ impl<'a> Element<'a> {
     }
 
     /// What is damage to a strict reader, and mended by a lenient one.
-    pub(crate) fn mend(
-        &self,
-        fault: Fault,
-        mended: impl FnOnce(Fault) -> Mended,
-    ) -> Result<(), RobotFileError> {
+    pub(crate) fn mend(&self, fault: Fault, mended: impl FnOnce(Fault) -> Mended) -> Read<()> {
         self.reading.mend(self.at(), &self.label, fault, mended)
     }
 
     /// Its name, which it must have.
-    pub(crate) fn named(&self) -> Result<Named, RobotFileError> {
+    pub(crate) fn named(&self) -> Read<Named> {
         let (name, at) = (self.name("name")?, self.at());
         Ok(Named { name, at })
     }
@@ -78,7 +74,7 @@ impl<'a> Element<'a> {
     }
 
     /// An attribute that must be there and not be blank.
-    pub(crate) fn name(&self, attribute: &'static str) -> Result<String, RobotFileError> {
+    pub(crate) fn name(&self, attribute: &'static str) -> Read<String> {
         match self.text(attribute) {
             Some(name) if !name.trim().is_empty() => Ok(name.to_owned()),
             _ => Err(self.fault(Fault::MissingAttribute { attribute })),
@@ -89,7 +85,7 @@ impl<'a> Element<'a> {
     pub(crate) fn numbers<const N: usize>(
         &self,
         attribute: &'static str,
-    ) -> Result<Option<[f64; N]>, RobotFileError> {
+    ) -> Read<Option<[f64; N]>> {
         let Some(text) = self.text(attribute) else {
             return Ok(None);
         };
@@ -114,29 +110,23 @@ impl<'a> Element<'a> {
     }
 
     /// As [`numbers`](Self::numbers), of one.
-    pub(crate) fn number(&self, attribute: &'static str) -> Result<Option<f64>, RobotFileError> {
+    pub(crate) fn number(&self, attribute: &'static str) -> Read<Option<f64>> {
         Ok(self.numbers(attribute)?.map(|[value]| value))
     }
 
     /// As [`number`](Self::number), of what kinematics can do without: a lenient reader leaves it out.
-    pub(crate) fn number_or_left_out(
-        &self,
-        attribute: &'static str,
-    ) -> Result<Option<f64>, RobotFileError> {
+    pub(crate) fn number_or_left_out(&self, attribute: &'static str) -> Read<Option<f64>> {
         Ok(self.reading.leniently(self.number(attribute))?.flatten())
     }
 
     /// As [`numbers`](Self::numbers) that must be there.
-    pub(crate) fn demanded<const N: usize>(
-        &self,
-        attribute: &'static str,
-    ) -> Result<[f64; N], RobotFileError> {
+    pub(crate) fn demanded<const N: usize>(&self, attribute: &'static str) -> Read<[f64; N]> {
         let missing = || self.fault(Fault::MissingAttribute { attribute });
         self.numbers(attribute)?.ok_or_else(missing)
     }
 
     /// The child of a name, which may stand once; to a lenient reader the first counts.
-    fn once(&self, child: &'static str) -> Result<Option<Node<'a, 'a>>, RobotFileError> {
+    fn once(&self, child: &'static str) -> Read<Option<Node<'a, 'a>>> {
         let mut found = self.node.children().filter(|inner| is(*inner, child));
         let first = found.next();
         if let Some(second) = found.next() {
@@ -148,31 +138,27 @@ impl<'a> Element<'a> {
     }
 
     /// The child of a name, which may stand once.
-    pub(crate) fn child(&self, name: &'static str) -> Result<Option<Self>, RobotFileError> {
+    pub(crate) fn child(&self, name: &'static str) -> Read<Option<Self>> {
         let label = || format!("{}, <{name}>", self.label);
         let child = self.once(name)?;
         Ok(child.map(|node| Self::new(self.reading, node, label())))
     }
 
     /// The [part](Self::part) of a name, which must stand once.
-    pub(crate) fn required(&self, child: &'static str) -> Result<Self, RobotFileError> {
+    pub(crate) fn required(&self, child: &'static str) -> Read<Self> {
         let missing = || self.fault(Fault::MissingElement { child });
         let node = self.once(child)?.ok_or_else(missing)?;
         Ok(self.part(node))
     }
 
     /// Finds fault with attributes whose names are nearly, but not, one of `known`.
-    pub(crate) fn check_attributes(&self, known: &[&'static str]) -> Result<(), RobotFileError> {
+    pub(crate) fn check_attributes(&self, known: &[&'static str]) -> Read<()> {
         let mut own = self.node.attributes().filter(|a| a.namespace().is_none());
         own.try_for_each(|attribute| self.check_known(attribute.name(), known))
     }
 
     /// Finds fault with a child element whose name is nearly, but not, one of `known`.
-    pub(crate) fn check_child(
-        &self,
-        child: Node<'a, 'a>,
-        known: &[&'static str],
-    ) -> Result<(), RobotFileError> {
+    pub(crate) fn check_child(&self, child: Node<'a, 'a>, known: &[&'static str]) -> Read<()> {
         let tag = child.tag_name();
         match tag.namespace() {
             None => self.part(child).check_known(tag.name(), known),
@@ -181,7 +167,7 @@ impl<'a> Element<'a> {
     }
 
     /// Other unknown names are extensions, which real files are full of.
-    fn check_known(&self, name: &str, known: &[&'static str]) -> Result<(), RobotFileError> {
+    fn check_known(&self, name: &str, known: &[&'static str]) -> Read<()> {
         if known.contains(&name) {
             return Ok(());
         }

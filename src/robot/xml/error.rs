@@ -5,6 +5,9 @@ use thiserror::Error;
 use crate::file::ReadError;
 use crate::model::{ModelError, UnknownName};
 
+/// What is read of a robot's file, or why it gives no robot.
+pub(crate) type Read<T> = Result<T, RobotFileError>;
+
 /// Why a URDF file gives no robot.
 #[derive(Debug, Error)]
 #[non_exhaustive]

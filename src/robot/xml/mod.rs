@@ -17,6 +17,7 @@ pub(super) use element::Named;
 #[cfg(feature = "mjcf")]
 pub(super) use element::exactly;
 pub(super) use element::{Element, is};
+pub(crate) use error::Read;
 pub use error::{Fault, RobotFileError};
 #[cfg(all(feature = "mjcf", feature = "urdf"))]
 pub(super) use parse::root_name;

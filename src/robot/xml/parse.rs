@@ -4,14 +4,14 @@ use std::borrow::Cow;
 
 use roxmltree::{Document, Error};
 
-use super::error::RobotFileError;
+use super::error::{Read, RobotFileError};
 use super::repair::{Mended, Repair};
 
 /// Undeclared prefixes that are put up with; real files have one.
 const MOST_PREFIXES: usize = 16;
 
 /// Parses well-formed XML.
-pub(crate) fn parse<'a>(file: &str, text: &'a str) -> Result<Document<'a>, RobotFileError> {
+pub(crate) fn parse<'a>(file: &str, text: &'a str) -> Read<Document<'a>> {
     Document::parse(text).map_err(|error| match &error {
         Error::UnknownNamespace(prefix, at) if prefix == "xacro" => RobotFileError::Xacro {
             file: file.to_owned(),

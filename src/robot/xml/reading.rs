@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use super::error::{Fault, RobotFileError};
+use super::error::{Fault, Read, RobotFileError};
 use super::repair::{Mended, Repair};
 
 /// The file's name, its text to count lines in, and what was mended so far.
@@ -46,7 +46,7 @@ impl Reading<'_> {
         element: &str,
         fault: Fault,
         mended: impl FnOnce(Fault) -> Mended,
-    ) -> Result<(), RobotFileError> {
+    ) -> Read<()> {
         if !self.lenient {
             return Err(self.fault(at, element.to_owned(), fault));
         }
@@ -55,10 +55,7 @@ impl Reading<'_> {
     }
 
     /// What is damage to a strict reader, and left out by a lenient one.
-    pub(crate) fn leniently<T>(
-        &self,
-        read: Result<T, RobotFileError>,
-    ) -> Result<Option<T>, RobotFileError> {
+    pub(crate) fn leniently<T>(&self, read: Read<T>) -> Read<Option<T>> {
         match self.lenient {
             true => Ok(self.or_left_out(read)),
             false => read.map(Some),
@@ -66,7 +63,7 @@ impl Reading<'_> {
     }
 
     /// Something that no joint depends on; where it is wrong it is left out, by strict readers too.
-    pub(crate) fn or_left_out<T>(&self, read: Result<T, RobotFileError>) -> Option<T> {
+    pub(crate) fn or_left_out<T>(&self, read: Read<T>) -> Option<T> {
         match read {
             Ok(value) => Some(value),
             // Nothing else comes from a single element.
