@@ -8,7 +8,7 @@ use super::options::Options;
 use super::rate_limits::RateLimits;
 use super::serial_chain::Serial;
 use super::workspace::ArmWorkspace;
-use super::{ArmError, QueryError};
+use super::{ArmError, QueryError, Reply};
 use crate::clock::Instant;
 use crate::ik::Solution;
 use crate::lanes::PoseSolver;
@@ -179,10 +179,7 @@ impl Arm {
     }
 
     /// Runs something with memory of its own.
-    pub(super) fn with_workspace<R>(
-        &self,
-        run: impl FnOnce(&mut ArmWorkspace) -> R,
-    ) -> Result<R, QueryError> {
+    pub(super) fn with_workspace<R>(&self, run: impl FnOnce(&mut ArmWorkspace) -> R) -> Reply<R> {
         let lock = || {
             self.workspaces
                 .lock()
@@ -203,7 +200,7 @@ impl Arm {
         what: &'static str,
         given: usize,
         expected: usize,
-    ) -> Result<(), QueryError> {
+    ) -> Reply<()> {
         if given == expected {
             return Ok(());
         }
@@ -216,7 +213,7 @@ impl Arm {
     }
 
     /// Of one configuration, or of several one after another.
-    pub(super) fn check_finite(&self, q: &[f64]) -> Result<(), QueryError> {
+    pub(super) fn check_finite(&self, q: &[f64]) -> Reply<()> {
         match q.iter().position(|value| !value.is_finite()) {
             None => Ok(()),
             Some(bad) => Err(QueryError::NotFinite {
@@ -235,7 +232,7 @@ impl Arm {
         query: usize,
         target: &Placement<f64>,
         start: &[f64],
-    ) -> Result<(), QueryError> {
+    ) -> Reply<()> {
         if let Some(bad) = start.iter().position(|value| !value.is_finite()) {
             return Err(QueryError::StartNotFinite {
                 query,

@@ -3,7 +3,7 @@
 use super::arm::Arm;
 use super::lanes_or_core::QUICK;
 use super::workspace::Errors;
-use super::{PoseOutcome, QueryError};
+use super::{PoseOutcome, QueryError, Reply};
 use crate::ik::Solution;
 use crate::lanes::Work;
 use crate::search::Found;
@@ -109,8 +109,8 @@ impl Arm {
         &self,
         targets: &[Placement<f64>],
         starts: &[f64],
-        run: impl FnOnce(Vec<Chunk<'_>>, &AnswerChunk<'_>) -> Result<(), QueryError>,
-    ) -> Result<Vec<Solution>, QueryError> {
+        run: impl FnOnce(Vec<Chunk<'_>>, &AnswerChunk<'_>) -> Reply<()>,
+    ) -> Reply<Vec<Solution>> {
         self.check_batch(targets, starts)?;
         let mut solutions = vec![Solution::default(); targets.len()];
         let chunks = targets
@@ -126,7 +126,7 @@ impl Arm {
         Ok(solutions)
     }
 
-    fn answer_chunk(&self, chunk: Chunk<'_>) -> Result<(), QueryError> {
+    fn answer_chunk(&self, chunk: Chunk<'_>) -> Reply<()> {
         let Chunk {
             targets,
             starts,
@@ -157,7 +157,7 @@ impl Arm {
         starts: &[f64],
         q: &mut [f64],
         outcomes: &mut [PoseOutcome],
-    ) -> Result<bool, QueryError> {
+    ) -> Reply<bool> {
         let options = &self.options;
         let plain = self.is_plain() && options.time_limit.is_none() && options.budget() >= QUICK;
         let Some(lanes) = self.lanes.as_ref().filter(|_| plain) else {
@@ -183,7 +183,7 @@ impl Arm {
         starts: &[f64],
         q: &mut [f64],
         outcomes: &mut [PoseOutcome],
-    ) -> Result<(), QueryError> {
+    ) -> Reply<()> {
         let n = self.joint_count();
         let together = self.run_together(targets, starts, q, outcomes)?;
         let mut solution = self.with_workspace(|workspace| std::mem::take(&mut workspace.spare))?;
@@ -205,13 +205,13 @@ impl Arm {
         starts: &[f64],
         q: &[f64],
         outcomes: &[PoseOutcome],
-    ) -> Result<(), QueryError> {
+    ) -> Reply<()> {
         self.check_batch(targets, starts)?;
         self.check_length("q", q.len(), self.joint_count() * targets.len())?;
         self.check_length("outcomes", outcomes.len(), targets.len())
     }
 
-    fn check_batch(&self, targets: &[Placement<f64>], starts: &[f64]) -> Result<(), QueryError> {
+    fn check_batch(&self, targets: &[Placement<f64>], starts: &[f64]) -> Reply<()> {
         let n = self.joint_count();
         self.check_length("starts", starts.len(), n * targets.len())?;
         for (query, (target, start)) in targets.iter().zip(starts.chunks(n)).enumerate() {

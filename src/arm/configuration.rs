@@ -1,7 +1,7 @@
 //! Between the arm's numbers and a configuration of the whole model.
 
-use super::QueryError;
 use super::arm::Arm;
+use super::{QueryError, Reply};
 use crate::Buffer;
 use crate::model::Source;
 
@@ -40,7 +40,7 @@ impl Arm {
         Ok(())
     }
 
-    fn check_lengths(&self, q_arm: &[f64], q_model: &[f64]) -> Result<(), QueryError> {
+    fn check_lengths(&self, q_arm: &[f64], q_model: &[f64]) -> Reply<()> {
         let freedoms = self.coordinates.degrees_of_freedom;
         self.check_length("q_arm", q_arm.len(), self.joint_count())?;
         self.check_length("q_model", q_model.len(), freedoms)

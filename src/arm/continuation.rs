@@ -1,7 +1,7 @@
 //! What whole paths are made of: many configurations carried on to their next targets at once, attempts at one
 //! target, and the freedom that it leaves.
 
-use super::QueryError;
+use super::Reply;
 use super::arm::Arm;
 use super::lanes_or_core::Query;
 use crate::buffer::refill;
@@ -37,7 +37,7 @@ impl Arm {
         targets: &[Placement<f64>],
         starts: &[f64],
         ends: &mut Ends,
-    ) -> Result<(), QueryError> {
+    ) -> Reply<()> {
         let n = self.joint_count();
         refill(&mut ends.q, targets.len() * n, 0.0);
         refill(&mut ends.outcomes, targets.len(), PoseOutcome::default());
@@ -72,7 +72,7 @@ impl Arm {
         first: u32,
         count: u32,
         ends: &mut Ends,
-    ) -> Result<(), QueryError> {
+    ) -> Reply<()> {
         ends.q.clear();
         ends.outcomes.clear();
         let (q, outcomes) = (&mut ends.q, &mut ends.outcomes);
@@ -104,7 +104,7 @@ impl Arm {
         first: u32,
         count: u32,
         mut take: impl FnMut(&[f64], &PoseOutcome),
-    ) -> Result<(), QueryError> {
+    ) -> Reply<()> {
         let query = Query {
             target,
             start,
@@ -150,11 +150,7 @@ impl Arm {
     }
 
     /// The errors at a configuration against a target: metres, radians, and whether both are within tolerance.
-    pub(crate) fn errors_at(
-        &self,
-        target: &Placement<f64>,
-        q: &[f64],
-    ) -> Result<(f64, f64, bool), QueryError> {
+    pub(crate) fn errors_at(&self, target: &Placement<f64>, q: &[f64]) -> Reply<(f64, f64, bool)> {
         self.with_workspace(|workspace| {
             workspace.aim(target);
             let errors = workspace.judge(q);
@@ -182,7 +178,7 @@ impl Arm {
         target: &Placement<f64>,
         q: &[f64],
         slopes: &mut [f64],
-    ) -> Result<(), QueryError> {
+    ) -> Reply<()> {
         if let (Some(lanes), true) = (&self.lanes, self.options.goal.is_full_pose()) {
             lanes.write_twists(q, self.options.metres_per_radian, slopes);
             return Ok(());

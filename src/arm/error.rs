@@ -89,6 +89,9 @@ pub enum ArmError {
     Lanes(#[from] LaneError),
 }
 
+/// What a question gives, or why it cannot be asked.
+pub(crate) type Reply<T> = Result<T, QueryError>;
+
 /// Why a question cannot be answered. Missing the target is no error: see
 /// [`Solution::reached`](crate::Solution).
 #[derive(Clone, Debug, PartialEq, Error)]

@@ -5,10 +5,10 @@
 //! configurations where branches meet. Of a redundant arm's motion, what leaves the tool where it is
 //! goes to [ease](super::redundancy) instead. The solver corrects the pose.
 
-use super::QueryError;
 use super::arm::Arm;
 use super::branch::Branch;
 use super::workspace::Errors;
+use super::{QueryError, Reply};
 use crate::ik::Solution;
 use crate::spatial::Placement;
 
@@ -149,11 +149,7 @@ impl Follower<'_> {
     }
 
     /// Goes on to a target on the own branch, with care; whether that reaches it.
-    fn settle(
-        &mut self,
-        target: &Placement<f64>,
-        solution: &mut Solution,
-    ) -> Result<bool, QueryError> {
+    fn settle(&mut self, target: &Placement<f64>, solution: &mut Solution) -> Reply<bool> {
         self.arm
             .keep_to_branch(target, &self.q, &mut self.branch, solution)?;
         Ok(solution.reached)
@@ -188,7 +184,7 @@ impl Follower<'_> {
         &mut self,
         target: Placement<f64>,
         solution: &mut Solution,
-    ) -> Result<Option<Jump>, QueryError> {
+    ) -> Reply<Option<Jump>> {
         if !self.goes_far(&target)? {
             return self.advance(target, solution);
         }
@@ -201,7 +197,7 @@ impl Follower<'_> {
     }
 
     /// Whether a target is far from the last one, at first from the tool.
-    fn goes_far(&self, target: &Placement<f64>) -> Result<bool, QueryError> {
+    fn goes_far(&self, target: &Placement<f64>) -> Reply<bool> {
         let last = match self.target {
             Some(last) => last,
             None => self.arm.base_from_tool(&self.q)?,

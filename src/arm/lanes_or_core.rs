@@ -1,6 +1,6 @@
 //! One question, from the fast way to the slower ones.
 
-use super::QueryError;
+use super::Reply;
 use super::arm::Arm;
 use super::options::Search;
 use super::workspace::{ArmWorkspace, Errors};
@@ -109,7 +109,7 @@ impl Arm {
         &self,
         query: &Query<'_>,
         solution: &mut Solution,
-    ) -> Result<(Found, Errors), QueryError> {
+    ) -> Reply<(Found, Errors)> {
         #[cfg(feature = "collision")]
         if let Some(collisions) = &self.collisions {
             return self.answer_clear_of(collisions, query, solution);
@@ -122,7 +122,7 @@ impl Arm {
         &self,
         query: &Query<'_>,
         solution: &mut Solution,
-    ) -> Result<(Found, Errors), QueryError> {
+    ) -> Reply<(Found, Errors)> {
         let (Some(lanes), true) = (&self.lanes, self.is_plain()) else {
             return self.with_workspace(|workspace| self.answer_at(workspace, query, solution));
         };

@@ -63,6 +63,7 @@ pub use arm::Arm;
 pub use builder::{ArmBuilder, Base};
 pub(crate) use continuation::{ChainMotion, Ends};
 pub use derivative::ArmDerivative;
+pub(crate) use error::Reply;
 pub use error::{ArmError, QueryError};
 pub use follower::{Follower, Jump};
 pub use mechanism::Mechanism;

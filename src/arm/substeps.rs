@@ -1,6 +1,6 @@
 //! What a path does where a step's own attempt fails.
 
-use super::QueryError;
+use super::Reply;
 use super::arm::Arm;
 use super::bounded_descent::Settling;
 use super::branch::Branch;
@@ -35,7 +35,7 @@ impl Arm {
         from: &[f64],
         branch: &mut Branch,
         solution: &mut Solution,
-    ) -> Result<(), QueryError> {
+    ) -> Reply<()> {
         let deadline = self.deadline();
         self.with_workspace(|workspace| {
             workspace.aim(target);
@@ -63,7 +63,7 @@ impl Arm {
         target: &Placement<f64>,
         from: &[f64],
         solution: &mut Solution,
-    ) -> Result<bool, QueryError> {
+    ) -> Reply<bool> {
         let (Some(lanes), true) = (&self.lanes, self.follows_by_lanes()) else {
             return Ok(false);
         };
@@ -91,7 +91,7 @@ impl Arm {
         target: &Placement<f64>,
         from: &[f64],
         solution: &mut Solution,
-    ) -> Result<(), QueryError> {
+    ) -> Reply<()> {
         self.answer(&self.query(target, from), solution)?;
         if !(solution.reached && self.follows_by_lanes()) {
             return Ok(());
@@ -116,7 +116,7 @@ impl Arm {
         target: &Placement<f64>,
         from: &[f64],
         count: usize,
-    ) -> Result<Vec<Solution>, QueryError> {
+    ) -> Reply<Vec<Solution>> {
         if !self.follows_by_lanes() {
             return Ok(Vec::new());
         }

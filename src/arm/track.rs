@@ -1,8 +1,8 @@
 //! Whole paths, on one branch from end to end where there is one.
 
-use super::QueryError;
 use super::arm::Arm;
 use super::follower::{Follower, Jump, LONG_STEP};
+use super::{QueryError, Reply};
 use crate::ik::Solution;
 use crate::spatial::Placement;
 
@@ -86,7 +86,7 @@ impl Arm {
         step: usize,
         track: &mut Track,
         back_left: &mut usize,
-    ) -> Result<bool, QueryError> {
+    ) -> Reply<bool> {
         let Some(last) = step.checked_sub(1) else {
             return Ok(false);
         };
@@ -117,7 +117,7 @@ impl Arm {
         pull: f64,
         track: &Track,
         back_left: &mut usize,
-    ) -> Result<Option<Vec<Solution>>, QueryError> {
+    ) -> Reply<Option<Vec<Solution>>> {
         let mut follower = self.follower(&other.q)?;
         follower.stand_at(&targets[step], &other.q);
         let mut way = vec![other.clone()];
@@ -148,7 +148,7 @@ impl Arm {
         targets: &[Placement<f64>],
         step: usize,
         track: &Track,
-    ) -> Result<Follower<'_>, QueryError> {
+    ) -> Reply<Follower<'_>> {
         let first = step.saturating_sub(2);
         let mut follower = self.follower(&track.solutions[first].q)?;
         follower.set_ease(&track.solutions[0].q);

@@ -1,7 +1,7 @@
 //! Away from what touches, along the freedom that a target leaves.
 
 use super::{ClearRoom, KeepClear};
-use crate::arm::QueryError;
+use crate::arm::Reply;
 use crate::arm::arm::Arm;
 use crate::arm::lanes_or_core::Query;
 use crate::arm::workspace::{ArmWorkspace, Errors};
@@ -32,7 +32,7 @@ impl Arm {
         room: &mut ClearRoom,
         query: &Query<'_>,
         (mut worst, most): (f64, usize),
-    ) -> Result<(bool, Spent), QueryError> {
+    ) -> Reply<(bool, Spent)> {
         let mut spent = Spent::default();
         if !self.has_freedom() {
             return Ok((false, spent));

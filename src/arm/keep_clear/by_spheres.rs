@@ -1,7 +1,7 @@
 //! Many configurations at once, eight in lanes.
 
 use crate::arm::arm::Arm;
-use crate::arm::{PoseOutcome, QueryError};
+use crate::arm::{PoseOutcome, QueryError, Reply};
 use crate::collision::in_lanes::CHECKED;
 
 impl Arm {
@@ -26,7 +26,7 @@ impl Arm {
         &self,
         q: &[f64],
         outcomes: &mut [PoseOutcome],
-    ) -> Result<(), QueryError> {
+    ) -> Reply<()> {
         self.for_each_touching(q, true, |place| outcomes[place].reached = false)
     }
 
@@ -36,7 +36,7 @@ impl Arm {
         q: &[f64],
         by_shapes: bool,
         mut each: impl FnMut(usize),
-    ) -> Result<(), QueryError> {
+    ) -> Reply<()> {
         let Some(kept) = &self.collisions else {
             return Ok(());
         };

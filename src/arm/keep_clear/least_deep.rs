@@ -2,7 +2,7 @@
 
 use super::search::LOOKED_AT;
 use super::{ClearRoom, KeepClear};
-use crate::arm::QueryError;
+use crate::arm::Reply;
 use crate::arm::arm::Arm;
 use crate::arm::lanes_or_core::Query;
 use crate::arm::workspace::ArmWorkspace;
@@ -16,7 +16,7 @@ impl Arm {
         workspace: &mut ArmWorkspace,
         room: &mut ClearRoom,
         query: &Query<'_>,
-    ) -> Result<f64, QueryError> {
+    ) -> Reply<f64> {
         let mut best = kept.worst(self, room, &workspace.x)?;
         for turn in 0..workspace.order.len().min(LOOKED_AT) {
             if query.is_late() {

@@ -9,7 +9,7 @@ mod search;
 
 use super::arm::Arm;
 use super::workspace::ArmWorkspace;
-use super::{ArmError, QueryError};
+use super::{ArmError, QueryError, Reply};
 use crate::collision::in_lanes::{self, Body, BodyChain, Rooms, Solids};
 use crate::collision::{Checker, CheckerWorkspace, SphereModel, World};
 use crate::kinematics::ForwardKinematics;
@@ -134,8 +134,8 @@ impl Arm {
     fn with_room<T>(
         &self,
         kept: &KeepClear,
-        run: impl FnOnce(&mut ArmWorkspace, &mut ClearRoom) -> Result<T, QueryError>,
-    ) -> Result<T, QueryError> {
+        run: impl FnOnce(&mut ArmWorkspace, &mut ClearRoom) -> Reply<T>,
+    ) -> Reply<T> {
         self.with_workspace(|workspace| {
             // Taken out and put back, so that nothing is allocated.
             let mut taken = workspace.clear_room.take();
@@ -211,12 +211,7 @@ impl KeepClear {
     }
 
     /// The pairs that are too near at a configuration of the arm.
-    fn collisions(
-        &self,
-        arm: &Arm,
-        room: &mut ClearRoom,
-        q: &[f64],
-    ) -> Result<Vec<Collision>, QueryError> {
+    fn collisions(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Reply<Vec<Collision>> {
         arm.configuration(q, &mut room.q_model)?;
         Ok(self
             .checker
@@ -224,29 +219,24 @@ impl KeepClear {
     }
 
     /// How far the two are apart that are worst at a configuration of the arm, metres; infinite where all pairs are free.
-    fn worst(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Result<f64, QueryError> {
+    fn worst(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Reply<f64> {
         let pairs = self.collisions(arm, room, q)?;
         Ok(pairs.first().map_or(f64::INFINITY, |pair| pair.distance))
     }
 
     /// Whether all pairs are far enough apart, by the exact check.
-    fn is_free(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Result<bool, QueryError> {
+    fn is_free(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Reply<bool> {
         arm.configuration(q, &mut room.q_model)?;
         Ok(self.checker.is_free(&mut room.exact, &room.q_model)?)
     }
 
     /// Whether one that is not surely free by its spheres is so by its shapes: never where spheres are all there is to know.
-    fn is_free_by_shapes(
-        &self,
-        arm: &Arm,
-        room: &mut ClearRoom,
-        q: &[f64],
-    ) -> Result<bool, QueryError> {
+    fn is_free_by_shapes(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Reply<bool> {
         Ok(!self.spheres_decide() && !self.never_free && self.is_free(arm, room, q)?)
     }
 
     /// Whether one configuration is free: by its spheres, or where these do not tell by its shapes.
-    fn is_clear(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Result<bool, QueryError> {
+    fn is_clear(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Reply<bool> {
         let by_spheres = self.free_by_spheres(arm, room, q)? & 1 != 0;
         match by_spheres {
             true => self.close_are_apart(arm, room, q),
@@ -255,12 +245,7 @@ impl KeepClear {
     }
 
     /// Whether one that is free by its spheres is so by the shapes of those links too that are too close for spheres.
-    fn close_are_apart(
-        &self,
-        arm: &Arm,
-        room: &mut ClearRoom,
-        q: &[f64],
-    ) -> Result<bool, QueryError> {
+    fn close_are_apart(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Reply<bool> {
         if self.close_pairs.is_empty() || self.lanes.is_none() {
             return Ok(true);
         }
@@ -271,12 +256,7 @@ impl KeepClear {
 
     /// Which of up to eight configurations, bit by bit, are free by their spheres but for [close pairs](Self::close_are_apart), or without
     /// spheres by all shapes.
-    fn free_by_spheres(
-        &self,
-        arm: &Arm,
-        room: &mut ClearRoom,
-        q: &[f64],
-    ) -> Result<u32, QueryError> {
+    fn free_by_spheres(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Reply<u32> {
         let n = arm.joint_count();
         if self.never_free {
             return Ok(0);

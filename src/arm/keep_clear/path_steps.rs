@@ -1,7 +1,7 @@
 //! Steps of a path that stop before they touch.
 
 use super::{ClearRoom, KeepClear};
-use crate::arm::QueryError;
+use crate::arm::Reply;
 use crate::arm::arm::Arm;
 use crate::arm::follower::LONG_STEP;
 use crate::arm::workspace::{ArmWorkspace, Errors};
@@ -24,7 +24,7 @@ impl Arm {
         from: &[f64],
         target: &Placement<f64>,
         solution: &mut Solution,
-    ) -> Result<bool, QueryError> {
+    ) -> Reply<bool> {
         let Some(kept) = &self.collisions else {
             return Ok(true);
         };
@@ -62,7 +62,7 @@ impl Arm {
         workspace: &mut ArmWorkspace,
         room: &mut ClearRoom,
         from: &[f64],
-    ) -> Result<bool, QueryError> {
+    ) -> Reply<bool> {
         let Some(lanes) = self.lanes.as_ref().filter(|_| self.has_freedom()) else {
             return Ok(false);
         };
@@ -103,7 +103,7 @@ impl KeepClear {
         room: &mut ClearRoom,
         from: &[f64],
         to: &[f64],
-    ) -> Result<Option<Collision>, QueryError> {
+    ) -> Reply<Option<Collision>> {
         room.take_way(arm, from, to)?;
         let way = self
             .checker
@@ -118,7 +118,7 @@ impl KeepClear {
         room: &mut ClearRoom,
         from: &[f64],
         to: &[f64],
-    ) -> Result<f64, QueryError> {
+    ) -> Reply<f64> {
         room.take_way(arm, from, to)?;
         let way = self
             .cautious
@@ -128,7 +128,7 @@ impl KeepClear {
 }
 
 impl ClearRoom {
-    fn take_way(&mut self, arm: &Arm, from: &[f64], to: &[f64]) -> Result<(), QueryError> {
+    fn take_way(&mut self, arm: &Arm, from: &[f64], to: &[f64]) -> Reply<()> {
         self.q_from.clone_from(&self.q_model);
         arm.configuration(from, &mut self.q_from)?;
         arm.configuration(to, &mut self.q_model)

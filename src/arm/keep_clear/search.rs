@@ -1,7 +1,7 @@
 //! The search for a solution that touches nothing.
 
 use super::{ClearRoom, KeepClear};
-use crate::arm::QueryError;
+use crate::arm::Reply;
 use crate::arm::arm::Arm;
 use crate::arm::lanes_or_core::Query;
 use crate::arm::nearest_and_distinct::spent;
@@ -27,7 +27,7 @@ impl Arm {
         kept: &KeepClear,
         query: &Query<'_>,
         solution: &mut Solution,
-    ) -> Result<(Found, Errors), QueryError> {
+    ) -> Reply<(Found, Errors)> {
         let (mut found, mut errors) = self.answer_anywhere(query, solution)?;
         self.with_room(kept, |workspace, room| {
             let free = found.reached && kept.is_clear(self, room, &solution.q)?;
@@ -56,7 +56,7 @@ impl Arm {
         room: &mut ClearRoom,
         query: &Query<'_>,
         found: &mut Found,
-    ) -> Result<(), QueryError> {
+    ) -> Reply<()> {
         workspace.aim(query.target);
         self.bound_moves(workspace, query.start);
         if kept.never_free {
@@ -106,7 +106,7 @@ impl Arm {
         workspace: &mut ArmWorkspace,
         room: &mut ClearRoom,
         query: &Query<'_>,
-    ) -> Result<Option<usize>, QueryError> {
+    ) -> Reply<Option<usize>> {
         workspace.found.clear();
         workspace.outcomes.clear();
         workspace.order.clear();
@@ -159,7 +159,7 @@ impl Arm {
         room: &mut ClearRoom,
         query: &Query<'_>,
         (from, most): (usize, usize),
-    ) -> Result<Option<usize>, QueryError> {
+    ) -> Reply<Option<usize>> {
         let n = self.joint_count();
         let Some(lanes) = self.lanes_within(&workspace.bounded_lanes) else {
             return Ok(None);
@@ -225,7 +225,7 @@ impl Arm {
         room: &mut ClearRoom,
         query: &Query<'_>,
         from: usize,
-    ) -> Result<Option<usize>, QueryError> {
+    ) -> Reply<Option<usize>> {
         let mut several = std::mem::take(&mut room.several);
         let mut first = None;
         for group in workspace.order[from..].chunks(CHECKED) {
@@ -258,10 +258,7 @@ impl Arm {
     }
 
     /// Takes the solutions out of the workspace's order that touch something.
-    pub(in crate::arm) fn drop_touching(
-        &self,
-        workspace: &mut ArmWorkspace,
-    ) -> Result<(), QueryError> {
+    pub(in crate::arm) fn drop_touching(&self, workspace: &mut ArmWorkspace) -> Reply<()> {
         let Some(kept) = &self.collisions else {
             return Ok(());
         };
