@@ -5,6 +5,9 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
+/// What is read of a file, or why that cannot be.
+pub(crate) type FromFile<T> = Result<T, ReadError>;
+
 /// A file that could not be read.
 #[derive(Debug, thiserror::Error)]
 #[error("{file}: {place}{problem}")]

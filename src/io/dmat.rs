@@ -9,7 +9,7 @@ use std::path::Path;
 
 use nalgebra::DMatrix;
 
-use super::{Place, ReadError, WriteError, read_with, write_bytes};
+use super::{FromFile, Place, ReadError, WriteError, read_with, write_bytes};
 
 /// The longest DMAT file that is read.
 const LENGTH_LIMIT: u64 = 1 << 31;
@@ -89,7 +89,7 @@ fn header_line(
     start: usize,
     line: usize,
     name: &str,
-) -> Result<((usize, usize), usize), ReadError> {
+) -> FromFile<((usize, usize), usize)> {
     let rest = bytes.get(start..).unwrap_or(&[]);
     let length = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
     let text = rest.get(..length).unwrap_or(&[]);
@@ -113,7 +113,7 @@ fn checked_count(
     width: u128,
     available: usize,
     name: &str,
-) -> Result<usize, ReadError> {
+) -> FromFile<usize> {
     let place = || Place::Line(if width == TEXT_WIDTH { 1 } else { 2 });
     let what = format!("{columns} columns of {rows} values");
     // Nothing in the file would stand against an absurd size times zero.
@@ -140,7 +140,7 @@ fn text_values(
     body: usize,
     (columns, rows): (usize, usize),
     name: &str,
-) -> Result<DMatrix<f64>, ReadError> {
+) -> FromFile<DMatrix<f64>> {
     let rest = bytes.get(body..).unwrap_or(&[]);
     let count = checked_count((columns, rows), TEXT_WIDTH, rest.len(), name)?;
     let mut values = Vec::with_capacity(count);
@@ -173,7 +173,7 @@ fn binary_values(
     body: usize,
     (columns, rows): (usize, usize),
     name: &str,
-) -> Result<DMatrix<f64>, ReadError> {
+) -> FromFile<DMatrix<f64>> {
     let rest = bytes.get(body..).unwrap_or(&[]);
     let count = checked_count((columns, rows), 8, rest.len(), name)?;
     let fail = |value: usize, problem| {

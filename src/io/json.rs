@@ -2,9 +2,9 @@
 
 use serde::de::DeserializeOwned;
 
-use super::{Place, ReadError};
+use super::{FromFile, Place, ReadError};
 
-pub(crate) fn parse<T: DeserializeOwned>(json: &[u8], name: &str) -> Result<T, ReadError> {
+pub(crate) fn parse<T: DeserializeOwned>(json: &[u8], name: &str) -> FromFile<T> {
     parse_by(|json| serde_json::from_slice(json), json, name)
 }
 
@@ -13,7 +13,7 @@ pub(super) fn parse_by<T>(
     reader: impl FnOnce(&[u8]) -> serde_json::Result<T>,
     json: &[u8],
     name: &str,
-) -> Result<T, ReadError> {
+) -> FromFile<T> {
     reader(json).map_err(|error| {
         let lines = json.split_inclusive(|byte| *byte == b'\n');
         let before: usize = lines

@@ -16,6 +16,7 @@ pub mod ply;
 pub mod rig;
 pub mod state_machine;
 
+pub(crate) use crate::file::FromFile;
 pub use crate::file::{Place, ReadError, ReadProblem, WriteError};
 
 use crate::file::{read_bytes, read_with, write_bytes};

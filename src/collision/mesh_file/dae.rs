@@ -6,10 +6,10 @@ use roxmltree::{Document, Node, ParsingOptions};
 use super::dae_document::{Collada, children, named};
 use super::dae_nodes::Instances;
 use super::{CORNER_LIMIT, MeshFile, text};
-use crate::file::{Place, ReadError};
+use crate::file::{FromFile, Place, ReadError};
 use crate::spatial::Vector3;
 
-pub(super) fn parse(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
+pub(super) fn parse(bytes: &[u8], file: &str) -> FromFile<MeshFile> {
     let text = text::of(bytes, file)?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let options = ParsingOptions {
@@ -47,7 +47,7 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
 }
 
 impl<'a> Collada<'a> {
-    fn geometry(&self, geometry: Node<'a, 'a>) -> Result<MeshFile, ReadError> {
+    fn geometry(&self, geometry: Node<'a, 'a>) -> FromFile<MeshFile> {
         let mut mesh = MeshFile::default();
         // Of a spline there are no triangles.
         let Some(part) = named(geometry, "mesh") else {
@@ -65,12 +65,7 @@ impl<'a> Collada<'a> {
         Ok(mesh)
     }
 
-    fn primitives(
-        &self,
-        node: Node<'a, 'a>,
-        tag: &str,
-        mesh: &mut MeshFile,
-    ) -> Result<(), ReadError> {
+    fn primitives(&self, node: Node<'a, 'a>, tag: &str, mesh: &mut MeshFile) -> FromFile<()> {
         let offset = |input: Node<'a, 'a>| {
             let offset = input.attribute("offset").unwrap_or("0");
             offset.parse::<usize>().ok().filter(|offset| *offset < 64)
@@ -131,11 +126,7 @@ impl<'a> Collada<'a> {
     }
 
     /// The points of a `<vertices>`.
-    fn positions(
-        &self,
-        vertices: Node<'a, 'a>,
-        points: &mut Vec<Vector3<f64>>,
-    ) -> Result<(), ReadError> {
+    fn positions(&self, vertices: Node<'a, 'a>, points: &mut Vec<Vector3<f64>>) -> FromFile<()> {
         let position = |input: &Node<'a, 'a>| input.attribute("semantic") == Some("POSITION");
         let input = children(vertices, "input").find(position);
         let input = input.ok_or_else(|| self.fail(vertices, "has no POSITION"))?;

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use roxmltree::{Document, Node};
 
-use crate::file::{Place, ReadError};
+use crate::file::{FromFile, Place, ReadError};
 
 /// A document, its name for errors and its elements by their ids.
 pub(super) struct Collada<'a> {
@@ -35,11 +35,7 @@ impl<'a> Collada<'a> {
     }
 
     /// The element that an attribute `#id` names.
-    pub(super) fn referred(
-        &self,
-        node: Node<'a, 'a>,
-        attribute: &str,
-    ) -> Result<Node<'a, 'a>, ReadError> {
+    pub(super) fn referred(&self, node: Node<'a, 'a>, attribute: &str) -> FromFile<Node<'a, 'a>> {
         let reference = node.attribute(attribute).unwrap_or_default();
         let found = self.by_id.get(reference.trim_start_matches('#')).copied();
         found.ok_or_else(|| {
@@ -51,10 +47,7 @@ impl<'a> Collada<'a> {
     }
 
     /// The numbers in an element, at most as many as there may be corners.
-    pub(super) fn numbers<T: std::str::FromStr>(
-        &self,
-        node: Node<'a, 'a>,
-    ) -> Result<Vec<T>, ReadError> {
+    pub(super) fn numbers<T: std::str::FromStr>(&self, node: Node<'a, 'a>) -> FromFile<Vec<T>> {
         let words = node.text().unwrap_or_default().split_ascii_whitespace();
         let number = |word: &str| {
             let fault = |_| self.fail(node, format!("`{word}` is no number that may stand here"));

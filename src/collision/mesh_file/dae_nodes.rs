@@ -3,7 +3,7 @@
 use roxmltree::Node;
 
 use super::dae_document::{Collada, children, named};
-use crate::file::ReadError;
+use crate::file::FromFile;
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Vector3};
 
@@ -51,7 +51,7 @@ pub(super) struct Instances<'c, 'a> {
 
 impl<'c, 'a> Instances<'c, 'a> {
     /// Of the scene that the file shows, else of its first one; of a file without scenes all geometries as they are.
-    pub(super) fn of(collada: &'c Collada<'a>) -> Result<Vec<(Node<'a, 'a>, Affine)>, ReadError> {
+    pub(super) fn of(collada: &'c Collada<'a>) -> FromFile<Vec<(Node<'a, 'a>, Affine)>> {
         let root = collada.root();
         let shown = named(root, "scene").and_then(|scene| named(scene, "instance_visual_scene"));
         let scene = match shown {
@@ -74,12 +74,7 @@ impl<'c, 'a> Instances<'c, 'a> {
         Ok(instances.found)
     }
 
-    fn of_node(
-        &mut self,
-        node: Node<'a, 'a>,
-        above: &Affine,
-        depth: usize,
-    ) -> Result<(), ReadError> {
+    fn of_node(&mut self, node: Node<'a, 'a>, above: &Affine, depth: usize) -> FromFile<()> {
         if depth > DEPTH_LIMIT || self.found.len() > COUNT_LIMIT {
             let problem = "more nodes within nodes than a mesh has";
             return Err(self.collada.fail(node, problem));
@@ -113,7 +108,7 @@ impl<'c, 'a> Instances<'c, 'a> {
         Ok(())
     }
 
-    fn transform(&self, node: Node<'a, 'a>, tag: &str) -> Result<Option<Affine>, ReadError> {
+    fn transform(&self, node: Node<'a, 'a>, tag: &str) -> FromFile<Option<Affine>> {
         let needed = match tag {
             "matrix" => 16,
             "translate" | "scale" => 3,

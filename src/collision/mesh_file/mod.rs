@@ -15,7 +15,7 @@ mod text;
 use std::collections::HashMap;
 use std::path::Path;
 
-use crate::file::{Place, ReadError, read_bytes};
+use crate::file::{FromFile, Place, ReadError, read_bytes};
 use crate::spatial::Vector3;
 
 /// The longest file that is read.
@@ -102,7 +102,7 @@ impl MeshFile {
     }
 }
 
-fn ply(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
+fn ply(bytes: &[u8], file: &str) -> FromFile<MeshFile> {
     let mesh = crate::io::ply::from_bytes(bytes, file)?;
     let point = |p: &glam::Vec3| Vector3::new(p.x.into(), p.y.into(), p.z.into());
     Ok(MeshFile {

@@ -1,10 +1,10 @@
 //! Wavefront OBJ: points (`v`) and polygons (`f`) of all objects and groups; the rest is passed over.
 
 use super::{CORNER_LIMIT, MeshFile, text};
-use crate::file::{Place, ReadError};
+use crate::file::{FromFile, Place, ReadError};
 use crate::spatial::Vector3;
 
-pub(super) fn parse(bytes: &[u8], file: &str) -> Result<MeshFile, ReadError> {
+pub(super) fn parse(bytes: &[u8], file: &str) -> FromFile<MeshFile> {
     // Comments may be in any encoding.
     let text = String::from_utf8_lossy(bytes);
     let mut mesh = MeshFile::default();

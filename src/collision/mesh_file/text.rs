@@ -1,9 +1,9 @@
 //! Numbers in text.
 
-use crate::file::{Place, ReadError};
+use crate::file::{FromFile, Place, ReadError};
 
 /// A file's bytes as text.
-pub(super) fn of<'a>(bytes: &'a [u8], file: &str) -> Result<&'a str, ReadError> {
+pub(super) fn of<'a>(bytes: &'a [u8], file: &str) -> FromFile<&'a str> {
     std::str::from_utf8(bytes).map_err(|error| {
         let at = Place::Byte(error.valid_up_to());
         ReadError::malformed(file, at, "is not UTF-8 text")

@@ -11,7 +11,7 @@ use std::fmt::Write;
 
 use super::{NamedSpheres, SphereModel};
 use crate::collision::Ball;
-use crate::file::{Place, ReadError};
+use crate::file::{FromFile, Place, ReadError};
 use crate::spatial::Vector3;
 use crate::yaml::{self, Node, Value};
 
@@ -40,7 +40,7 @@ fn quoted(name: &str) -> String {
 
 /// The spheres of a document, wherever in it `collision_spheres` stands: cuRobo has it under
 /// `robot_cfg: kinematics:` as well. One of radius 0 or less counts for nothing, as there.
-pub(super) fn parse(text: &str, file: &str) -> Result<NamedSpheres, ReadError> {
+pub(super) fn parse(text: &str, file: &str) -> FromFile<NamedSpheres> {
     let root = yaml::parse(text, file)?;
     let fail = |node: &Node<'_>, problem: &str| {
         ReadError::malformed(file, Place::Line(node.line), problem)

@@ -12,7 +12,7 @@ use super::pose::Pose;
 use super::{Obstacle, World, WorldError};
 use crate::collision::mesh_file::MeshFile;
 use crate::collision::shape::{Shape, ShapeError, ShapeKind};
-use crate::file::{Place, ReadError, ReadProblem};
+use crate::file::{FromFile, Place, ReadError, ReadProblem};
 use crate::spatial::Vector3;
 
 /// The kinds of obstacles, each with its own measures beside what all have; the file's lists of them.
@@ -44,7 +44,7 @@ macro_rules! kinds {
         }
 
         /// All obstacles of a file, kind by kind.
-        fn read_all(contents: Contents, reader: &Reader<'_>) -> Result<World, ReadError> {
+        fn read_all(contents: Contents, reader: &Reader<'_>) -> FromFile<World> {
             let mut world = World::new();
             $(for (index, entry) in contents.$list.into_iter().enumerate() {
                 let place = || Place::Json(format!("{}[{index}]", stringify!($list)));
@@ -208,7 +208,7 @@ impl Mesh {
 }
 
 /// A world of JSON's bytes.
-pub(super) fn parse(bytes: &[u8], file: &str, folder: Option<&Path>) -> Result<World, ReadError> {
+pub(super) fn parse(bytes: &[u8], file: &str, folder: Option<&Path>) -> FromFile<World> {
     let Object(mut contents): Object<Contents> = crate::io::json::parse(bytes, file)?;
     let order = std::mem::take(&mut contents.order);
     let reader = Reader { file, folder };

@@ -2,7 +2,7 @@
 //! that `robot_state` holds attached to links.
 
 use crate::collision::shape::{Shape, ShapeError};
-use crate::file::{Place, ReadError, ReadProblem};
+use crate::file::{FromFile, Place, ReadError, ReadProblem};
 use crate::spatial::{Placement, Quaternion, Vector3};
 use crate::yaml::{self, Node, Value};
 
@@ -16,7 +16,7 @@ struct Scene<'f> {
 }
 
 /// A scene's obstacles. Of an object with several primitives each is an obstacle: `name/0`, `name/1`, ….
-pub(super) fn parse(bytes: &[u8], file: &str) -> Result<World, ReadError> {
+pub(super) fn parse(bytes: &[u8], file: &str) -> FromFile<World> {
     let text = std::str::from_utf8(bytes).map_err(|error| {
         ReadError::malformed(file, Place::Byte(error.valid_up_to()), "is not UTF-8")
     })?;
@@ -52,23 +52,23 @@ impl Scene<'_> {
         ReadError::malformed(self.file, Place::Line(at.line), problem)
     }
 
-    fn named<'n, 't>(&self, node: &'n Node<'t>, key: &str) -> Result<&'n Node<'t>, ReadError> {
+    fn named<'n, 't>(&self, node: &'n Node<'t>, key: &str) -> FromFile<&'n Node<'t>> {
         node.get(key)
             .ok_or_else(|| self.fail(node, &format!("has no `{key}`")))
     }
 
-    fn list<'n, 't>(&self, node: &'n Node<'t>, what: &str) -> Result<&'n [Node<'t>], ReadError> {
+    fn list<'n, 't>(&self, node: &'n Node<'t>, what: &str) -> FromFile<&'n [Node<'t>]> {
         node.list()
             .ok_or_else(|| self.fail(node, &format!("`{what}` is not a list")))
     }
 
-    fn text<'n>(&self, node: &'n Node<'_>, what: &str) -> Result<&'n str, ReadError> {
+    fn text<'n>(&self, node: &'n Node<'_>, what: &str) -> FromFile<&'n str> {
         node.text()
             .ok_or_else(|| self.fail(node, &format!("`{what}` is not a text")))
     }
 
     /// Numbers in a list, or under these keys.
-    fn numbers(&self, node: &Node<'_>, what: &str, keys: &[&str]) -> Result<Vec<f64>, ReadError> {
+    fn numbers(&self, node: &Node<'_>, what: &str, keys: &[&str]) -> FromFile<Vec<f64>> {
         let nodes: Vec<&Node<'_>> = match (&node.value, keys) {
             (Value::Map(_), [_, ..]) => {
                 let under = keys.iter().map(|key| self.named(node, key));
@@ -93,7 +93,7 @@ impl Scene<'_> {
     }
 
     /// Quaternions are x, y, z, w here.
-    fn pose(&self, node: &Node<'_>) -> Result<Placement<f64>, ReadError> {
+    fn pose(&self, node: &Node<'_>) -> FromFile<Placement<f64>> {
         let mut pose = Placement::identity();
         if let Some(position) = node.get("position") {
             let numbers = self.numbers(position, "position", &["x", "y", "z"])?;
@@ -113,7 +113,7 @@ impl Scene<'_> {
         Ok(pose)
     }
 
-    fn object(&mut self, object: &Node<'_>, link: Option<&str>) -> Result<(), ReadError> {
+    fn object(&mut self, object: &Node<'_>, link: Option<&str>) -> FromFile<()> {
         let name = self.text(self.named(object, "id")?, "id")?;
         let pose = object.get("pose").map(|pose| self.pose(pose));
         let pose = pose.transpose()?.unwrap_or_else(Placement::identity);
@@ -156,7 +156,7 @@ impl Scene<'_> {
         Ok(())
     }
 
-    fn shape(&self, primitive: &Node<'_>) -> Result<Shape, ReadError> {
+    fn shape(&self, primitive: &Node<'_>) -> FromFile<Shape> {
         let kind = self.named(primitive, "type")?;
         let measures = self.named(primitive, "dimensions")?;
         let numbers = self.numbers(measures, "dimensions", &[])?;

@@ -12,14 +12,14 @@ use crate::animation::curve::KeyedCurve;
 use crate::animation::rotation::RotationCurve;
 use crate::animation::rotation::exponential::turn_about_exactly;
 use crate::animation::{Armature, ArmatureBone, Channel, ChannelError, Clip, LocalTransform};
-use crate::io::ReadError;
+use crate::io::{FromFile, ReadError};
 
 /// Puts the two parts of a file together.
 pub(super) fn capture(
     lexer: &Lexer,
     joints: Vec<Joint>,
     motion: Motion,
-) -> Result<MotionCapture, ReadError> {
+) -> FromFile<MotionCapture> {
     let bones = joints.iter().map(|joint| ArmatureBone {
         name: joint.name.clone(),
         parent: joint.parent,

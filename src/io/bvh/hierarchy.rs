@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::LONGEST;
 use super::channel::BvhChannel;
 use super::lexer::{Lexer, Word};
-use crate::io::ReadError;
+use crate::io::FromFile;
 
 /// A joint or an End Site, in the order of the file: parents before children.
 #[derive(Debug)]
@@ -30,7 +30,7 @@ struct Open {
 }
 
 /// Reads up to and with the word `MOTION`.
-pub(super) fn read(lexer: &mut Lexer) -> Result<Vec<Joint>, ReadError> {
+pub(super) fn read(lexer: &mut Lexer) -> FromFile<Vec<Joint>> {
     lexer.expect("HIERARCHY")?;
     let mut reader = Reader::default();
     loop {
@@ -92,7 +92,7 @@ struct Reader {
 
 impl Reader {
     /// `ROOT name {` or `JOINT name {`, whose first word was read.
-    fn joint(&mut self, lexer: &mut Lexer, keyword: Word) -> Result<(), ReadError> {
+    fn joint(&mut self, lexer: &mut Lexer, keyword: Word) -> FromFile<()> {
         let Some(name) = lexer.name() else {
             let problem = format!("expected a name after `{}`", keyword.text);
             return Err(lexer.error(keyword.line, problem));
@@ -101,7 +101,7 @@ impl Reader {
     }
 
     /// `End Site {`, whose first word was read.
-    fn end_site(&mut self, lexer: &mut Lexer, keyword: Word) -> Result<(), ReadError> {
+    fn end_site(&mut self, lexer: &mut Lexer, keyword: Word) -> FromFile<()> {
         lexer.expect("Site")?;
         let name = match self.open.last() {
             Some(open) => end_site_name(&self.joints[open.joint].name, open.end_sites),
@@ -116,7 +116,7 @@ impl Reader {
         keyword: Word,
         name: String,
         is_end_site: bool,
-    ) -> Result<(), ReadError> {
+    ) -> FromFile<()> {
         lexer.expect("{")?;
         if let Some(first) = self.lines.insert(name.clone(), keyword.line) {
             let problem = format!("the name `{name}` is taken by the joint on line {first}");
@@ -151,7 +151,7 @@ pub(super) fn end_site_name(joint: &str, number: usize) -> String {
 
 /// Checks that a line stands once in its block, and before what hangs on the joint: the order of the
 /// channels is that of the joints.
-fn once(lexer: &Lexer, word: Word, open: &Open, is_second: bool) -> Result<(), ReadError> {
+fn once(lexer: &Lexer, word: Word, open: &Open, is_second: bool) -> FromFile<()> {
     let problem = match (is_second, open.joints + open.end_sites) {
         (false, 0) => return Ok(()),
         (true, _) => format!("a second `{}` of one joint", word.text),
@@ -160,7 +160,7 @@ fn once(lexer: &Lexer, word: Word, open: &Open, is_second: bool) -> Result<(), R
     Err(lexer.error(word.line, problem))
 }
 
-fn offset(lexer: &mut Lexer, joint: &str) -> Result<[f64; 3], ReadError> {
+fn offset(lexer: &mut Lexer, joint: &str) -> FromFile<[f64; 3]> {
     let mut offset = [0.0; 3];
     for (number, axis) in offset.iter_mut().zip(["x", "y", "z"]) {
         *number = lexer.number(|| format!("{axis} of the OFFSET of `{joint}`"))?;
@@ -172,7 +172,7 @@ fn offset(lexer: &mut Lexer, joint: &str) -> Result<[f64; 3], ReadError> {
     Ok(offset)
 }
 
-fn channels(lexer: &mut Lexer, joint: &str) -> Result<Vec<BvhChannel>, ReadError> {
+fn channels(lexer: &mut Lexer, joint: &str) -> FromFile<Vec<BvhChannel>> {
     let number = lexer.count("the number of CHANNELS")?;
     if number > 6 {
         let problem = format!("a joint has at most 6 CHANNELS, not {number}");

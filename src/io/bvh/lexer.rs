@@ -1,6 +1,6 @@
 //! The words of a BVH file and the lines they stand on.
 
-use crate::io::{Place, ReadError};
+use crate::io::{FromFile, Place, ReadError};
 
 /// A word longer than this is cut in messages.
 const SHOWN: usize = 40;
@@ -30,7 +30,7 @@ impl Word<'_> {
 
 impl<'a> Lexer<'a> {
     /// `file` is for messages.
-    pub(super) fn new(bytes: &'a [u8], file: &'a str) -> Result<Self, ReadError> {
+    pub(super) fn new(bytes: &'a [u8], file: &'a str) -> FromFile<Self> {
         let text = std::str::from_utf8(bytes).map_err(|error| {
             let before = bytes.get(..error.valid_up_to()).unwrap_or(&[]);
             let place = Place::Line(1 + line_ends(before));
@@ -84,14 +84,14 @@ impl<'a> Lexer<'a> {
     }
 
     /// One given word.
-    pub(super) fn expect(&mut self, keyword: &str) -> Result<Word<'a>, ReadError> {
+    pub(super) fn expect(&mut self, keyword: &str) -> FromFile<Word<'a>> {
         let word = self.word();
         word.filter(|word| word.is(keyword))
             .ok_or_else(|| self.unexpected(&format!("`{keyword}`"), word))
     }
 
     /// Words with a colon after the last, which need not stand apart from what follows it.
-    pub(super) fn label(&mut self, words: &[&str]) -> Result<(), ReadError> {
+    pub(super) fn label(&mut self, words: &[&str]) -> FromFile<()> {
         for keyword in words {
             self.skip_space();
             let start = self.rest.get(..keyword.len());
@@ -107,7 +107,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// A finite number; `what` it should be is for messages.
-    pub(super) fn number(&mut self, what: impl Fn() -> String) -> Result<f64, ReadError> {
+    pub(super) fn number(&mut self, what: impl Fn() -> String) -> FromFile<f64> {
         let word = self.word();
         let number = word.and_then(|word| word.text.parse().ok());
         number
@@ -116,7 +116,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// A whole number.
-    pub(super) fn count(&mut self, what: &str) -> Result<usize, ReadError> {
+    pub(super) fn count(&mut self, what: &str) -> FromFile<usize> {
         let word = self.word();
         let count = word.and_then(|word| word.text.parse().ok());
         count.ok_or_else(|| self.unexpected(&format!("{what}, a whole number"), word))

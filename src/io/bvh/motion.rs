@@ -5,7 +5,7 @@ use super::channel::BvhChannel;
 use super::hierarchy::Joint;
 use super::lexer::Lexer;
 use super::note::BvhNote;
-use crate::io::{Place, ReadError};
+use crate::io::{FromFile, Place, ReadError};
 
 /// The fewest bytes that a number takes: a digit and the white space before it.
 const TEXT_WIDTH: u128 = 2;
@@ -24,7 +24,7 @@ pub(super) struct Motion {
 }
 
 /// Reads what follows the word `MOTION`, to the end of the file.
-pub(super) fn read(lexer: &mut Lexer, joints: &[Joint]) -> Result<Motion, ReadError> {
+pub(super) fn read(lexer: &mut Lexer, joints: &[Joint]) -> FromFile<Motion> {
     lexer.label(&["Frames"])?;
     let frames = lexer.count("the number of frames")?;
     let frames_line = lexer.line();
@@ -59,11 +59,7 @@ pub(super) fn read(lexer: &mut Lexer, joints: &[Joint]) -> Result<Motion, ReadEr
 }
 
 /// What is there after the frames announced: nothing, or whole frames more.
-fn surplus(
-    lexer: &mut Lexer,
-    announced: usize,
-    channels: usize,
-) -> Result<Option<BvhNote>, ReadError> {
+fn surplus(lexer: &mut Lexer, announced: usize, channels: usize) -> FromFile<Option<BvhNote>> {
     let Some(first) = lexer.word() else {
         return Ok(None);
     };
@@ -88,7 +84,7 @@ fn surplus(
 }
 
 /// Whether the numbers announced can be in the rest of the file.
-fn check_room(lexer: &Lexer, frames: usize, line: usize, channels: usize) -> Result<(), ReadError> {
+fn check_room(lexer: &Lexer, frames: usize, line: usize, channels: usize) -> FromFile<()> {
     let needed = TEXT_WIDTH * frames as u128 * channels as u128;
     let available = lexer.left();
     if needed <= available as u128 {
@@ -99,12 +95,7 @@ fn check_room(lexer: &Lexer, frames: usize, line: usize, channels: usize) -> Res
     Err(ReadError::truncated(file, place, what, needed, available))
 }
 
-fn value(
-    lexer: &mut Lexer,
-    frame: usize,
-    joint: &Joint,
-    channel: BvhChannel,
-) -> Result<f64, ReadError> {
+fn value(lexer: &mut Lexer, frame: usize, joint: &Joint, channel: BvhChannel) -> FromFile<f64> {
     let what = || {
         let (channel, name) = (channel.name(), &joint.name);
         format!("{channel} of `{name}` in frame {frame}")

@@ -6,11 +6,11 @@ use gltf_json::{Accessor, Index};
 
 use super::accessor_view::AccessorView;
 use super::source::Source;
-use crate::io::ReadError;
+use crate::io::FromFile;
 
 impl<'a> Source<'a> {
     /// How many entries an accessor has. `user` says who asks, for messages.
-    pub(super) fn count(&self, index: Index<Accessor>, user: &str) -> Result<usize, ReadError> {
+    pub(super) fn count(&self, index: Index<Accessor>, user: &str) -> FromFile<usize> {
         let accessor = self.accessor(index, user)?;
         match usize::try_from(accessor.count.0) {
             Ok(count) if count > 0 => Ok(count),
@@ -29,7 +29,7 @@ impl<'a> Source<'a> {
         index: Index<Accessor>,
         user: &str,
         of: impl Fn([f64; N]) -> T,
-    ) -> Result<Vec<T>, ReadError> {
+    ) -> FromFile<Vec<T>> {
         let count = self.count(index, user)?;
         let path = format!("accessors[{}]", index.value());
         self.charge::<T>(count, &path)?;
@@ -53,7 +53,7 @@ impl<'a> Source<'a> {
         &self,
         index: Index<Accessor>,
         user: &str,
-    ) -> Result<Vec<[u32; N]>, ReadError> {
+    ) -> FromFile<Vec<[u32; N]>> {
         let accessor = self.accessor(index, user)?;
         let whole = matches!(
             accessor.component_type,
@@ -69,11 +69,7 @@ impl<'a> Source<'a> {
         })
     }
 
-    pub(super) fn accessor(
-        &self,
-        index: Index<Accessor>,
-        user: &str,
-    ) -> Result<&'a Accessor, ReadError> {
+    pub(super) fn accessor(&self, index: Index<Accessor>, user: &str) -> FromFile<&'a Accessor> {
         self.entry(
             &self.root.accessors,
             ("accessors", index.value()),
@@ -87,7 +83,7 @@ impl<'a> Source<'a> {
         index: Index<Accessor>,
         count: usize,
         user: &str,
-    ) -> Result<Option<AccessorView<'_>>, ReadError> {
+    ) -> FromFile<Option<AccessorView<'_>>> {
         let accessor = self.accessor(index, user)?;
         let at = |key: &str| format!("accessors[{}].{key}", index.value());
         let fits = match accessor.type_ {
@@ -117,7 +113,7 @@ impl<'a> Source<'a> {
         accessor: &Accessor,
         index: Index<Accessor>,
         user: &str,
-    ) -> Result<ComponentType, ReadError> {
+    ) -> FromFile<ComponentType> {
         match accessor.component_type {
             Checked::Valid(kind) => Ok(kind.0),
             Checked::Invalid => {

@@ -12,7 +12,7 @@ use super::note::Note;
 use super::omissions::Nodeless;
 use super::source::Source;
 use crate::animation::{Armature, Channel, Clip, ClipBuilder};
-use crate::io::ReadError;
+use crate::io::FromFile;
 
 /// What the channels of one animation are for.
 struct Context<'a, 'b> {
@@ -33,7 +33,7 @@ pub(super) fn read(
     meshes: &Meshes,
     armature: &Armature,
     notes: &mut Vec<Note>,
-) -> Result<Vec<Clip>, ReadError> {
+) -> FromFile<Vec<Clip>> {
     let animations = source.root.animations.iter().enumerate();
     let clips = animations.map(|(index, animation)| {
         let context = Context {
@@ -69,7 +69,7 @@ impl Context<'_, '_> {
         number: usize,
         builder: &mut ClipBuilder<'_>,
         notes: &mut Vec<Note>,
-    ) -> Result<(), ReadError> {
+    ) -> FromFile<()> {
         let source = self.source;
         let channel = &self.animation.channels[number];
         let path = format!("{}.channels[{number}]", self.path);
@@ -125,7 +125,7 @@ impl Context<'_, '_> {
         node: usize,
         builder: &mut ClipBuilder<'_>,
         notes: &mut Vec<Note>,
-    ) -> Result<(), ReadError> {
+    ) -> FromFile<()> {
         let mesh = self.meshes.of_node.get(&node);
         let Some(mesh) = mesh.and_then(|&mesh| self.meshes.meshes.get(mesh)) else {
             notes.push(Note::left_out(
@@ -156,7 +156,7 @@ impl Context<'_, '_> {
         path: String,
         user: String,
         of: impl Fn([f64; N]) -> T,
-    ) -> Result<Keys<T>, ReadError> {
+    ) -> FromFile<Keys<T>> {
         let Checked::Valid(interpolation) = sampler.interpolation else {
             let problem = format!("{user}: is none of STEP, LINEAR and CUBICSPLINE");
             return Err(self.source.fail(format!("{path}.interpolation"), problem));

@@ -7,7 +7,7 @@ use base64::alphabet;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use gltf_json::Root;
 
-use crate::io::{Place, ReadError};
+use crate::io::{FromFile, Place, ReadError};
 
 /// Padding is left out by some writers.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -20,8 +20,8 @@ pub(super) fn load<'a>(
     root: &Root,
     binary: Option<&'a [u8]>,
     name: &str,
-    mut open: impl FnMut(&str) -> Result<Vec<u8>, ReadError>,
-) -> Result<Vec<Cow<'a, [u8]>>, ReadError> {
+    mut open: impl FnMut(&str) -> FromFile<Vec<u8>>,
+) -> FromFile<Vec<Cow<'a, [u8]>>> {
     let buffers = root.buffers.iter().enumerate().map(|(index, buffer)| {
         let place = |key: &str| Place::Json(format!("buffers[{index}].{key}"));
         let wrong = |problem: String| ReadError::malformed(name, place("uri"), problem);

@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use super::omissions::{Nodeless, parse_with_omissions};
 use crate::io::json::parse;
-use crate::io::{Place, ReadError};
+use crate::io::{FromFile, Place, ReadError};
 
 /// Extensions that change looks only, or that reading copes with anyway: a file may require them.
 const HARMLESS: [&str; 7] = [
@@ -36,7 +36,7 @@ struct Asset {
 }
 
 /// The document, once its version is known to be 2 and it requires nothing that is not supported.
-pub(super) fn document(json: &[u8], name: &str) -> Result<(Root, Nodeless), ReadError> {
+pub(super) fn document(json: &[u8], name: &str) -> FromFile<(Root, Nodeless)> {
     if let Ok(root) = Root::from_slice(json) {
         let asset = Asset {
             version: root.asset.version.clone(),
@@ -63,7 +63,7 @@ pub(super) fn document(json: &[u8], name: &str) -> Result<(Root, Nodeless), Read
 }
 
 /// Refuses other versions, and what a file requires and nothing here can do.
-fn check(asset: &Asset, required: &[String], name: &str) -> Result<(), ReadError> {
+fn check(asset: &Asset, required: &[String], name: &str) -> FromFile<()> {
     let needed = asset.min_version.as_deref().unwrap_or(&asset.version);
     let wrong_minor = asset.min_version.is_some() && needed != "2.0";
     if needed.split('.').next() != Some("2") || wrong_minor {

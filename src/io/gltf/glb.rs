@@ -1,6 +1,6 @@
 //! GLB, the container of a document and its buffer: glTF 2.0 specification, section 4.4.
 
-use crate::io::{Place, ReadError};
+use crate::io::{FromFile, Place, ReadError};
 
 /// What a GLB file starts with.
 const MAGIC: &[u8; 4] = b"glTF";
@@ -23,7 +23,7 @@ pub(super) fn is_glb(bytes: &[u8]) -> bool {
 }
 
 /// Tells GLB from text.
-pub(super) fn split<'a>(bytes: &'a [u8], name: &str) -> Result<Chunks<'a>, ReadError> {
+pub(super) fn split<'a>(bytes: &'a [u8], name: &str) -> FromFile<Chunks<'a>> {
     if !is_glb(bytes) {
         return Ok(Chunks {
             json: bytes,
@@ -32,7 +32,7 @@ pub(super) fn split<'a>(bytes: &'a [u8], name: &str) -> Result<Chunks<'a>, ReadE
         });
     }
     let fail = |at: usize, problem: String| ReadError::malformed(name, Place::Byte(at), problem);
-    let word = |at: usize| -> Result<u32, ReadError> {
+    let word = |at: usize| -> FromFile<u32> {
         let word = bytes
             .get(at..at + 4)
             .and_then(|w| <[u8; 4]>::try_from(w).ok());

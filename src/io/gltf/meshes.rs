@@ -10,7 +10,7 @@ use super::raw_mesh::{JointWeight, RawMesh};
 use super::scene::SceneMesh;
 use super::source::Source;
 use super::{morph_targets, skins};
-use crate::io::ReadError;
+use crate::io::FromFile;
 use crate::mesh::TriangleMesh;
 use crate::skinning::MorphTargets;
 
@@ -25,11 +25,7 @@ pub(super) struct Meshes {
     pub(super) of_node: BTreeMap<usize, usize>,
 }
 
-pub(super) fn read(
-    source: &Source<'_>,
-    nodes: &Nodes,
-    notes: &mut Vec<Note>,
-) -> Result<Meshes, ReadError> {
+pub(super) fn read(source: &Source<'_>, nodes: &Nodes, notes: &mut Vec<Note>) -> FromFile<Meshes> {
     let mut own = Meshes::default();
     let mut raws: BTreeMap<usize, RawMesh> = BTreeMap::new();
     let (mut taken, mut left_out, mut used) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
@@ -85,7 +81,7 @@ pub(super) fn read(
 }
 
 /// A mesh that several nodes carry takes memory for each.
-fn charge_again(source: &Source<'_>, raw: &RawMesh, node: usize) -> Result<(), ReadError> {
+fn charge_again(source: &Source<'_>, raw: &RawMesh, node: usize) -> FromFile<()> {
     let path = format!("nodes[{node}].mesh");
     source.charge::<[f32; 10]>(raw.positions.len(), &path)?;
     source.charge::<[u32; 3]>(raw.triangles.len(), &path)?;
@@ -100,7 +96,7 @@ fn add(
     own: &mut Meshes,
     taken: &mut BTreeSet<String>,
     notes: &mut Vec<Note>,
-) -> Result<(), ReadError> {
+) -> FromFile<()> {
     let root = source.root;
     let (node, entry) = (&root.nodes[node_index], &root.meshes[mesh_index]);
     let title = label("mesh", mesh_index, entry.name.as_ref());

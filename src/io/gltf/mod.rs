@@ -70,7 +70,7 @@ use std::path::Path;
 use gltf_json::Root;
 
 use self::source::Source;
-use super::{ReadError, read_bytes, read_with};
+use super::{FromFile, ReadError, read_bytes, read_with};
 use crate::animation::{Armature, Clip, ClipNameError};
 use crate::skeleton::BoneId;
 
@@ -114,8 +114,8 @@ struct Parsed {
 fn parse(
     bytes: &[u8],
     name: &str,
-    open: impl FnMut(&str) -> Result<Vec<u8>, ReadError>,
-) -> Result<Parsed, ReadError> {
+    open: impl FnMut(&str) -> FromFile<Vec<u8>>,
+) -> FromFile<Parsed> {
     let chunks = glb::split(bytes, name)?;
     let (root, nodeless) = document::document(chunks.json, name)?;
     let buffers = buffers::load(&root, chunks.binary, name, open)?;

@@ -8,7 +8,7 @@ use gltf_json::mesh::MorphTarget as Entry;
 use serde::{Deserialize, Serialize};
 
 use super::source::Source;
-use crate::io::ReadError;
+use crate::io::FromFile;
 use crate::skinning::{MorphError, MorphTarget};
 
 /// A target of a mesh of several primitives.
@@ -35,7 +35,7 @@ pub(super) fn append(
     [first, count]: [usize; 2],
     user: &str,
     deltas: &mut Deltas,
-) -> Result<(), ReadError> {
+) -> FromFile<()> {
     let parts = [
         ("POSITION", target.positions),
         ("NORMAL", target.normals),

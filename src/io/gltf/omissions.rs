@@ -8,7 +8,7 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::{Map, Value};
 
-use crate::io::ReadError;
+use crate::io::FromFile;
 use crate::io::json::{parse, parse_by};
 
 /// As much of a document as says what it leaves out.
@@ -53,7 +53,7 @@ pub(super) type Nodeless = BTreeSet<(usize, usize)>;
 
 /// The document, with an empty list of nodes for scenes without one, and with any node for channels
 /// without one, which are listed besides.
-pub(super) fn parse_with_omissions(json: &[u8], name: &str) -> Result<(Root, Nodeless), ReadError> {
+pub(super) fn parse_with_omissions(json: &[u8], name: &str) -> FromFile<(Root, Nodeless)> {
     // Where it is no outline, the whole says why.
     let outline: Option<Outline> = serde_json::from_slice(json).ok();
     let omits = outline.is_some_and(|outline| {

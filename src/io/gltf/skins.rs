@@ -9,7 +9,7 @@ use super::note::Note;
 use super::raw_mesh::RawMesh;
 use super::scene::Skin;
 use super::source::Source;
-use crate::io::ReadError;
+use crate::io::FromFile;
 use crate::skeleton::BoneId;
 use crate::skinning::{SkinWeights, WeightRepair};
 
@@ -20,7 +20,7 @@ pub(super) fn read(
     bone_of: &[BoneId],
     mesh: (usize, &str, &RawMesh),
     notes: &mut Vec<Note>,
-) -> Result<Skin, ReadError> {
+) -> FromFile<Skin> {
     let entry = source.entry(&source.root.skins, ("skins", index), None)?;
     let user = label("skin", index, entry.name.as_ref());
     let mut joints = Vec::with_capacity(entry.joints.len());
@@ -44,7 +44,7 @@ pub(super) fn read(
 }
 
 /// Checks the inverse bind matrices of a skin that no mesh which is read has.
-pub(super) fn check(source: &Source<'_>, index: usize) -> Result<(), ReadError> {
+pub(super) fn check(source: &Source<'_>, index: usize) -> FromFile<()> {
     let entry = source.root.skins.get(index);
     entry.map_or(Ok(()), |entry| {
         let user = label("skin", index, entry.name.as_ref());
@@ -53,12 +53,7 @@ pub(super) fn check(source: &Source<'_>, index: usize) -> Result<(), ReadError> 
 }
 
 /// The inverse bind matrices, one for each joint; identities where the file has none.
-fn bound(
-    source: &Source<'_>,
-    entry: &Entry,
-    index: usize,
-    user: &str,
-) -> Result<Vec<Affine3A>, ReadError> {
+fn bound(source: &Source<'_>, entry: &Entry, index: usize, user: &str) -> FromFile<Vec<Affine3A>> {
     let joints = entry.joints.len();
     let Some(matrices) = entry.inverse_bind_matrices else {
         return Ok(vec![Affine3A::IDENTITY; joints]);
@@ -94,7 +89,7 @@ fn weights(
     (index, name, raw): (usize, &str, &RawMesh),
     joints: usize,
     notes: &mut Vec<Note>,
-) -> Result<SkinWeights, ReadError> {
+) -> FromFile<SkinWeights> {
     let fail = |problem: String| {
         let problem = format!("mesh `{name}`: {problem}");
         source.fail(format!("meshes[{index}]"), problem)

@@ -5,7 +5,7 @@ use std::cell::Cell;
 
 use gltf_json::Root;
 
-use crate::io::{Place, ReadError};
+use crate::io::{FromFile, Place, ReadError};
 
 /// What a byte of the file may decode to. Accessors may share bytes, or have none where they are
 /// all zeros; without a limit a short file could ask for any amount of memory.
@@ -48,7 +48,7 @@ impl<'a> Source<'a> {
         entries: &'a [T],
         (list, index): (&str, usize),
         user: Option<&str>,
-    ) -> Result<&'a T, ReadError> {
+    ) -> FromFile<&'a T> {
         entries.get(index).ok_or_else(|| {
             let user = user.map_or_else(String::new, |user| format!("{user}: "));
             let problem = format!("{user}does not exist; there are {}", entries.len());
@@ -57,7 +57,7 @@ impl<'a> Source<'a> {
     }
 
     /// Takes so many entries of type `T` out of what the file may decode to.
-    pub(super) fn charge<T>(&self, count: usize, path: &str) -> Result<(), ReadError> {
+    pub(super) fn charge<T>(&self, count: usize, path: &str) -> FromFile<()> {
         let bytes = count.checked_mul(size_of::<T>());
         let left = bytes.and_then(|bytes| self.room.get().checked_sub(bytes));
         left.map(|left| self.room.set(left)).ok_or_else(|| {

@@ -6,7 +6,7 @@ use gltf_json::{Accessor, Index};
 
 use super::accessor_view::AccessorView;
 use super::source::Source;
-use crate::io::ReadError;
+use crate::io::FromFile;
 
 /// The entries that differ from zero or from the accessor's buffer view.
 pub(super) struct SparseRuns<'a> {
@@ -24,7 +24,7 @@ impl Source<'_> {
         count: usize,
         user: &str,
         of: impl Fn([f64; 3]) -> T,
-    ) -> Result<Vec<(u32, T)>, ReadError> {
+    ) -> FromFile<Vec<(u32, T)>> {
         let path = format!("accessors[{}]", index.value());
         let given = self.count(index, user)?;
         if given != count {
@@ -56,7 +56,7 @@ impl Source<'_> {
         &self,
         index: Index<Accessor>,
         user: &str,
-    ) -> Result<Option<SparseRuns<'_>>, ReadError> {
+    ) -> FromFile<Option<SparseRuns<'_>>> {
         let accessor = self.accessor(index, user)?;
         let Some(Sparse {
             count,
@@ -96,7 +96,7 @@ impl Source<'_> {
         count: usize,
         path: &str,
         user: &str,
-    ) -> Result<Vec<u32>, ReadError> {
+    ) -> FromFile<Vec<u32>> {
         self.charge::<u32>(sparse.count, path)?;
         let places = (0..sparse.count).map(|entry| sparse.indices.entry::<1>(entry)[0] as u32);
         let places: Vec<u32> = places.collect();

@@ -17,7 +17,7 @@ use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyAccess};
 
 use self::elements::{Face, Skipped, Vertex};
-use super::{Place, ReadError, WriteError, read_with, write_bytes};
+use super::{FromFile, Place, ReadError, WriteError, read_with, write_bytes};
 use crate::mesh::TriangleMesh;
 
 /// The longest PLY file that is read.
@@ -164,7 +164,7 @@ fn assemble(
     faces: &[Face],
     with_normals: bool,
     name: &str,
-) -> Result<TriangleMesh, ReadError> {
+) -> FromFile<TriangleMesh> {
     let positions = vertices.iter().map(Vertex::position).collect();
     let normals = if with_normals {
         vertices.iter().map(Vertex::normal).collect()
@@ -199,14 +199,14 @@ impl Source<'_> {
         &mut self,
         header: &Header,
         element: &ElementDef,
-    ) -> Result<Vec<E>, ReadError> {
+    ) -> FromFile<Vec<E>> {
         Parser::<E>::new()
             .read_payload_for_element(&mut self.reader, element, header)
             .map_err(|error| self.fail(&error))
     }
 
     /// Data after the last entry means that a count is wrong.
-    fn expect_end(&self) -> Result<(), ReadError> {
+    fn expect_end(&self) -> FromFile<()> {
         let rest = self.reader.get_ref();
         if rest.is_empty() || (!self.binary && rest.iter().all(u8::is_ascii_whitespace)) {
             return Ok(());
