@@ -1,7 +1,7 @@
 //! A frame should move at a velocity.
 
 use super::orientation::check_rotation;
-use super::residual::{moved, not_finite, refuse};
+use super::residual::{moved, no_time_step, not_finite};
 use super::{Orientation, Quantity, Residual, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -92,9 +92,6 @@ impl Residual for FrameVelocity {
         check_rotation("its previous place has", &self.previous.rotation)?;
         not_finite("its velocity", self.linear.to_array())?;
         not_finite("its angular velocity", self.angular.to_array())?;
-        let usable = self.time_step_s > 0.0 && self.time_step_s.is_finite();
-        refuse(!usable, || {
-            format!("its time step {} s is not positive", self.time_step_s)
-        })
+        no_time_step(self.time_step_s)
     }
 }

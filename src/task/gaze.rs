@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::look_at::{line_of_sight, turn_onto};
-use super::residual::{moved, not_finite, refuse};
+use super::residual::{moved, no_direction, not_finite, refuse};
 use super::within::beyond;
 use super::{Quantity, Residual, Room, Rows};
 use crate::model::FrameId;
@@ -139,10 +139,7 @@ impl Residual for Gaze {
     fn validate(&self) -> Result<(), String> {
         let (Aim::Along(aim) | Aim::At(aim)) = self.aim;
         not_finite("its target", aim.to_array())?;
-        not_finite("its axis", self.axis.to_array())?;
-        refuse(self.axis.norm() <= 0.0, || {
-            "its axis has no direction".to_owned()
-        })?;
+        no_direction("its axis", self.axis)?;
         if let Aim::Along(direction) = self.aim {
             refuse(direction.norm() <= 0.0, || {
                 "its direction has no length".to_owned()

@@ -99,12 +99,7 @@ impl Residual for JointCoupling {
         );
     }
 
-    fn differentiate(
-        &self,
-        _frames: &[Placement<f64>],
-        _joints: &[f64],
-        jacobian: &mut LocalJacobian,
-    ) -> bool {
+    fn differentiate(&self, _: &[Placement<f64>], _: &[f64], jacobian: &mut LocalJacobian) -> bool {
         for (joint, &coefficient) in self.coefficients.iter().enumerate() {
             jacobian.joint_mut(joint).fill(coefficient);
         }

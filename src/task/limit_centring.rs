@@ -56,12 +56,7 @@ impl Residual for LimitCentring {
         }
     }
 
-    fn differentiate(
-        &self,
-        _frames: &[Placement<f64>],
-        _joints: &[f64],
-        jacobian: &mut LocalJacobian,
-    ) -> bool {
+    fn differentiate(&self, _: &[Placement<f64>], _: &[f64], jacobian: &mut LocalJacobian) -> bool {
         jacobian.set_diagonal(
             self.middle_and_half_range
                 .iter()

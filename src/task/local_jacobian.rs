@@ -160,6 +160,19 @@ impl LocalJacobian {
         });
     }
 
+    /// Writes the first three rows of a frame, which are where a point of it is, times a weight: the point stands so far from
+    /// the frame's origin, in the rows' axes, if it is not the origin itself.
+    pub(crate) fn set_point(&mut self, frame: usize, lever: Option<Vector3<f64>>, weight: f64) {
+        for (row, unit) in self.linear_mut(frame).iter_mut().zip(Vector3::UNITS) {
+            *row = unit * weight;
+        }
+        let Some(lever) = lever else { return };
+        // e · (ω × l) = ω · (l × e)
+        for (row, unit) in self.angular_mut(frame).iter_mut().zip(Vector3::UNITS) {
+            *row = lever.cross(unit) * weight;
+        }
+    }
+
     /// Multiplies each row by its weight.
     pub(crate) fn scale_rows(&mut self, weights: &[f64]) {
         if weights.iter().all(|weight| *weight == 1.0) {

@@ -1,6 +1,6 @@
 //! An axis of a frame should point at a place.
 
-use super::residual::{moved, not_finite, refuse};
+use super::residual::{moved, no_direction, not_finite};
 use super::{Quantity, Residual, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -59,10 +59,7 @@ impl Residual for LookAt {
 
     fn validate(&self) -> Result<(), String> {
         not_finite("its target", self.target.to_array())?;
-        not_finite("its axis", self.axis.to_array())?;
-        refuse(self.axis.norm() <= 0.0, || {
-            "its axis has no direction".to_owned()
-        })
+        no_direction("its axis", self.axis)
     }
 }
 

@@ -1,6 +1,6 @@
 //! A frame's origin should lie in a plane.
 
-use super::residual::{moved, not_finite, refuse};
+use super::residual::{moved, no_direction, not_finite};
 use super::{LocalJacobian, Quantity, Residual, Rows};
 use crate::model::FrameId;
 use crate::scalar::Scalar;
@@ -57,21 +57,13 @@ impl Residual for Plane {
 
     evaluate_by_frames!();
 
-    fn differentiate(
-        &self,
-        _frames: &[Placement<f64>],
-        _joints: &[f64],
-        jacobian: &mut LocalJacobian,
-    ) -> bool {
+    fn differentiate(&self, _: &[Placement<f64>], _: &[f64], jacobian: &mut LocalJacobian) -> bool {
         jacobian.linear_mut(0)[0] = self.unit_normal();
         true
     }
 
     fn validate(&self) -> Result<(), String> {
         not_finite("its point", self.point.to_array())?;
-        not_finite("its normal", self.normal.to_array())?;
-        refuse(self.normal.norm() <= 0.0, || {
-            "its normal has no direction".to_owned()
-        })
+        no_direction("its normal", self.normal)
     }
 }

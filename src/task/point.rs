@@ -88,16 +88,9 @@ impl Residual for Point {
         _joints: &[f64],
         jacobian: &mut LocalJacobian,
     ) -> bool {
-        for (row, unit) in jacobian.linear_mut(0).iter_mut().zip(Vector3::UNITS) {
-            *row = unit;
-        }
-        if self.offset != Vector3::zero() {
-            // e · (ω × l) = ω · (l × e)
-            let lever = in_base(frames).rotation * self.offset;
-            for (row, unit) in jacobian.angular_mut(0).iter_mut().zip(Vector3::UNITS) {
-                *row = lever.cross(unit);
-            }
-        }
+        let aside = self.offset != Vector3::zero();
+        let lever = aside.then(|| in_base(frames).rotation * self.offset);
+        jacobian.set_point(0, lever, 1.0);
         add_base(frames, jacobian);
         true
     }

@@ -254,16 +254,8 @@ impl Residual for Pose {
             add_base(frames, jacobian);
             return true;
         }
-        for (row, unit) in jacobian.linear_mut(0).iter_mut().zip(Vector3::UNITS) {
-            *row = unit;
-        }
+        jacobian.set_point(0, lever, 1.0);
         Orientation::differentiate_miss(self.target.rotation, placed.rotation, 3, jacobian);
-        if let Some(lever) = lever {
-            // e · (ω × l) = ω · (l × e)
-            for (row, unit) in jacobian.angular_mut(0).iter_mut().zip(Vector3::UNITS) {
-                *row = lever.cross(unit);
-            }
-        }
         add_base(frames, jacobian);
         true
     }

@@ -62,12 +62,7 @@ impl Residual for Ray {
 
     evaluate_by_frames!();
 
-    fn differentiate(
-        &self,
-        _frames: &[Placement<f64>],
-        _joints: &[f64],
-        jacobian: &mut LocalJacobian,
-    ) -> bool {
+    fn differentiate(&self, _: &[Placement<f64>], _: &[f64], jacobian: &mut LocalJacobian) -> bool {
         let direction = self.direction();
         for (row, unit) in jacobian.linear_mut(0).iter_mut().zip(Vector3::UNITS) {
             *row = unit - direction * unit.dot(direction);

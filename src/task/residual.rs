@@ -270,6 +270,20 @@ pub(super) fn not_finite(what: &str, numbers: impl IntoIterator<Item = f64>) -> 
     }
 }
 
+/// Refuses a vector that is not finite, or has no direction.
+pub(super) fn no_direction(what: &str, vector: Vector3<f64>) -> Result<(), String> {
+    not_finite(what, vector.to_array())?;
+    refuse(vector.norm() <= 0.0, || format!("{what} has no direction"))
+}
+
+/// Refuses a time step that is none.
+pub(super) fn no_time_step(seconds: f64) -> Result<(), String> {
+    let usable = seconds > 0.0 && seconds.is_finite();
+    refuse(!usable, || {
+        format!("its time step {seconds} s is not positive")
+    })
+}
+
 /// Refuses a frame whose target is given in the frame itself.
 pub(super) fn own_base(frame: FrameId, base: Option<FrameId>) -> Result<(), String> {
     refuse(base == Some(frame), || {

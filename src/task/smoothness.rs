@@ -1,6 +1,6 @@
 //! Joints should move slowly from where they last were.
 
-use super::residual::refuse;
+use super::residual::no_time_step;
 use super::{LocalJacobian, Posture, Quantity, Residual, Role, Rows};
 use crate::model::{FrameId, Model};
 use crate::scalar::Scalar;
@@ -84,9 +84,6 @@ impl Residual for Smoothness {
 
     fn validate(&self) -> Result<(), String> {
         self.previous.validate()?;
-        let usable = self.time_step_s > 0.0 && self.time_step_s.is_finite();
-        refuse(!usable, || {
-            format!("its time step {} s is not positive", self.time_step_s)
-        })
+        no_time_step(self.time_step_s)
     }
 }

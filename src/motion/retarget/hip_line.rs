@@ -73,14 +73,8 @@ impl Residual for HipLine {
         jacobian: &mut LocalJacobian,
     ) -> bool {
         for (k, weight) in [self.weight(), -self.weight()].into_iter().enumerate() {
-            for (row, unit) in jacobian.linear_mut(k).iter_mut().zip(Vector3::UNITS) {
-                *row = unit * weight;
-            }
-            // e · (ω × l) = ω · (l × e)
             let lever = frames[k].rotation * self.offsets[k];
-            for (row, unit) in jacobian.angular_mut(k).iter_mut().zip(Vector3::UNITS) {
-                *row = lever.cross(unit) * weight;
-            }
+            jacobian.set_point(k, Some(lever), weight);
         }
         true
     }
