@@ -160,8 +160,9 @@ impl<'a> Sweeps<'a> {
 }
 
 impl Engine for Sweeps<'_> {
-    fn residual_at_start(&mut self, _start: &[f64]) -> &[f64] {
-        &self.residual_at_start
+    answers! {
+        fn residual_at_start(&mut self, _start: &[f64]) -> &[f64] = &self.residual_at_start;
+        fn end(&self) -> (&[f64], &[f64]) = (&self.best_x, &self.best_residual);
     }
 
     /// What is returned is the best place on the way: not every sweep of every method lowers the cost.
@@ -234,10 +235,6 @@ impl Engine for Sweeps<'_> {
             counts: std::mem::take(&mut self.counts),
             projected_gradient: None,
         }
-    }
-
-    fn end(&self) -> (&[f64], &[f64]) {
-        (&self.best_x, &self.best_residual)
     }
 }
 

@@ -56,12 +56,10 @@ struct Buffers {
 impl Method for GaussNewton {
     type State = GaussNewtonState;
 
-    fn name(&self) -> &'static str {
-        "gauss-newton"
-    }
-
-    fn needs_jacobian(&self) -> bool {
-        true
+    answers! {
+        fn name(&self) -> &'static str = "gauss-newton";
+        fn needs_jacobian(&self) -> bool = true;
+        fn control(&self, own: &Self::State) -> f64 = own.length;
     }
 
     fn check(&self) -> Result<(), BadOption> {
@@ -117,10 +115,6 @@ impl Method for GaussNewton {
         at.accept();
         own.length = alpha;
         Step::Taken
-    }
-
-    fn control(&self, own: &Self::State) -> f64 {
-        own.length
     }
 }
 

@@ -94,8 +94,10 @@ impl Method for LevenbergMarquardt {
         }
     }
 
-    fn needs_jacobian(&self) -> bool {
-        true
+    answers! {
+        fn needs_jacobian(&self) -> bool = true;
+        fn control(&self, own: &Self::State) -> f64 = own.damping;
+        fn fits(&self, own: &Self::State, variables: usize) -> bool = own.curvature.fits(variables);
     }
 
     fn check(&self) -> Result<(), BadOption> {
@@ -160,14 +162,6 @@ impl Method for LevenbergMarquardt {
         own.buffers.normal.forget();
         at.accept();
         Step::Taken
-    }
-
-    fn control(&self, own: &Self::State) -> f64 {
-        own.damping
-    }
-
-    fn fits(&self, own: &Self::State, variables: usize) -> bool {
-        own.curvature.fits(variables)
     }
 }
 

@@ -69,8 +69,9 @@ impl Method for ProjectedGradient {
         }
     }
 
-    fn needs_jacobian(&self) -> bool {
-        false
+    answers! {
+        fn needs_jacobian(&self) -> bool = false;
+        fn control(&self, own: &Self::State) -> f64 = own.length;
     }
 
     fn reserve(&self, own: &mut Self::State, _rows: usize, variables: usize) {
@@ -119,10 +120,6 @@ impl Method for ProjectedGradient {
             own.remember(cost);
         }
         Step::Taken
-    }
-
-    fn control(&self, own: &Self::State) -> f64 {
-        own.length
     }
 
     fn fits(&self, own: &Self::State, variables: usize) -> bool {

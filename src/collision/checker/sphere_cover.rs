@@ -1,7 +1,7 @@
 //! Spheres around a part, by which most pairs of parts are told apart before their shapes are looked at.
 
 use crate::collision::{Ball, SphereGroup};
-use crate::spatial::{Placement, Vector3};
+use crate::spatial::Placement;
 
 /// What of a reach is rounding.
 const ROUNDING: f64 = 1e-9;
@@ -14,7 +14,7 @@ pub(super) struct Cover {
 }
 
 /// Where one stands.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct PlacedCover {
     bound: Ball,
     spheres: Vec<Ball>,
@@ -28,20 +28,6 @@ impl Cover {
         Self {
             bound: group.bound,
             spheres: group.spheres.clone(),
-        }
-    }
-}
-
-impl Default for PlacedCover {
-    fn default() -> Self {
-        Self {
-            bound: Ball {
-                centre: Vector3::zero(),
-                radius: 0.0,
-            },
-            spheres: Vec::new(),
-            has_bound: false,
-            has_spheres: false,
         }
     }
 }

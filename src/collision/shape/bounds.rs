@@ -6,7 +6,7 @@ use crate::scalar::elementary::hypot;
 use crate::spatial::Vector3;
 
 /// A ball.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ball {
     /// Its centre.
     pub centre: Vector3<f64>,

@@ -10,10 +10,7 @@ const STEPS: u32 = 300;
 /// in ever shorter steps (Bădoiu & Clarkson 2003). About the origin of radius 0 where there are none.
 pub(crate) fn enclosing(balls: &[Ball]) -> Ball {
     let Some(first) = balls.first() else {
-        return Ball {
-            centre: Vector3::zero(),
-            radius: 0.0,
-        };
+        return Ball::default();
     };
     let mut centre = first.centre;
     let mut best = around(balls, centre);
