@@ -36,3 +36,9 @@ pub(crate) fn refill<T: Clone>(vector: &mut Vec<T>, count: usize, value: T) {
     vector.clear();
     vector.resize(count, value);
 }
+
+/// Makes a vector empty, with room for so many.
+pub(crate) fn vacate<T>(vector: &mut Vec<T>, room: usize) {
+    vector.clear();
+    vector.reserve(room);
+}

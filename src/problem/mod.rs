@@ -47,7 +47,7 @@ use std::sync::Arc;
 
 use crate::kinematics::Tree;
 use crate::model::{Model, ParameterMap};
-use crate::solver::{RotationSets, Swing};
+use crate::solver::{RotationSets, Swing, largest};
 use crate::task::{Quantity, Role};
 pub(crate) use compiled_task::CompiledTask;
 pub(crate) use frame_reach::Anchor;
@@ -431,7 +431,7 @@ fn norm(rows: &[f64]) -> f64 {
     if squared.is_normal() {
         return squared.sqrt();
     }
-    let largest = rows.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let largest = largest(rows);
     if squared.is_nan() || largest == 0.0 || largest.is_infinite() {
         return squared;
     }

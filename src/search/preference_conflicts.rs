@@ -5,6 +5,7 @@ use std::ops::Range;
 use nalgebra::DMatrix;
 
 use crate::problem::{Question, Share};
+use crate::solver::largest;
 use crate::task::Role;
 
 /// A preference is named when so much of what balances the goals' slope is its own.
@@ -46,7 +47,7 @@ impl Pulls<'_> {
                 *slope = 0.0;
             }
         }
-        let steepest = slope.iter().fold(0.0, |most: f64, s| most.max(s.abs()));
+        let steepest = largest(slope);
         let all: f64 = slope.iter().map(|s| s * s).sum();
         if steepest <= self.negligible || !all.is_finite() {
             return;

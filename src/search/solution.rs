@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::Collision;
 use super::attempt::Found;
 use super::out_of_reach::Beyond;
+use crate::buffer::vacate;
 use crate::problem::ReportNames;
 use crate::scalar::elementary;
 use crate::solver::{Counts, Side, Termination};
@@ -174,10 +175,8 @@ impl Solution {
     /// Makes room for what a problem with so many tasks and variables may miss: a first solve that reaches its
     /// target names nothing, a later one may name all.
     pub(crate) fn reserve(&mut self, tasks: usize, variables: usize) {
-        self.pulling.clear();
-        self.pulling.reserve(tasks);
-        self.blocked.clear();
-        self.blocked.reserve(variables);
+        vacate(&mut self.pulling, tasks);
+        vacate(&mut self.blocked, variables);
     }
 
     /// Takes what the attempts came to, all but where that is.

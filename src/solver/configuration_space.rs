@@ -1,6 +1,7 @@
 //! The space that x is from: the one place that knows how it is moved and bounded.
 
 use super::ball_joints::{RotationSets, TurnLimit, shorten, shortest};
+use super::linear::largest;
 
 /// Which end of a joint's range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -115,7 +116,7 @@ impl<'a> ConfigurationSpace<'a> {
     #[must_use]
     pub fn distance(&self, to: &[f64], from: &[f64], step: &mut [f64]) -> f64 {
         self.difference(to, from, step);
-        step.iter().fold(0.0, |most, part| most.max(part.abs()))
+        largest(step)
     }
 
     /// Moves x to the nearest place within the bounds; NaN stays NaN.

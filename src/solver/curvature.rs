@@ -12,7 +12,7 @@ use nalgebra::DMatrix;
 
 use super::linear::{add_scaled, dot, multiply_symmetric, quadratic};
 use super::{LeastSquares, SolverState};
-use crate::buffer::refill;
+use crate::buffer::{refill, vacate};
 
 /// A step that leaves more than this share of the cost is slow; after so many in a row the learning
 /// begins. Problems whose targets are reached never pay for it.
@@ -96,8 +96,7 @@ impl Curvature {
         self.in_use = false;
         self.slow_steps = 0;
         self.pending = false;
-        self.matrix.clear();
-        self.matrix.reserve(n * n);
+        vacate(&mut self.matrix, n * n);
         for vector in [
             &mut self.step,
             &mut self.gradient_before,

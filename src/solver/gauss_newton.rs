@@ -2,7 +2,7 @@
 //! a damped step.
 
 use super::line_search::along_projected_path;
-use super::linear::{CompleteOrthogonal, DampedNormal};
+use super::linear::{CompleteOrthogonal, DampedNormal, largest};
 use super::{Iterate, Method, SolverState, Step};
 use crate::bad_option::BadOption;
 
@@ -116,9 +116,4 @@ impl Method for GaussNewton {
         own.length = alpha;
         Step::Taken
     }
-}
-
-/// ‖·‖∞.
-fn largest(vector: &[f64]) -> f64 {
-    vector.iter().fold(0.0, |most, v| v.abs().max(most))
 }

@@ -31,7 +31,7 @@ pub use least_squares::LeastSquares;
 pub use levenberg_marquardt::{Damping, LevenbergMarquardt, LevenbergMarquardtState};
 pub(crate) use linear::{
     BranchedMatrix, HeldStep, Inequalities, InnerProducts, RowSpace, RowSpan, StepBounds,
-    TangentNewton, dot,
+    TangentNewton, dot, largest,
 };
 pub use method::{AnyMethod, Method, Step};
 pub use minimise::{Outcome, minimise};

@@ -6,8 +6,8 @@ use std::ops::AddAssign;
 use nalgebra::DMatrix;
 
 use super::LeastSquares;
-use super::linear::dot;
-use crate::buffer::refill;
+use super::linear::{dot, largest};
+use crate::buffer::{refill, vacate};
 
 /// How often a problem was evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -144,8 +144,7 @@ impl SolverState {
         if self.jacobian.shape() != (m, n) {
             self.jacobian = DMatrix::zeros(m, n);
         }
-        self.free.clear();
-        self.free.reserve(n);
+        vacate(&mut self.free, n);
         self.counts = Counts::default();
         self.flat_steps = 0;
 
@@ -250,7 +249,7 @@ impl SolverState {
 
     /// ‖Δ‖∞ of the last step.
     pub(super) fn step_norm(&self) -> f64 {
-        self.step.iter().fold(0.0, |most, s| most.max(s.abs()))
+        largest(&self.step)
     }
 
     /// Whether the last step moves no variable by more than tolerance · max(1, |x|).

@@ -13,7 +13,7 @@ mod rows;
 mod singular;
 mod system;
 
-use self::place::Place;
+use self::place::{Asked, Place};
 use self::singular::Flat;
 use self::system::System;
 use super::SolveError;
@@ -125,7 +125,7 @@ impl<'a> SolutionDerivative<'a> {
         let existence = match scratch {
             Some(scratch) => {
                 scratch.forget();
-                parts.settle(question, scratch, q)
+                parts.settle(&mut Asked { question, scratch }, q)
             }
             None => Existence::DoesNotExist(NoDerivative::NotFinite),
         };
@@ -214,15 +214,16 @@ impl<'a> SolutionDerivative<'a> {
 
 impl Parts {
     /// Goes to a solution and factors its system.
-    fn settle(&mut self, question: Question<'_>, scratch: &mut Scratch, q: &[f64]) -> Existence {
+    fn settle(&mut self, asked: &mut Asked<'_, '_>, q: &[f64]) -> Existence {
+        let question = asked.question;
         let Self { place, system, .. } = self;
-        place.go(question, scratch, q);
+        place.go(asked, q);
         if !place.is_finite() {
             return Existence::DoesNotExist(NoDerivative::NotFinite);
         }
         let limits = system.take_limits(question, place);
-        let lost = system.lost_ranks(question, scratch, place);
-        let flat = system.take_hessian(question, scratch, place);
+        let lost = system.lost_ranks(asked, place);
+        let flat = system.take_hessian(asked, place);
         let left = self.distance_left();
         if left > NEAR {
             return Existence::DoesNotExist(NoDerivative::NotStationary { distance: left });
@@ -233,14 +234,14 @@ impl Parts {
         if let Some(weak) = limits.weak {
             return Existence::DoesNotExist(weak);
         }
-        if let Some(task) = self.task_at_kink(question, scratch) {
+        if let Some(task) = self.task_at_kink(asked) {
             return Existence::DoesNotExist(NoDerivative::AtKink { task });
         }
         let directions = match self.place.roles.pulled.is_empty() {
             true => limits.undecided,
             false => flat,
         };
-        match self.flatness(question, scratch, flat) {
+        match self.flatness(asked, flat) {
             Flat::Singular => Existence::DoesNotExist(NoDerivative::Singular { directions }),
             Flat::Undecided if directions > 0 => Existence::ShortestOfMany { directions },
             Flat::Undecided => Existence::Unique,

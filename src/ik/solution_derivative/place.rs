@@ -4,12 +4,25 @@ use nalgebra::DMatrix;
 
 use super::directions::{Bound, Directions, list_bounds};
 use super::rows::Roles;
+use crate::buffer::refill;
 use crate::problem::{Evaluation, Question, Scratch, Share, Standing};
 use crate::solver::LeastSquares;
 
 /// How far a place is moved for a difference of slopes, as a share of a radian or of the reach: with central
 /// differences both what they leave out and what they lose to rounding are then near 1e-11.
 const SHIFT: f64 = 1e-5;
+
+/// What is differentiated, and the memory to evaluate it.
+pub(super) struct Asked<'q, 's> {
+    pub(super) question: Question<'q>,
+    pub(super) scratch: &'s mut Scratch,
+}
+
+impl Asked<'_, '_> {
+    pub(super) fn evaluation(&mut self) -> Evaluation<'_> {
+        Evaluation::of(Share::All, self.question, self.scratch)
+    }
+}
 
 /// A place, and the memory to look at it and around it.
 #[derive(Clone, Debug, Default)]
@@ -35,7 +48,8 @@ pub(super) struct Place {
 
 impl Place {
     /// Goes to a configuration, which is of the problem's shape and finite.
-    pub(super) fn go(&mut self, question: Question<'_>, scratch: &mut Scratch, q: &[f64]) {
+    pub(super) fn go(&mut self, asked: &mut Asked<'_, '_>, q: &[f64]) {
+        let question = asked.question;
         let problem = question.problem();
         let (n, m) = (problem.variables(), problem.rows());
         for (vector, len) in [
@@ -45,8 +59,7 @@ impl Place {
             (&mut self.shifted, n),
             (&mut self.slope, n),
         ] {
-            vector.clear();
-            vector.resize(len, 0.0);
+            refill(vector, len, 0.0);
         }
         if self.jacobian.shape() != (m, n) {
             self.jacobian = DMatrix::zeros(m, n);
@@ -54,11 +67,11 @@ impl Place {
         problem.parameters().gather(q, &mut self.x);
         question.space().project(&mut self.x);
         list_bounds(question, &mut self.x, &mut self.bounds);
-        let mut evaluation = Evaluation::of(Share::All, question, scratch);
+        let mut evaluation = asked.evaluation();
         evaluation.residual(&self.x, &mut self.r);
         evaluation.analytic_jacobian(&self.x, &mut self.jacobian);
         self.roles.take(question, &self.r);
-        scratch.q().clone_into(&mut self.q);
+        asked.scratch.q().clone_into(&mut self.q);
     }
 
     /// Where it is, for what knows how variables move the model.
@@ -114,20 +127,15 @@ impl Place {
     }
 
     /// Adds what the rows' own bending does to a direction: Σ cᵢ ∇²rᵢ y, along the directions.
-    pub(super) fn add_bend(
-        &mut self,
-        question: Question<'_>,
-        scratch: &mut Scratch,
-        y: &[f64],
-        bend: &mut [f64],
-    ) {
+    pub(super) fn add_bend(&mut self, asked: &mut Asked<'_, '_>, y: &[f64], bend: &mut [f64]) {
+        let question = asked.question;
         let shift = self.shift(question, y);
         if !shift.is_finite() {
             return;
         }
         for share in [shift, -shift] {
             self.moved(y, share);
-            let mut evaluation = Evaluation::of(Share::All, question, scratch);
+            let mut evaluation = asked.evaluation();
             evaluation.reverse_gradient(&self.shifted, &self.counts, &mut self.slope);
             self.directions.reduce(1, &self.slope, &mut self.reduced);
             for (bend, slope) in bend.iter_mut().zip(&self.reduced) {

@@ -1,12 +1,11 @@
 //! Places where a solution has no derivative though nothing is at a limit.
 
 use super::Parts;
-use super::place::Place;
+use super::place::{Asked, Place};
 use super::system::System;
 use crate::buffer::refill;
-use crate::problem::{Evaluation, ParameterVector, Question, Scratch, Share};
 use crate::random::RandomStream;
-use crate::solver::LeastSquares;
+use crate::solver::{LeastSquares, largest};
 
 /// How far beside the place rows that depend on each other by their nature still do, in radians or metres.
 const BESIDE: f64 = 1e-5;
@@ -25,12 +24,7 @@ pub(super) enum Flat {
 
 impl System {
     /// How many of the held rows depend on the others only here.
-    pub(super) fn lost_ranks(
-        &mut self,
-        question: Question<'_>,
-        scratch: &mut Scratch,
-        place: &mut Place,
-    ) -> usize {
+    pub(super) fn lost_ranks(&mut self, asked: &mut Asked<'_, '_>, place: &mut Place) -> usize {
         let rank = self.rank();
         if rank >= place.roles.held.len() || self.nullity() == 0 {
             return 0;
@@ -42,7 +36,7 @@ impl System {
         let here = place.along.clone();
         let mut jacobian = std::mem::take(&mut place.jacobian);
         let there = &mut jacobian.clone();
-        Evaluation::of(Share::All, question, scratch).analytic_jacobian(&at, there);
+        asked.evaluation().analytic_jacobian(&at, there);
         let rows = there.nrows();
         place
             .directions
@@ -68,31 +62,20 @@ impl Parts {
         (place.directions).reduce(1, &self.rates, &mut self.slope);
         refill(&mut self.step, place.directions.len(), 0.0);
         (self.system).add_pull(&self.slope, -1.0, &mut self.step);
-        self.step
-            .iter()
-            .fold(0.0, |most, step| step.abs().max(most))
+        largest(&self.step)
     }
 
     /// What the directions are in which the reduced cost is flat.
-    pub(super) fn flatness(
-        &mut self,
-        question: Question<'_>,
-        scratch: &mut Scratch,
-        flat: usize,
-    ) -> Flat {
+    pub(super) fn flatness(&mut self, asked: &mut Asked<'_, '_>, flat: usize) -> Flat {
         if flat == 0 || self.place.roles.pulled.is_empty() {
             return Flat::Undecided;
         }
-        let size = |gradient: &ParameterVector| {
-            let targets = gradient.targets().iter();
-            targets.fold(0.0_f64, |most, slope| most.max(slope.abs()))
-        };
         let mut gradient = std::mem::take(&mut self.gradient);
         let mut along = |parts: &mut Self, y: &[f64]| {
             y.clone_into(&mut parts.step);
             gradient.clear();
-            parts.add_slopes_along(question, scratch, &mut gradient);
-            size(&gradient)
+            parts.add_slopes_along(asked, &mut gradient);
+            largest(gradient.targets())
         };
         let all =
             vec![1.0 / (self.place.directions.len() as f64).sqrt(); self.place.directions.len()];
@@ -110,11 +93,8 @@ impl Parts {
     }
 
     /// A task whose rows vanish as soon as they are crossed, while nothing pushes against them.
-    pub(super) fn task_at_kink(
-        &mut self,
-        question: Question<'_>,
-        scratch: &mut Scratch,
-    ) -> Option<String> {
+    pub(super) fn task_at_kink(&mut self, asked: &mut Asked<'_, '_>) -> Option<String> {
+        let question = asked.question;
         let Self {
             place,
             system,
@@ -136,7 +116,7 @@ impl Parts {
         system.restore(place, rows, step);
         place.moved(step, 1.0);
         refill(image, rows.len(), 0.0);
-        let mut evaluation = Evaluation::of(Share::All, question, scratch);
+        let mut evaluation = asked.evaluation();
         evaluation.residual(place.shifted(), image);
         let vanish = |row: usize| place.r[row] != 0.0 && image[row] == 0.0;
         if !place.roles.held.iter().any(|&row| vanish(row)) {
@@ -146,10 +126,7 @@ impl Parts {
         let mut there = place.jacobian.clone();
         evaluation.analytic_jacobian(place.shifted(), &mut there);
         let idle = |row: usize| there.row(row).iter().all(|entry| *entry == 0.0);
-        let largest = place
-            .counts
-            .iter()
-            .fold(0.0_f64, |most, c| most.max(c.abs()));
+        let largest = largest(&place.counts);
         let problem = question.problem();
         let task_at_kink = problem.compiled_tasks().iter().find(|task| {
             let own = task

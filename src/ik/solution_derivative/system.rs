@@ -11,10 +11,9 @@
 //! the null space Z of C, dy = −C⁺ ∂ₚr + Z dw, so that W is needed along Z alone (Nocedal & Wright 2006,
 //! section 16.2).
 
-use super::place::Place;
+use super::place::{Asked, Place};
 use crate::buffer::refill;
-use crate::problem::{Question, Scratch};
-use crate::solver::RowSpace;
+use crate::solver::{RowSpace, largest};
 
 /// Rows of which less than this share of the longest is left depend on the others.
 const NO_RANK: f64 = 1e-9;
@@ -112,12 +111,7 @@ impl System {
 
     /// Takes the Hessian of the Lagrangian along the directions that the held rows leave free. Returns in how many of
     /// them nothing pulls.
-    pub(super) fn take_hessian(
-        &mut self,
-        question: Question<'_>,
-        scratch: &mut Scratch,
-        place: &mut Place,
-    ) -> usize {
+    pub(super) fn take_hessian(&mut self, asked: &mut Asked<'_, '_>, place: &mut Place) -> usize {
         let (free, nullity) = (self.free, self.nullity());
         self.pulled.clear();
         self.null.clear();
@@ -128,10 +122,7 @@ impl System {
             self.reduced_space.factorise(&[], nullity, 0.0);
             return nullity;
         }
-        let largest = place
-            .counts
-            .iter()
-            .fold(0.0_f64, |most, c| most.max(c.abs()));
+        let largest = largest(&place.counts);
         let steepest = place.longest_column();
         self.bends = largest > STRAIGHT * steepest;
         for &row in &place.roles.pulled {
@@ -151,7 +142,7 @@ impl System {
             refill(hessian, free, 0.0);
             multiply(&self.pulled, direction, hessian);
             if self.bends {
-                place.add_bend(question, scratch, direction, hessian);
+                place.add_bend(asked, direction, hessian);
             }
             self.image[own].copy_from_slice(hessian);
         }
@@ -226,14 +217,13 @@ impl System {
     /// Adds W y.
     pub(super) fn add_hessian(
         &self,
-        question: Question<'_>,
-        scratch: &mut Scratch,
+        asked: &mut Asked<'_, '_>,
         place: &mut Place,
         (y, image): (&[f64], &mut [f64]),
     ) {
         multiply(&self.pulled, y, image);
         if self.bends {
-            place.add_bend(question, scratch, y, image);
+            place.add_bend(asked, y, image);
         }
     }
 

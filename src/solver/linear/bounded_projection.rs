@@ -2,7 +2,7 @@
 
 use super::dense::{add_scaled, dot};
 use super::row_span::RowSpan;
-use crate::buffer::refill;
+use crate::buffer::{refill, vacate};
 
 /// Products that grow by less than this share of what they could do not grow.
 const ALONG: f64 = 1e-12;
@@ -31,11 +31,9 @@ impl BoundedProjection {
             (&mut self.residual, numbers),
             (&mut self.products, rows),
         ] {
-            vector.clear();
-            vector.reserve(room);
+            vacate(vector, room);
         }
-        self.standing.clear();
-        self.standing.reserve(rows);
+        vacate(&mut self.standing, rows);
         self.span.reserve(numbers, numbers);
     }
 

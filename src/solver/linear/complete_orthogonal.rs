@@ -4,6 +4,7 @@
 use nalgebra::DMatrix;
 
 use super::householder::HouseholderQr;
+use crate::buffer::{refill, vacate};
 
 /// A P = Q [R; 0] with column pivoting, then Rᵀ = Z U, so that A P = Q [Uᵀ 0; 0 0] Zᵀ.
 #[derive(Clone, Debug, Default)]
@@ -24,15 +25,13 @@ impl CompleteOrthogonal {
         let rank = rows.min(columns);
         self.q_r.reserve(rows, columns);
         self.z_u.reserve(columns, rank);
-        self.pivots.clear();
-        self.pivots.reserve(columns);
+        vacate(&mut self.pivots, columns);
         for (vector, room) in [
             (&mut self.r_transposed, columns * rank),
             (&mut self.right_side, rows),
             (&mut self.solution, columns),
         ] {
-            vector.clear();
-            vector.reserve(room);
+            vacate(vector, room);
         }
     }
 
@@ -109,8 +108,7 @@ impl CompleteOrthogonal {
         self.q_r.apply_transpose(&mut self.right_side);
 
         // Uᵀ w = (Qᵀ b)₁, then Δ = P Z [w; 0].
-        self.solution.clear();
-        self.solution.resize(self.columns, 0.0);
+        refill(&mut self.solution, self.columns, 0.0);
         for k in 0..self.rank() {
             let known = (0..k).map(|i| self.z_u.r(i, k) * self.solution[i]);
             let known: f64 = known.sum();

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use super::cholesky;
 use super::dense::{add_scaled, dot};
 use super::inner_products::InnerProducts;
-use crate::buffer::refill;
+use crate::buffer::{refill, vacate};
 use crate::solver::ConfigurationSpace;
 
 /// The quadratic model gᵀΔ + ½ Δᵀ(JᵀJ + S + λI)Δ over the free variables.
@@ -35,18 +35,15 @@ pub(in crate::solver) struct CurvedNormal {
 impl CurvedNormal {
     /// Makes room for every problem of this shape.
     pub(in crate::solver) fn reserve(&mut self, rows: usize, columns: usize) {
-        self.factor.clear();
-        self.factor.reserve(columns * columns);
+        vacate(&mut self.factor, columns * columns);
         for (vector, room) in [
             (&mut self.pivot_column, 2 * columns),
             (&mut self.unknown, columns),
             (&mut self.stopped_effect, rows),
         ] {
-            vector.clear();
-            vector.reserve(room);
+            vacate(vector, room);
         }
-        self.moving.clear();
-        self.moving.reserve(columns);
+        vacate(&mut self.moving, columns);
         self.products.reserve(columns);
     }
 

@@ -5,6 +5,7 @@ use nalgebra::DMatrix;
 use super::cholesky;
 use super::dense::{add_scaled, add_two_scaled, dot};
 use super::inner_products::InnerProducts;
+use crate::buffer::{refill, vacate};
 use crate::solver::SolverState;
 
 /// Solves (J_FᵀJ_F + λI) Δ = −J_Fᵀ r over the free columns F; with fewer rows than free columns
@@ -31,8 +32,7 @@ impl DampedNormal {
             (&mut self.pivot_column, 2 * order),
             (&mut self.unknown, order),
         ] {
-            vector.clear();
-            vector.reserve(room);
+            vacate(vector, room);
         }
         self.products.reserve(columns);
         self.gram_is_fresh = false;
@@ -55,8 +55,7 @@ impl DampedNormal {
         let rows = jacobian.nrows();
         let order = rows.min(free.len());
         if !self.gram_is_fresh {
-            self.gram.clear();
-            self.gram.resize(order * order, 0.0);
+            refill(&mut self.gram, order * order, 0.0);
             if rows < free.len() {
                 self.add_outer_products(jacobian, free, order);
             } else {

@@ -49,6 +49,11 @@ pub(in crate::solver) fn dot_of_chunks(a: &[f64], b: &[f64], mut chunks: u64) ->
     (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }
 
+/// ‖a‖∞, whatever is not a number left out.
+pub(crate) fn largest(a: &[f64]) -> f64 {
+    a.iter().fold(0.0, |most, part| part.abs().max(most))
+}
+
 /// y ← y + factor · x over the shorter length.
 #[inline]
 pub(in crate::solver) fn add_scaled(y: &mut [f64], factor: f64, x: &[f64]) {

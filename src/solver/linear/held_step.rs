@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::cholesky;
 use super::dense::{add_scaled, dot};
-use crate::buffer::refill;
+use crate::buffer::{refill, vacate};
 use crate::solver::ConfigurationSpace;
 
 /// What a variable that hardly any pull moves costs at least, as a share of the one that costs most.
@@ -73,16 +73,12 @@ impl HeldStep {
             (&mut self.newton, order),
             (&mut self.slope_of_dual, order),
         ] {
-            vector.clear();
-            vector.reserve(room);
+            vacate(vector, room);
         }
-        self.entries_of_row.clear();
-        self.entries_of_row.reserve(pulls);
-        self.dense.clear();
-        self.dense.reserve(pulls);
+        vacate(&mut self.entries_of_row, pulls);
+        vacate(&mut self.dense, pulls);
         for standing in [&mut self.standing, &mut self.last_standing] {
-            standing.clear();
-            standing.reserve(variables);
+            vacate(standing, variables);
         }
     }
 

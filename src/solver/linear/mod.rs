@@ -21,7 +21,7 @@ pub(super) use complete_orthogonal::CompleteOrthogonal;
 pub(super) use curved_normal::{CurvedModel, CurvedNormal, multiply_symmetric, quadratic};
 pub(super) use damped_normal::DampedNormal;
 pub(super) use dense::add_scaled;
-pub(crate) use dense::dot;
+pub(crate) use dense::{dot, largest};
 pub(crate) use held_step::{HeldStep, StepBounds};
 pub(crate) use inner_products::InnerProducts;
 pub(crate) use row_space::RowSpace;

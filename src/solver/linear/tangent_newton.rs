@@ -6,6 +6,7 @@ use super::bounded_projection::BoundedProjection;
 use super::cholesky;
 use super::dense::dot;
 use super::held_step::StepBounds;
+use crate::buffer::{refill, vacate};
 
 /// rows Δ ≥ −down for a step Δ, row by row; those that may go endlessly far down are none.
 #[derive(Clone, Copy)]
@@ -49,8 +50,7 @@ impl TangentNewton {
             (&mut self.image, variables),
             (&mut self.e, variables),
         ] {
-            vector.clear();
-            vector.reserve(room);
+            vacate(vector, room);
         }
         self.projection.reserve(variables, variables);
     }
@@ -60,8 +60,7 @@ impl TangentNewton {
         let count = self.directions.len().checked_div(variables).unwrap_or(0);
         let directions = || self.directions.chunks_exact(variables.max(1));
         let hessian = &mut self.hessian;
-        hessian.clear();
-        hessian.resize(count * count, 0.0);
+        refill(hessian, count * count, 0.0);
         self.image.resize(variables, 0.0);
         for (k, direction) in directions().enumerate() {
             image(direction, &mut self.image);
