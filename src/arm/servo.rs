@@ -12,7 +12,7 @@ use super::branch::Branch;
 use super::follower::{LONG_STEP, LONGEST_EASE};
 use super::pose_question::PoseQuestion;
 use super::workspace::{ArmWorkspace, Errors};
-use super::{ArmError, QueryError, Reply};
+use super::{ArmError, QueryError};
 use crate::bad_option::{AT_LEAST_0, BadOption, NOT_NEGATIVE};
 use crate::ik::Side;
 use crate::search::within;
@@ -261,7 +261,7 @@ impl Servo<'_> {
 
     /// Cuts the way to the workspace's x short before something touches; whether it was.
     #[cfg(feature = "collision")]
-    fn stop_before_touching(&mut self) -> Reply<bool> {
+    fn stop_before_touching(&mut self) -> Result<bool, QueryError> {
         let (arm, workspace) = (self.arm, &mut self.workspace);
         let Some(kept) = &arm.collisions else {
             return Ok(false);

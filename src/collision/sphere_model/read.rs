@@ -10,7 +10,7 @@ use crate::collision::CollisionModel;
 #[cfg(feature = "urdf")]
 use crate::collision::ShapeKind;
 use crate::collision::model::pairs_apart;
-use crate::file::{FromFile, Place, ReadError, ReadProblem, read_with};
+use crate::file::{Place, ReadError, ReadProblem, read_with};
 use crate::model::FrameId;
 
 /// The longest file that is read.
@@ -109,7 +109,7 @@ fn pairs(model: &CollisionModel, groups: &[SphereGroup]) -> Vec<[usize; 2]> {
 
 /// The spheres of each link; other shapes than spheres are refused.
 #[cfg(feature = "urdf")]
-fn of_urdf(text: &str, file: &str) -> FromFile<NamedSpheres> {
+fn of_urdf(text: &str, file: &str) -> Result<NamedSpheres, ReadError> {
     use crate::collision::Ball;
 
     let invalid = |error: Box<dyn std::error::Error + Send + Sync>| {
