@@ -256,3 +256,54 @@ fn a_foot_lands_the_flatter_the_more_that_counts() {
         "{one:?} {five:?}"
     );
 }
+
+/// Two legs in MJCF, whose feet are ellipsoids.
+fn on_ellipsoids(geom: &str) -> Robot {
+    let leg = |side: &str, y: f64| {
+        format!(
+            r#"<body name="{side}_thigh" pos="0 {y} -0.1"><joint name="{side}_roll" axis="1 0 0" range="-0.5 0.5"/>
+            <joint name="{side}_pitch" axis="0 1 0" range="-2 1"/>
+            <body name="{side}_shank" pos="0 0 -0.3"><joint name="{side}_knee" axis="0 1 0" range="-0.09 2.6"/>
+            <body name="{side}_foot" pos="0 0 -0.3"><joint name="{side}_ankle" axis="0 1 0" range="-0.87 0.52"/>
+            <joint name="{side}_tilt" axis="1 0 0" range="-0.26 0.26"/><geom type="ellipsoid" {geom}/></body></body></body>"#
+        )
+    };
+    let text = format!(
+        r#"<mujoco><compiler angle="radian"/><worldbody><body name="pelvis"><freejoint/>{}{}</body></worldbody></mujoco>"#,
+        leg("left", 0.1),
+        leg("right", -0.1)
+    );
+    Robot::parse_mjcf(&text, "legs.xml").unwrap()
+}
+
+/// An ellipsoid is the same foot as one whose first two axes have changed places, turned by a quarter.
+#[test]
+fn an_ellipsoid_is_as_wide_as_it_is() {
+    let mut map = BodyMap::from_json(MAP, "legs").unwrap();
+    map.drives.retain(|drive| !drive.frame.ends_with("_toe"));
+    for drive in &mut map.drives {
+        drive.frame = drive.frame.replace("_heel_string", "_foot");
+    }
+    let capture = Capture::new(map.joints.clone(), &leaning(), RATE).unwrap();
+    let found = [
+        r#"size="0.12 0.04 0.03" pos="0.04 0 -0.03""#,
+        r#"size="0.04 0.12 0.03" pos="0.04 0 -0.03" euler="0 0 1.5707963267948966""#,
+    ]
+    .map(|geom| {
+        let robot = on_ellipsoids(geom);
+        let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default());
+        retargeting.unwrap().per_frame().unwrap()
+    });
+    let off = found[0]
+        .q
+        .iter()
+        .zip(&found[1].q)
+        .map(|(a, b)| (a - b).abs());
+    let off = off.fold(0.0, f64::max);
+    assert!(off < 1e-6, "{off}");
+    assert!(
+        found.iter().all(|found| found.sunk < 0.01),
+        "{} m",
+        found[0].sunk
+    );
+}
