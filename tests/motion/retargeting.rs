@@ -138,7 +138,7 @@ fn what_is_wrong_with_maps_and_captures_is_named() {
         (r#"{"drives": {"spine": "torso"}}"#, &["spine"]),
         (
             r#"{"drives": {"g1.urdf": {"hips": "pelvis"}}}"#,
-            &["nao.urdf"],
+            &["drives no frame of `aldebaran_nao`"],
         ),
         (r#"{"drives": {}}"#, &["drives no frame"]),
         (

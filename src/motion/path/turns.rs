@@ -98,12 +98,13 @@ impl Growth<'_> {
             }
             let own = self.allowed_turns(&row, station, layers.len());
             let both = common(&allowed, &own);
-            if station > 0 && joined[station] && both.iter().all(|turns| !turns.is_empty()) {
+            let goes_on =
+                station > 0 && joined[station] && !both.iter().any(RangeInclusive::is_empty);
+            if goes_on {
                 allowed = both;
             } else {
                 self.turn(&mut rows, begun, &allowed);
-                joined[station] &= station == 0;
-                (allowed, begun) = (own, station);
+                (joined[station], allowed, begun) = (station == 0, own, station);
             }
             rows.push(row);
         }
