@@ -36,7 +36,9 @@ test("a person's movement on a NAO", () => {
     assert.equal(q.length, 31 * length);
     assert.ok(q.every((value, k) => lower[k % length] <= value && value <= upper[k % length]));
     assert.ok(found.meanError < 0.1, `${found.meanError} m`);
-    assert.throws(() => retarget(robot, capture.clip, "{}"), Error);
+    // A map without drives is completed by names; one that says that nothing drives is none.
+    assert.deepEqual(retarget(robot, capture.clip, "{}").q, q);
+    assert.throws(() => retarget(robot, capture.clip, '{"drives": {}}'), /drives no frame/);
     assert.throws(() => retarget(robot, capture.clip, undefined, { speed: 2 }), /speed.*fps/s);
 });
 

@@ -1422,10 +1422,10 @@ class Scene:
         path: str | PathLike[str],
         keys_per_second: float = 30.0,
         *,
-        up: Sequence[float] = (0.0, 1.0, 0.0),
+        up: tuple[float, float, float] | Sequence[float] = ...,
     ) -> None: ...
     def to_bytes(
-        self, keys_per_second: float = 30.0, *, up: Sequence[float] = (0.0, 1.0, 0.0)
+        self, keys_per_second: float = 30.0, *, up: tuple[float, float, float] | Sequence[float] = ...
     ) -> bytes: ...
 
 @final
