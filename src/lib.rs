@@ -56,7 +56,7 @@
 //!
 //! # Features
 //!
-//! None is on by default: `collision` (shapes, distances, worlds of obstacles; arms that keep clear), `urdf` (robots from URDF), `gltf` (scenes from and to glTF), `heat` (skin
+//! None is on by default: `collision` (shapes, distances, worlds of obstacles; arms that keep clear), `urdf` (robots from URDF), `mjcf` (from MuJoCo's XML), `yaml` (joint limits from MoveIt's YAML), `gltf` (scenes from and to glTF), `heat` (skin
 //! weights by heat on the surface), `rayon` (batches over threads), `serde` (models, options, solutions, clips), `argmin` (the bridge to argmin).
 
 #![warn(clippy::disallowed_methods)]

@@ -115,9 +115,9 @@ impl Tree {
     ) {
         for (index, node) in self.nodes.iter().enumerate().rev() {
             let own = composites.motion(node.variable);
-            let mut felt = [0.0; 6];
+            let mut force = [0.0; 6];
             for (row, factor) in composites.stiffness[index].iter().zip(own) {
-                add_scaled(&mut felt, factor, row);
+                add_scaled(&mut force, factor, row);
             }
             gradient[node.variable] += dot(&own, &composites.push[index]);
             let mut next = Some(index);
@@ -127,7 +127,7 @@ impl Tree {
                 add(
                     node.variable,
                     variable,
-                    dot(&composites.motion(variable), &felt),
+                    dot(&composites.motion(variable), &force),
                 );
                 next = nodes[above].parent;
             }

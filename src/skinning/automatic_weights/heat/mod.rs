@@ -101,8 +101,8 @@ impl HeatWeights {
         for (bone, heated) in sources.of_bones.iter().enumerate() {
             if !heated.is_empty() {
                 let weights = system.solve(heated);
-                let felt = weights.map(|weight| if weight > LEAST { weight } else { 0.0 });
-                strongest.add(bone, felt);
+                let kept = weights.map(|weight| if weight > LEAST { weight } else { 0.0 });
+                strongest.add(bone, kept);
             }
         }
         let corners = surface.triangles.iter();
