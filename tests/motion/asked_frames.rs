@@ -1,20 +1,15 @@
 //! Promise: a goal that counts for nothing in a frame is not missed there, wherever its target is; one that counts is told by its frame.
 
+use crate::slide::slide;
 use kinopt::ik::Side;
-use kinopt::model::{Limits, Model};
 use kinopt::motion::clip::{MotionProblem, MotionSolver, RateCost};
-use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Point;
 
 const FRAMES: usize = 9;
 
 #[test]
 fn what_a_frame_does_not_ask_is_not_missed_there() {
-    let mut builder = Model::builder("slide");
-    let (at, room) = (Placement::identity(), Limits::new(-1.0, 1.0));
-    let slide = builder.prismatic("slide", None, at, Vector3::UNITS[0], room);
-    let tool = builder.frame("tool", Some(slide), at);
-    let model = builder.build().unwrap();
+    let (model, tool) = slide();
     // Two metres out of reach in the middle.
     let wanted = |frame: usize| if (3..6).contains(&frame) { 3.0 } else { 0.5 };
     for asked in [false, true] {
@@ -44,11 +39,7 @@ fn what_a_frame_does_not_ask_is_not_missed_there() {
 /// A limit that is far from where a joint goes holds it nowhere, however loosely the motion was solved; one that it goes to does.
 #[test]
 fn a_limit_that_is_far_holds_nothing() {
-    let mut builder = Model::builder("slide");
-    let (at, room) = (Placement::identity(), Limits::new(-1.0, 1.0));
-    let slide = builder.prismatic("slide", None, at, Vector3::UNITS[0], room);
-    let tool = builder.frame("tool", Some(slide), at);
-    let model = builder.build().unwrap();
+    let (model, tool) = slide();
     let wanted = |frame: usize| if frame < 6 { 0.3 } else { 1.5 };
     for tolerance in [1e-2, 1e-4, 1e-7] {
         let mut motion = MotionProblem::builder(&model, 12, 0.1);

@@ -265,17 +265,23 @@ fn a_robot_s_links_are_told_by_name_where_it_is_not_known() {
     );
 }
 
+/// Hips and both legs, down from them.
+const LEGS: [&str; 7] = [
+    "hips",
+    "left_thigh",
+    "left_shin",
+    "left_foot",
+    "right_thigh",
+    "right_shin",
+    "right_foot",
+];
+
+fn legs(numbers: &[f64]) -> Capture {
+    Capture::new(LEGS.map(str::to_owned).to_vec(), numbers, 30.0).unwrap()
+}
+
 #[test]
 fn limbs_of_no_bone_s_length_are_told_of() {
-    let joints = [
-        "hips",
-        "left_thigh",
-        "left_shin",
-        "left_foot",
-        "right_thigh",
-        "right_shin",
-        "right_foot",
-    ];
     let stands = [
         [0.0, 0.0, 1.0],
         [0.0, 0.1, 0.9],
@@ -289,8 +295,7 @@ fn limbs_of_no_bone_s_length_are_told_of() {
     let mut second = stands;
     second[5][2] = 0.8;
     numbers.extend(second.concat());
-    let capture = Capture::new(joints.map(str::to_owned).to_vec(), &numbers, 30.0).unwrap();
-    let guess = BodyMap::guess(&capture, &model(&HUMANOID)).unwrap();
+    let guess = BodyMap::guess(&legs(&numbers), &model(&HUMANOID)).unwrap();
     let told = guess.notes.join("\n");
     for words in [
         "the left shin has no length",
@@ -379,15 +384,6 @@ fn a_map_of_another_robot_is_completed_by_names_and_keeps_what_it_says() {
 
 #[test]
 fn of_a_given_map_the_joints_that_drive_are_looked_at_and_no_others() {
-    let joints = [
-        "hips",
-        "left_thigh",
-        "left_shin",
-        "left_foot",
-        "right_thigh",
-        "right_shin",
-        "right_foot",
-    ];
     // Lying along y, the left thigh without length.
     let places = [
         [0.0, 1.0, 0.0],
@@ -398,13 +394,13 @@ fn of_a_given_map_the_joints_that_drive_are_looked_at_and_no_others() {
         [-0.1, 0.5, 0.0],
         [-0.1, 0.1, 0.0],
     ];
-    let capture = Capture::new(joints.map(str::to_owned).to_vec(), &places.concat(), 30.0).unwrap();
+    let capture = legs(&places.concat());
     let humanoid = model(&HUMANOID);
     let looked_at = |text: &str| {
         let map = BodyMap::from_json(text, "body.urdf").unwrap();
         map.completed(&capture, &humanoid).unwrap()
     };
-    let drives = joints.map(|joint| {
+    let drives = LEGS.map(|joint| {
         let frame = if joint == "hips" { "pelvis" } else { joint };
         format!("\"{joint}\": \"{frame}\"")
     });

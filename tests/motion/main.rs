@@ -36,6 +36,7 @@ mod retargeted_feet;
 mod retargeted_soles;
 mod retargeting;
 mod shipped_capture;
+mod slide;
 mod spliced_keys;
 mod turning_bodies;
 mod walker;

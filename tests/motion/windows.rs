@@ -1,8 +1,7 @@
 //! Promise: a long clip costs as much per frame as a short one, and in windows it moves as it does as a whole.
 
-use kinopt::model::{Limits, Model};
+use crate::slide::slide;
 use kinopt::motion::clip::{MotionProblem, MotionSolver, MotionTermination, RateCost, Windows};
-use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Point;
 
 use crate::walker::Walker;
@@ -59,11 +58,7 @@ fn work_grows_with_the_frames_and_no_faster() {
 /// Of windows that end differently the one that did not come to rest counts, wherever it is.
 #[test]
 fn one_window_that_is_cut_short_is_told() {
-    let mut builder = Model::builder("slide");
-    let (at, room) = (Placement::identity(), Limits::new(-1.0, 1.0));
-    let slide = builder.prismatic("slide", None, at, Vector3::UNITS[0], room);
-    let tool = builder.frame("tool", Some(slide), at);
-    let model = builder.build().unwrap();
+    let (model, tool) = slide();
     // To and fro beyond its limits at first, and then no more.
     let to_and_fro = |frames: usize| {
         let mut motion = MotionProblem::builder(&model, frames, 0.1);

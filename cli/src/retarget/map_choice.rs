@@ -89,21 +89,21 @@ impl MapChoice {
             Self::Skeleton(skeleton) => BodyMap::from_skeleton(skeleton, capture, model),
             Self::Guessed => BodyMap::guess(capture, model),
         };
-        let guess = guess.map_err(|error| match self {
+        let lacking = match self {
             Self::Given(map, given) if given.drives.is_empty() => {
-                failure!("{map}: it drives nothing of this target, and of {file} {error}")
+                Some(format!("{map}: it drives nothing of this target"))
             }
-            _ => told(error),
+            _ => None,
+        };
+        let guess = guess.map_err(|error| match &lacking {
+            Some(lacking) => failure!("{lacking}, and of {file} {error}"),
+            None => told(error),
         })?;
-        match self {
-            Self::Given(map, given) if given.drives.is_empty() => {
-                output::message(&format!(
-                    "note: {map}: it drives nothing of this target, so names tell what"
-                ));
-                say_parts(file, &guess);
-            }
-            Self::Given(..) => {}
-            _ => say_parts(file, &guess),
+        if let Some(lacking) = &lacking {
+            output::message(&format!("note: {lacking}, so names tell what"));
+        }
+        if lacking.is_some() || self.given().is_none() {
+            say_parts(file, &guess);
         }
         say(file, &guess, source.up);
         Ok(guess.map)

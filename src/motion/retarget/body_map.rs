@@ -42,10 +42,15 @@ impl UpAxis {
     /// The turn that stands up along z what stands up along this axis: by a quarter about x, or none.
     #[must_use]
     pub fn turned_to_z(self) -> Matrix3<f64> {
-        let [x, y, z] = Vector3::UNITS;
+        let [x, y, z] = Vector3::UNITS.map(|axis| self.upright(axis));
+        Matrix3::from_columns(x, y, z)
+    }
+
+    /// A vector so turned, without a product.
+    pub(super) fn upright(self, at: Vector3<f64>) -> Vector3<f64> {
         match self {
-            Self::Y => Matrix3::from_columns(x, z, y * -1.0),
-            Self::Z => Matrix3::identity(),
+            Self::Y => Vector3::new(at.x, -at.z, at.y),
+            Self::Z => at,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! How long limbs are, of a person and of a model.
 
-use super::limbs::{Limb, upright};
+use super::limbs::Limb;
 use super::{Capture, RetargetError, UpAxis};
 use crate::kinematics::ForwardKinematics;
 use crate::model::Model;
@@ -37,7 +37,7 @@ pub(super) fn capture_places(capture: &Capture, all: &[Limb], up: UpAxis) -> Vec
     let frames = (0..capture.frames())
         .step_by(step)
         .filter_map(|frame| capture.frame(frame));
-    let places = frames.flat_map(|at| all.iter().map(|limb| upright(at[limb.joint], up)));
+    let places = frames.flat_map(|at| all.iter().map(|limb| up.upright(at[limb.joint])));
     places.collect()
 }
 

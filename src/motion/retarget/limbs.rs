@@ -164,7 +164,7 @@ impl Limbs {
     /// hips, what hangs on them by the lengths of limbs.
     pub(super) fn place(&self, captured: &[Vector3<f64>], to: &mut Vec<Vector3<f64>>) {
         to.clear();
-        let place = |limb: &Limb| upright(captured[limb.joint], self.up);
+        let place = |limb: &Limb| self.up.upright(captured[limb.joint]);
         for limb in &self.all {
             let at = place(limb);
             to.push(match limb.parent {
@@ -233,14 +233,6 @@ fn put_heels_on_feet(model: &Model, all: &mut [Limb], placed: &[Placement<f64>])
             limb.offset = placed[foot.index()].inverse().apply(at);
             (limb.frame, limb.is_heel) = (foot, true);
         }
-    }
-}
-
-/// A capture's vector with z upward.
-pub(super) fn upright(at: Vector3<f64>, up: UpAxis) -> Vector3<f64> {
-    match up {
-        UpAxis::Z => at,
-        UpAxis::Y => Vector3::new(at.x, -at.z, at.y),
     }
 }
 
