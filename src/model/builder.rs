@@ -312,6 +312,15 @@ impl Model {
         order
     }
 
+    /// The same model whose joints go anywhere, locked ones as well: for placing what need not keep limits.
+    pub(crate) fn without_limits(&self) -> Self {
+        let mut model = self.clone();
+        for joint in model.joints.iter_mut().filter(|joint| joint.kind.moves()) {
+            joint.limits = Limits::UNBOUNDED;
+        }
+        model
+    }
+
     /// The same model with one frame elsewhere on its joint.
     ///
     /// # Errors

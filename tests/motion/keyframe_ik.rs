@@ -221,3 +221,213 @@ fn what_is_wrong_is_named() {
         ClipIkError::NoKeys
     );
 }
+
+const BENT: &str = "right_forearm";
+
+/// The dense keys with the forearm's bend the same at all of them but where `at` says otherwise.
+fn bent(rig: &Rig, still: f64, at: impl Fn(usize) -> Option<f64>) -> EulerClip {
+    let forearm = rig.skeleton.bone(BENT).unwrap();
+    let mut tracks = dense(rig).tracks().to_vec();
+    for track in tracks.iter_mut().filter(|track| track.bone == forearm) {
+        for (k, key) in track.keys.iter_mut().enumerate() {
+            key.angles[1] = at(k).unwrap_or(still);
+        }
+    }
+    EulerClip::new(tracks).unwrap()
+}
+
+fn bends(rig: &Rig, clip: &EulerClip) -> Vec<f64> {
+    let forearm = rig.skeleton.bone(BENT).unwrap();
+    let track = clip.tracks().iter().find(|track| track.bone == forearm);
+    let keys = &track.unwrap().keys;
+    keys.iter().map(|key| key.angles[1]).collect()
+}
+
+/// How far a clip's hand is at most from where another's is.
+fn apart(rig: &Rig, one: &EulerClip, other: &EulerClip, span: [f64; 2]) -> f64 {
+    let hand = rig.skeleton.bone(HAND).unwrap();
+    let times = (0..=200).map(|k| span[0] + (span[1] - span[0]) * f64::from(k) / 200.0);
+    let off = times.map(|time| {
+        let [one, other] = [one, other].map(|clip| tip(&rig.skeleton, clip, hand, time));
+        one.distance(other)
+    });
+    off.fold(0.0, f64::max)
+}
+
+/// The way of a clip's hand.
+fn way(rig: &Rig, clip: &EulerClip, span: [f64; 2]) -> Reach {
+    let hand = rig.skeleton.bone(HAND).unwrap();
+    let times: Vec<f64> = (0..=600)
+        .map(|k| span[0] + (span[1] - span[0]) * f64::from(k) / 600.0)
+        .collect();
+    let points = times
+        .iter()
+        .map(|time| tip(&rig.skeleton, clip, hand, *time))
+        .collect();
+    Reach::along(hand, KeyedCurve::catmull_rom(times, points).unwrap())
+        .over(span[0]..=span[1])
+        .fade(0.0)
+}
+
+#[test]
+fn a_whole_track_beyond_its_limit_comes_within_and_serves_the_goal() {
+    let rig = rig();
+    let skeleton = &rig.skeleton;
+    let forearm = skeleton.bone(BENT).unwrap();
+    let limits = skeleton.bones()[forearm.index()].limits[1];
+    let beyond = bent(&rig, limits.upper + 0.2, |_| None);
+    // Where the hand is with the elbow well within.
+    let wanted = bent(&rig, limits.upper - 0.4, |_| None);
+    let all = [0.0, 3.0];
+    assert!(apart(&rig, &beyond, &wanted, all) > 0.1);
+    let solve = |span| {
+        let ik = KeyframeIk::new(skeleton).reach(way(&rig, &wanted, span));
+        ik.solve(&beyond).unwrap()
+    };
+    // All keys are solved for: nothing stays beyond.
+    let edited = solve(all);
+    assert!(edited.beyond.is_empty(), "{:?}", edited.beyond);
+    for time in all_times() {
+        let bend = angles(skeleton, &edited.clip, time)[3 * forearm.index() + 1];
+        assert!(bend <= limits.upper + 1e-9, "{bend} at {time} s");
+    }
+    let off = apart(&rig, &edited.clip, &wanted, all);
+    assert!(
+        off < 0.01 && edited.led[0].miss < 0.01,
+        "{off} {:?}",
+        edited.led
+    );
+
+    // Keys outside the span stay, and where they keep the elbow beyond is told.
+    let edited = solve(SPAN);
+    for (k, (new, old)) in bends(&rig, &edited.clip)
+        .iter()
+        .zip(bends(&rig, &beyond))
+        .enumerate()
+    {
+        if k < 6 {
+            assert_eq!(*new, old);
+        } else {
+            assert!(*new <= limits.upper, "key {k}: {new}");
+        }
+    }
+    for time in all_times().filter(|time| *time >= SPAN[0]) {
+        let bend = angles(skeleton, &edited.clip, time)[3 * forearm.index() + 1];
+        assert!(bend <= limits.upper + 1e-9, "{bend} at {time} s");
+    }
+    let [told] = &edited.beyond[..] else {
+        panic!("{:?}", edited.beyond)
+    };
+    assert_eq!((told.bone, told.angle), (forearm, 1));
+    assert!(told.at < SPAN[0], "{told:?}");
+    let worst =
+        all_times().map(|time| angles(skeleton, &edited.clip, time)[3 * forearm.index() + 1]);
+    let worst = worst.fold(0.0, f64::max) - limits.upper;
+    assert!(
+        (told.by - worst).abs() < 0.01 && told.by >= worst - 1e-9,
+        "{told:?} {worst}"
+    );
+    let off = apart(&rig, &edited.clip, &wanted, SPAN);
+    assert!(
+        off < 0.02 && edited.led[0].miss < 0.02,
+        "{off} {:?}",
+        edited.led
+    );
+}
+
+#[test]
+fn one_key_beyond_comes_to_its_limit_and_no_other_moves() {
+    let rig = rig();
+    let skeleton = &rig.skeleton;
+    let forearm = skeleton.bone(BENT).unwrap();
+    let limits = skeleton.bones()[forearm.index()].limits[1];
+    for (over, key) in [(0.05, 9), (0.3, 10), (0.05, 15)] {
+        let only = |bend: f64| {
+            bent(&rig, limits.upper - 0.3, move |k| {
+                (k == key).then_some(bend)
+            })
+        };
+        let (beyond, wanted) = (only(limits.upper + over), only(limits.upper));
+        let ik = KeyframeIk::new(skeleton).reach(way(&rig, &wanted, SPAN));
+        let edited = ik.solve(&beyond).unwrap();
+        assert!(edited.beyond.is_empty(), "{:?}", edited.beyond);
+        let new = bends(&rig, &edited.clip);
+        assert!(
+            new[key] <= limits.upper && new[key] > limits.upper - 2e-3,
+            "{over}: {new:?}"
+        );
+        for (new, old) in edited.clip.tracks().iter().zip(beyond.tracks()) {
+            for (k, (new, old)) in new.keys.iter().zip(&old.keys).enumerate() {
+                for angle in 0..3 {
+                    if (k, angle) != (key, 1) {
+                        let moved = (new.angles[angle] - old.angles[angle]).abs();
+                        assert!(moved < 5e-3, "{over}: key {k} by {moved}");
+                    }
+                }
+            }
+        }
+        assert!(edited.led[0].miss < 2e-3, "{:?}", edited.led);
+    }
+}
+
+#[test]
+fn a_track_of_one_key_keeps_its_limit_and_the_others_know() {
+    let rig = rig();
+    let skeleton = &rig.skeleton;
+    let [forearm, hand] = [BENT, HAND].map(|name| skeleton.bone(name).unwrap());
+    let limits = skeleton.bones()[forearm.index()].limits[1];
+    let mut tracks = dense(&rig).tracks().to_vec();
+    for track in tracks.iter_mut().filter(|track| track.bone == forearm) {
+        track.keys.truncate(1);
+        track.keys[0].time = 2.0;
+    }
+    let clip = EulerClip::new(tracks.clone()).unwrap();
+    for track in tracks.iter_mut().filter(|track| track.bone == forearm) {
+        track.keys[0].angles[1] = limits.lower - 0.5;
+    }
+    let beyond = EulerClip::new(tracks).unwrap();
+    // Where an elbow that bent backwards would bring the hand, which shoulder and clavicle do not help with.
+    let target = tip(skeleton, &beyond, hand, 2.1);
+    let reach = Reach::to(hand, target.to_array())
+        .unwrap()
+        .over(SPAN[0]..=SPAN[1])
+        .fade(0.0);
+    let root = skeleton.bone("right_upper_arm").unwrap();
+    let ik = KeyframeIk::new(skeleton).root(root).reach(reach);
+    let edited = ik.solve(&clip).unwrap();
+    let bend = angles(skeleton, &edited.clip, 0.0)[3 * forearm.index() + 1];
+    assert!(limits.lower <= bend && bend < limits.lower + 0.1, "{bend}");
+    let times = (0..=108).map(|k| SPAN[0] + (SPAN[1] - SPAN[0]) * f64::from(k) / 108.0);
+    let off = times.map(|time| tip(skeleton, &edited.clip, hand, time).distance(target));
+    let off = off.fold(0.0, f64::max);
+    assert!(
+        (edited.led[0].miss - off).abs() < 1e-9,
+        "{:?} {off}",
+        edited.led
+    );
+}
+
+#[test]
+fn an_angle_that_is_locked_counts_as_the_clip_has_it() {
+    let rig = rig();
+    let skeleton = &rig.skeleton;
+    let [forearm, hand] = [BENT, HAND].map(|name| skeleton.bone(name).unwrap());
+    assert!(skeleton.bones()[forearm.index()].limits[2].is_locked());
+    let mut tracks = dense(&rig).tracks().to_vec();
+    for track in tracks.iter_mut().filter(|track| track.bone == forearm) {
+        for key in &mut track.keys {
+            key.angles[2] = 0.4;
+        }
+    }
+    let clip = EulerClip::new(tracks).unwrap();
+    let curve = curve(skeleton, &clip, hand);
+    let reach = Reach::along(hand, curve.clone())
+        .over(SPAN[0]..=SPAN[1])
+        .fade(0.0);
+    let edited = KeyframeIk::new(skeleton).reach(reach).solve(&clip).unwrap();
+    let times = (0..=108).map(|k| SPAN[0] + (SPAN[1] - SPAN[0]) * f64::from(k) / 108.0);
+    let off = times.map(|time| tip(skeleton, &edited.clip, hand, time).distance(curve.at(time)));
+    let off = off.fold(0.0, f64::max);
+    let told = edited.led[0].miss;
+    assert!(off < 0.02 && (told - off).abs() < 1e-9, "{told} {off}");
+}

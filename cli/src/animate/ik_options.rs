@@ -198,7 +198,7 @@ impl IkOptions {
             ik = ik.root(armature.bone(root)?);
         }
         let edited = ik.solve(&rig.clip)?;
-        let report = IkReport::of_keys(&edited.led, &armature);
+        let report = IkReport::of_keys(&edited, &rig.skeleton, &armature);
         Ok((edited.clip, report, edited.keys_changed))
     }
 

@@ -2,8 +2,8 @@
 
 use kinopt::animation::Armature;
 use kinopt::glam::Vec3;
-use kinopt::motion::clip_ik::{EditedClip, Led};
-use kinopt::skeleton::BoneId;
+use kinopt::motion::clip_ik::{EditedClip, EditedKeys, Led};
+use kinopt::skeleton::{BoneId, Skeleton};
 use serde::Serialize;
 
 /// Stances, misses and how far the root moves, for people and as JSON.
@@ -15,6 +15,16 @@ pub(super) struct IkReport {
     root_moved: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     travel: Option<[f32; 3]>,
+    /// Joints of a rig that its keys leave beyond their limits.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    beyond: Vec<BeyondReport>,
+}
+
+#[derive(Serialize)]
+struct BeyondReport {
+    joint: String,
+    by: f64,
+    at: f64,
 }
 
 #[derive(Serialize)]
@@ -47,16 +57,26 @@ impl IkReport {
             led: led(&edited.led, armature),
             root_moved: edited.root_moved,
             travel: travel.map(|by| by.to_array()),
+            beyond: Vec::new(),
         }
     }
 
     /// Of a rig's keys.
-    pub(super) fn of_keys(edited: &[Led], armature: &Armature) -> Self {
+    pub(super) fn of_keys(edited: &EditedKeys, skeleton: &Skeleton, armature: &Armature) -> Self {
+        let beyond = edited.beyond.iter().map(|limit| {
+            let joint = skeleton.joints(limit.bone)[limit.angle];
+            BeyondReport {
+                joint: skeleton.model().joints()[joint.index()].name.clone(),
+                by: limit.by,
+                at: limit.at,
+            }
+        });
         Self {
             stances: Vec::new(),
-            led: led(edited, armature),
+            led: led(&edited.led, armature),
             root_moved: 0.0,
             travel: None,
+            beyond: beyond.collect(),
         }
     }
 
@@ -75,6 +95,12 @@ impl IkReport {
             lines.push(format!(
                 "`{}` misses by {:.2e} at most, at {:.3} s",
                 led.bone, led.miss, led.at
+            ));
+        }
+        for limit in &self.beyond {
+            lines.push(format!(
+                "`{}` stays up to {:.2e} rad beyond its limit, at {:.3} s",
+                limit.joint, limit.by, limit.at
             ));
         }
         if let Some([x, y, z]) = self.travel {

@@ -147,6 +147,32 @@ fn a_rig_s_own_keys_are_solved_for() {
 }
 
 #[test]
+fn keys_that_stay_beyond_a_limit_are_told_by_joint() {
+    let folder = Folder::new("clip-ik-beyond");
+    let (over, out) = (folder.file("over.json"), folder.file("within.json"));
+    let mut rig = kinopt::io::rig::Rig::read(model("humanoid/humanoid.json")).unwrap();
+    let forearm = rig.skeleton.bone("right_forearm").unwrap();
+    let upper = rig.skeleton.bones()[forearm.index()].limits[1].upper;
+    let mut tracks = rig.clip.tracks().to_vec();
+    let own = tracks.iter_mut().filter(|track| track.bone == forearm);
+    for key in own.flat_map(|track| &mut track.keys) {
+        key.angles[1] = upper + 0.2;
+    }
+    rig.clip = kinopt::animation::EulerClip::new(tracks).unwrap();
+    rig.write(&over).unwrap();
+    let asked = format!(
+        "animate {over} --fps=30 --reach right_hand=0.3,-0.3,1.3 --span 0.9,2.2 --out {out}"
+    );
+    let document = answer!("{asked}");
+    let told = list(&document["beyond"]);
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert_eq!(told[0]["joint"], "right_forearm/bend");
+    assert!(told[0]["by"].as_f64().unwrap() > 0.2 - 1e-6, "{told:?}");
+    let text = text!("{asked}");
+    says!(text => "`right_forearm/bend` stays up to | rad beyond its limit");
+}
+
+#[test]
 fn a_rig_whose_up_is_z_stands_in_the_file() {
     let folder = Folder::new("clip-ik-up");
     let rig = &model("humanoid/humanoid.json");

@@ -24,4 +24,4 @@ pub use edited::{EditedClip, Led, Stance};
 pub use effector::Reach;
 pub use error::ClipIkError;
 pub use ground_speed::ground_speed;
-pub use keyframes::{EditedKeys, KeyframeIk};
+pub use keyframes::{BeyondLimit, EditedKeys, KeyframeIk};

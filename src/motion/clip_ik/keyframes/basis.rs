@@ -1,10 +1,12 @@
 //! How a clip's angles depend on its keys: linearly, whatever spline runs between them.
 
+use nalgebra::DVector;
+
 use crate::animation::curve::KeyedCurve;
 use crate::animation::{EulerClip, EulerTrack};
 use crate::model::Limits;
 use crate::motion::clip_ik::ClipIkError;
-use crate::skeleton::ANGLES_PER_BONE;
+use crate::skeleton::{ANGLES_PER_BONE, BoneId};
 
 /// An angle of a key that may change.
 #[derive(Clone, Debug)]
@@ -60,18 +62,41 @@ impl KeyAngle {
 /// Pieces of a segment whose control points bound it.
 const PIECES: usize = 8;
 
-/// A row of the limits: base + Σ gainᵥ Δᵥ ≤ 0.
+/// A row of the limits: base + Σ gainᵥ Δᵥ ≤ allowed.
 #[derive(Clone, Debug)]
 pub(super) struct Row {
     pub(super) base: f64,
     /// By variable, those that are not 0.
     pub(super) gains: Vec<(usize, f64)>,
+    /// How far beyond the limit it may be; infinite where it is only told of.
+    pub(super) allowed: f64,
+    pub(super) bone: BoneId,
+    pub(super) angle: usize,
+    /// Near which moment, in seconds.
+    pub(super) time: f64,
+}
+
+impl Row {
+    /// How far beyond the limit.
+    pub(super) fn at(&self, x: &DVector<f64>) -> f64 {
+        self.base + self.change(x)
+    }
+
+    /// How far beyond what is allowed: 0 or less where the row is kept.
+    pub(super) fn asked(&self, x: &DVector<f64>) -> f64 {
+        self.base - self.allowed + self.change(x)
+    }
+
+    fn change(&self, x: &DVector<f64>) -> f64 {
+        self.gains.iter().map(|(v, gain)| gain * x[*v]).sum::<f64>()
+    }
 }
 
 /// The limits of an angle over a stretch of its track, told of control points: a cubic lies within the hull of its Bézier
 /// points, and after it is cut in eight these are within a hundredth of how far it bends.
 ///
-/// Where the clip itself is beyond a limit it may stay as far beyond.
+/// Next to a key that stays beyond a limit nothing can keep that limit: such rows are only told of. Between two keys that stay
+/// within, where their spline itself is beyond, it may stay as far beyond.
 pub(super) fn limit_rows(
     clip: &EulerClip,
     track: &EulerTrack,
@@ -84,9 +109,26 @@ pub(super) fn limit_rows(
     let base = clip
         .interpolation(track.bone)
         .curve(times.clone(), values)?;
+    let row = |base: f64, gains: Vec<(usize, f64)>, allowed: f64, time: f64| Row {
+        base,
+        gains,
+        allowed,
+        bone: track.bone,
+        angle,
+        time,
+    };
+    let sides = [(1.0, limits.upper), (-1.0, -limits.lower)];
+    let solved = |key: usize| own.iter().find(|(_, own)| own.key == key);
+    let over = |key: usize, (sign, limit): (f64, f64)| sign * track.keys[key].angles[angle] - limit;
     let mut rows = Vec::new();
-    for segment in times.windows(2) {
+    // One key is the same at all times.
+    if let ([time], Some((variable, _))) = (&times[..], solved(0)) {
+        let own = sides.map(|side| row(over(0, side), vec![(*variable, side.0)], 0.0, *time));
+        rows.extend(own.into_iter().filter(|row| row.base.is_finite()));
+    }
+    for (first, segment) in times.windows(2).enumerate() {
         let [from, to] = [segment[0], segment[1]];
+        let ends = [first, first + 1];
         let middle = 0.5 * (from + to);
         let moving: Vec<&(usize, &KeyAngle)> = own
             .iter()
@@ -113,17 +155,29 @@ pub(super) fn limit_rows(
             // The last is the next piece's first.
             let last = if piece + 1 == PIECES { 4 } else { 3 };
             for point in 0..last {
-                for (sign, limit) in [(1.0, limits.upper), (-1.0, -limits.lower)] {
-                    let over = sign * still[point] - limit;
-                    if over.is_finite() {
-                        rows.push(Row {
-                            base: over.min(0.0),
-                            gains: gains
-                                .iter()
-                                .map(|(v, own)| (*v, sign * own[point]))
-                                .collect(),
-                        });
+                let at_key = match (piece, point) {
+                    (0, 0) => solved(first).is_some(),
+                    (_, 3) => solved(first + 1).is_some(),
+                    _ => false,
+                };
+                for side in sides {
+                    let (sign, limit) = side;
+                    let base = sign * still[point] - limit;
+                    if !base.is_finite() {
+                        continue;
                     }
+                    let stays = |key: &usize| solved(*key).is_none();
+                    let allowed = if at_key {
+                        0.0
+                    } else if ends.iter().any(|key| stays(key) && over(*key, side) > 0.0) {
+                        f64::INFINITY
+                    } else if ends.iter().all(stays) {
+                        base.max(0.0)
+                    } else {
+                        0.0
+                    };
+                    let gains = gains.iter().map(|(v, own)| (*v, sign * own[point]));
+                    rows.push(row(base, gains.collect(), allowed, moments[point]));
                 }
             }
         }

@@ -45,7 +45,9 @@ impl KeyCost {
         times: &[f64],
         (span, keep): ([f64; 2], f64),
     ) -> Result<Self, ClipIkError> {
-        let mut builder = Problem::builder(skeleton.model());
+        // Keys may be beyond their limits, which are rows.
+        let model = skeleton.model().without_limits();
+        let mut builder = Problem::builder(&model);
         let tasks: Vec<TaskId<Point>> = reaches
             .iter()
             .map(|reach| builder.add(Point::new(skeleton.tip(reach.bone), [0.0; 3])))

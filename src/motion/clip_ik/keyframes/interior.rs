@@ -29,13 +29,13 @@ const ROOM: f64 = 1e-2;
 /// A step this short ends, radians.
 const SHORT: f64 = 1e-10;
 
-/// Minimises within base + Σ gain x ≤ 0 for all rows, which x = 0 keeps. What it returns keeps them all.
+/// Minimises within all rows, from a start that keeps them. What it returns keeps them too, and costs no more.
 pub(super) fn minimise<C: Cost>(
     cost: &mut C,
     rows: &[Row],
-    variables: usize,
+    start: DVector<f64>,
 ) -> Result<DVector<f64>, C::Error> {
-    let mut x = DVector::zeros(variables);
+    let (variables, mut x) = (start.len(), start);
     let (mut gradient, mut hessian) = (
         DVector::zeros(variables),
         DMatrix::zeros(variables, variables),
@@ -43,14 +43,14 @@ pub(super) fn minimise<C: Cost>(
     let mut f = cost.linearise(&x, &mut gradient, &mut hessian)?;
     let scale = f.max(f64::MIN_POSITIVE);
     let mut barrier = 0.1 * f / rows.len().max(1) as f64;
-    let mut slack: Vec<f64> = rows.iter().map(|row| (-row.base).max(ROOM)).collect();
+    let mut slack: Vec<f64> = rows.iter().map(|row| (-row.asked(&x)).max(ROOM)).collect();
     let mut push: Vec<f64> = slack.iter().map(|slack| barrier / slack).collect();
-    let (mut damping, mut best) = (1e-8 * hessian.diagonal().max(), x.clone());
+    let (mut damping, mut best) = (1e-8 * hessian.diagonal().max(), (f, x.clone()));
     for _ in 0..ITERATIONS {
         let miss: Vec<f64> = rows
             .iter()
             .zip(&slack)
-            .map(|(row, s)| row.at(&x) + s)
+            .map(|(row, s)| row.asked(&x) + s)
             .collect();
         let Some(step) = step(
             rows,
@@ -93,8 +93,9 @@ pub(super) fn minimise<C: Cost>(
             *push += forward * d;
         }
         (x, slack) = (tried, next);
-        if rows.iter().all(|row| row.at(&x) <= 0.0) {
-            best.copy_from(&x);
+        // The barrier keeps off limits at a price, so a later place may cost more.
+        if then <= best.0 && rows.iter().all(|row| row.asked(&x) <= 0.0) {
+            best = (then, x.clone());
         }
         f = cost.linearise(&x, &mut gradient, &mut hessian)?;
         let moved = share * step.amax();
@@ -105,13 +106,7 @@ pub(super) fn minimise<C: Cost>(
             barrier = (FALL * barrier).max(LAST * scale / rows.len().max(1) as f64);
         }
     }
-    Ok(best)
-}
-
-impl Row {
-    pub(super) fn at(&self, x: &DVector<f64>) -> f64 {
-        self.base + self.gains.iter().map(|(v, gain)| gain * x[*v]).sum::<f64>()
-    }
+    Ok(best.1)
 }
 
 /// (H + Aᵀ diag(z/s) A) dx = −∇f − Aᵀ z − Aᵀ (μ − s z + z r)/s.

@@ -1,8 +1,12 @@
 //! What is asked of a rig's keys, and what came of it.
 
+use nalgebra::DVector;
+
 use super::basis::{KeyAngle, Row, limit_rows};
+use super::beyond_limit::BeyondLimit;
 use super::cost::KeyCost;
 use super::interior::minimise;
+use super::within::brought_within;
 use crate::animation::{Armature, EulerClip, EulerTrack};
 use crate::bad_option::{BadOption, POSITIVE};
 use crate::motion::clip_ik::root_bone::{above, branching_above};
@@ -15,6 +19,9 @@ use crate::skeleton::{ANGLES_PER_BONE, BoneId, Skeleton};
 /// within those spans, of the bones that carry the tips, and nothing else: no key is added, and between keys runs the
 /// spline that ran there. Joint limits hold between keys as well, told of the spline's control points. Where keys are
 /// few, tips come as near as these let them: the sum of squares over the span is least.
+///
+/// Keys within those spans that are beyond a limit come within it, as little further as goals ask. Where others keep the clip beyond, next to
+/// a key outside the span, say, [`EditedKeys::beyond`] names the limit.
 ///
 /// ```
 /// use kinopt::io::rig::Rig;
@@ -45,6 +52,9 @@ pub struct EditedKeys {
     pub led: Vec<Led>,
     /// How many keys are not what they were.
     pub keys_changed: usize,
+    /// Limits that the clip is beyond where what is solved for counts, an entry an angle: keys that stay are beyond them, or there is no
+    /// way of keeping all at once.
+    pub beyond: Vec<BeyondLimit>,
 }
 
 /// What a radian of a key costs, in shares of the skeleton's size.
@@ -97,8 +107,29 @@ impl<'a> KeyframeIk<'a> {
             &times,
             (span, keep),
         )?;
-        let rows = self.rows(clip, &keys)?;
-        let found = minimise(&mut cost, &rows, keys.len())?;
+        let limits = |key: &KeyAngle| {
+            let bone = clip.tracks()[key.track].bone;
+            self.skeleton.bones()[bone.index()].limits[key.angle]
+        };
+        let was = |key: &KeyAngle| clip.tracks()[key.track].keys[key.key].angles[key.angle];
+        let clamped = keys
+            .iter()
+            .map(|key| limits(key).clamp(was(key)) - was(key));
+        let clamped = DVector::from_iterator(keys.len(), clamped);
+        let mut rows = self.rows(clip, &keys)?;
+        let start = brought_within(&mut rows, clamped);
+        let kept = rows.iter().filter(|row| row.allowed.is_finite());
+        let hard: Vec<Row> = kept.cloned().collect();
+        let mut found = minimise(&mut cost, &hard, start)?;
+        // To the bit.
+        let values: Vec<f64> = keys
+            .iter()
+            .zip(&found)
+            .map(|(key, change)| limits(key).clamp(was(key) + change))
+            .collect();
+        for ((change, value), key) in found.iter_mut().zip(&values).zip(&keys) {
+            *change = value - was(key);
+        }
         let misses = cost.misses(&found)?;
         let led = self.reaches.iter().enumerate().map(|(k, reach)| {
             let own = misses.iter().zip(&times);
@@ -112,13 +143,8 @@ impl<'a> KeyframeIk<'a> {
             }
         });
         let mut tracks = clip.tracks().to_vec();
-        for (key, change) in keys.iter().zip(found.iter()) {
-            let bone = tracks[key.track].bone;
-            let limits = self.skeleton.bones()[bone.index()].limits[key.angle];
-            let own = &mut tracks[key.track].keys[key.key].angles[key.angle];
-            let was = *own;
-            // To the bit; one that was beyond stays no further out.
-            *own = (was + change).clamp(limits.lower.min(was), limits.upper.max(was));
+        for (key, value) in keys.iter().zip(values) {
+            tracks[key.track].keys[key.key].angles[key.angle] = value;
         }
         let changed = tracks
             .iter()
@@ -135,6 +161,7 @@ impl<'a> KeyframeIk<'a> {
             clip,
             led: led.collect(),
             keys_changed,
+            beyond: BeyondLimit::all(&rows, &found),
         })
     }
 

@@ -1,0 +1,80 @@
+//! Keys that are beyond their limits, brought within them by the least change.
+
+use std::convert::Infallible;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::basis::Row;
+use super::interior::{Cost, minimise};
+
+/// How far within its limits a clip is brought, radians: the room from which the goals are served.
+const ROOM: f64 = 1e-5;
+/// What a change costs, next to what is beyond; it leaves less beyond than there is room.
+const CHANGE: f64 = 1e-4;
+
+/// ½ ‖what is beyond‖² and ½ λ² ‖x − clamped‖².
+struct Gap<'a> {
+    rows: &'a [Row],
+    clamped: DVector<f64>,
+}
+
+impl Gap<'_> {
+    fn beyond(row: &Row, x: &DVector<f64>) -> f64 {
+        (row.asked(x) + ROOM).max(0.0)
+    }
+}
+
+impl Cost for Gap<'_> {
+    type Error = Infallible;
+
+    fn value(&mut self, x: &DVector<f64>) -> Result<f64, Infallible> {
+        let beyond = self.rows.iter().map(|row| Self::beyond(row, x).powi(2));
+        let moved = CHANGE * CHANGE * (x - &self.clamped).norm_squared();
+        Ok(0.5 * (beyond.sum::<f64>() + moved))
+    }
+
+    fn linearise(
+        &mut self,
+        x: &DVector<f64>,
+        gradient: &mut DVector<f64>,
+        hessian: &mut DMatrix<f64>,
+    ) -> Result<f64, Infallible> {
+        gradient.copy_from(&((x - &self.clamped) * (CHANGE * CHANGE)));
+        hessian.fill(0.0);
+        hessian.fill_diagonal(CHANGE * CHANGE);
+        for row in self.rows {
+            let beyond = Self::beyond(row, x);
+            if beyond == 0.0 {
+                continue;
+            }
+            for &(a, gain) in &row.gains {
+                gradient[a] += gain * beyond;
+                for &(b, other) in &row.gains {
+                    hessian[(a, b)] += gain * other;
+                }
+            }
+        }
+        self.value(x)
+    }
+}
+
+/// From keys that are each within their limits to ones between which the spline is as well, by the least change. Rows that cannot
+/// be kept together are then asked no more than they can.
+pub(super) fn brought_within(rows: &mut [Row], clamped: DVector<f64>) -> DVector<f64> {
+    if rows.iter().all(|row| row.asked(&clamped) <= 0.0) {
+        return clamped;
+    }
+    let mut gap = Gap { rows, clamped };
+    let start = gap.clamped.clone();
+    let x = match minimise(&mut gap, &[], start) {
+        Ok(x) => x,
+        Err(never) => match never {},
+    };
+    for row in rows {
+        let over = row.asked(&x);
+        if over > 0.0 {
+            row.allowed += over + ROOM;
+        }
+    }
+    x
+}
