@@ -28,7 +28,8 @@ impl Cost for Gap<'_> {
     type Error = Infallible;
 
     fn value(&mut self, x: &DVector<f64>) -> Result<f64, Infallible> {
-        let beyond = self.rows.iter().map(|row| Self::beyond(row, x).powi(2));
+        let beyond = self.rows.iter().map(|row| Self::beyond(row, x));
+        let beyond = beyond.map(|by| by * by);
         let moved = CHANGE * CHANGE * (x - &self.clamped).norm_squared();
         Ok(0.5 * (beyond.sum::<f64>() + moved))
     }
