@@ -4,12 +4,13 @@ use std::fmt;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
+use std::sync::Arc;
 
 /// What is read of a file, or why that cannot be.
 pub(crate) type FromFile<T> = Result<T, ReadError>;
 
 /// A file that could not be read.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, thiserror::Error)]
 #[error("{file}: {place}{problem}")]
 pub struct ReadError {
     /// The file's path, or the name given to the bytes.
@@ -38,12 +39,12 @@ pub enum Place {
 }
 
 /// What is wrong at a place in a file.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReadProblem {
     /// The operating system could not open or read the file.
     #[error("cannot be read: {0}")]
-    Io(#[from] std::io::Error),
+    Io(#[source] Arc<std::io::Error>),
     /// The file is longer than the reader accepts.
     #[error("is longer than the {limit} bytes that are read of such a file")]
     TooLong {
@@ -66,14 +67,14 @@ pub enum ReadProblem {
     /// What the file holds is well formed, but not valid: a [`MeshError`](crate::mesh::MeshError) or a
     /// [`WeightsError`](crate::skinning::WeightsError), say.
     #[error(transparent)]
-    Invalid(Box<dyn std::error::Error + Send + Sync>),
+    Invalid(Arc<dyn std::error::Error + Send + Sync>),
     /// Another file that this one names cannot be read.
     #[error("{0}")]
     Referenced(#[source] Box<ReadError>),
 }
 
 /// A file that could not be written.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, thiserror::Error)]
 #[error("{file}: cannot be written: {problem}")]
 #[non_exhaustive]
 pub struct WriteError {
@@ -81,7 +82,22 @@ pub struct WriteError {
     pub file: String,
     /// Why.
     #[source]
-    pub problem: std::io::Error,
+    pub problem: Arc<std::io::Error>,
+}
+
+impl From<std::io::Error> for ReadProblem {
+    fn from(error: std::io::Error) -> Self {
+        Self::Io(Arc::new(error))
+    }
+}
+
+impl WriteError {
+    pub(crate) fn new(path: &Path, problem: std::io::Error) -> Self {
+        Self {
+            file: path.display().to_string(),
+            problem: Arc::new(problem),
+        }
+    }
 }
 
 impl ReadError {
@@ -171,8 +187,5 @@ pub(crate) fn read_with<T>(
 }
 
 pub(crate) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    std::fs::write(path, bytes).map_err(|problem| WriteError {
-        file: path.display().to_string(),
-        problem,
-    })
+    std::fs::write(path, bytes).map_err(|problem| WriteError::new(path, problem))
 }

@@ -1,6 +1,6 @@
 //! What is in files: texts, bytes, and what a function of the caller's opens.
 
-use kinopt::io::{Place, ReadError, ReadProblem};
+use kinopt::io::{Place, ReadError};
 use pyo3::exceptions::{PyFileNotFoundError, PyKeyError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -38,7 +38,7 @@ fn opened(
     let fail = |kind, text: String| ReadError {
         file: file.to_owned(),
         place: Place::File,
-        problem: ReadProblem::Io(std::io::Error::new(kind, text)),
+        problem: std::io::Error::new(kind, text).into(),
     };
     let missing = |text: &str| fail(std::io::ErrorKind::NotFound, text.to_owned());
     let open = open.ok_or_else(|| missing("no `open` was given"))?;

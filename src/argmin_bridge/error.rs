@@ -1,15 +1,17 @@
 //! What can go wrong between argmin and us.
 
+use std::sync::Arc;
+
 use argmin::core::{ArgminError, Error};
 use thiserror::Error as ThisError;
 
 /// Why a run has no solution to report.
-#[derive(Debug, ThisError)]
+#[derive(Clone, Debug, ThisError)]
 #[non_exhaustive]
 pub enum BridgeError {
     /// The run failed before it returned a state, and not for want of anything to improve.
     #[error("argmin: {0:#}")]
-    Argmin(Error),
+    Argmin(Arc<Error>),
     /// The state holds no parameter vector.
     #[error("the argmin state holds no parameter vector: the solver was never initialised")]
     NoParameters,

@@ -113,7 +113,7 @@ impl<'p> UnboundedProblem<'p> {
                 if is_finished_at(&solution) {
                     Ok(solution)
                 } else {
-                    Err(BridgeError::Argmin(error))
+                    Err(BridgeError::Argmin(error.into()))
                 }
             }
         }

@@ -26,7 +26,7 @@ use crate::spatial::Placement;
 /// time limit. Joints that turn without limits, or further than a turn, come out as near to the
 /// start as whole turns bring them; from a start beyond a million radians, where sines lose their
 /// digits, as near to the start less whole turns (within half a turn of zero).
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Arm {
     pub(super) serial: Serial,
     pub(super) options: Options,
@@ -42,9 +42,19 @@ pub struct Arm {
     /// What it keeps clear of.
     #[cfg(feature = "collision")]
     pub(super) collisions: Option<std::sync::Arc<super::keep_clear::KeepClear>>,
-    /// Memory of the slower ways, taken out while one is under way.
-    #[allow(clippy::vec_box, reason = "kilobytes, moved twice a question")]
-    workspaces: Mutex<Vec<Box<ArmWorkspace>>>,
+    workspaces: Workspaces,
+}
+
+/// Memory of the slower ways, taken out while one is under way.
+#[allow(clippy::vec_box, reason = "kilobytes, moved twice a question")]
+#[derive(Debug)]
+struct Workspaces(Mutex<Vec<Box<ArmWorkspace>>>);
+
+/// A copy makes its own.
+impl Clone for Workspaces {
+    fn clone(&self) -> Self {
+        Self(Mutex::default())
+    }
 }
 
 impl Arm {
@@ -73,7 +83,7 @@ impl Arm {
             seeds: OnceLock::new(),
             #[cfg(feature = "collision")]
             collisions: None,
-            workspaces: Mutex::new(vec![Box::new(workspace)]),
+            workspaces: Workspaces(Mutex::new(vec![Box::new(workspace)])),
         })
     }
 
@@ -173,7 +183,7 @@ impl Arm {
     /// Changes all memory that is not in use.
     #[cfg(feature = "collision")]
     pub(super) fn for_each_workspace(&mut self, change: impl FnMut(&mut Box<ArmWorkspace>)) {
-        let workspaces = self.workspaces.get_mut();
+        let workspaces = self.workspaces.0.get_mut();
         let workspaces = workspaces.unwrap_or_else(std::sync::PoisonError::into_inner);
         workspaces.iter_mut().for_each(change);
     }
@@ -182,6 +192,7 @@ impl Arm {
     pub(super) fn with_workspace<R>(&self, run: impl FnOnce(&mut ArmWorkspace) -> R) -> Reply<R> {
         let lock = || {
             self.workspaces
+                .0
                 .lock()
                 .unwrap_or_else(std::sync::PoisonError::into_inner)
         };

@@ -11,7 +11,7 @@ use crate::spatial::Placement;
 const SEEDS: usize = 16_384;
 
 /// Configurations and where they put the tool.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct SeedTable {
     /// One configuration after another.
     values: Vec<f64>,

@@ -92,7 +92,7 @@ impl<'s> ServoStep<'s> {
 }
 
 /// Follows targets that come at a fixed rate, with bounded joint speeds: see [`Arm::servo`].
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Servo<'a> {
     arm: &'a Arm,
     workspace: ArmWorkspace,

@@ -37,7 +37,7 @@ pub(super) fn stopping() -> Stopping {
 }
 
 /// What the slower ways need: the pose as a core problem, and room.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct ArmWorkspace {
     pub(super) question: PoseQuestion,
     scratch: Scratch,

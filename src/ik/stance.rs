@@ -13,7 +13,7 @@ use super::Solver;
 const DOWN: f64 = 1.0 / 15.0;
 
 /// Why there is no stance.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StanceError {
     /// Frames or numbers that are not the model's.

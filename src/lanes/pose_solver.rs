@@ -21,7 +21,7 @@ use crate::spatial::Placement;
 /// target is not reached, q is the end of the start's own attempt under [`Prefer::Start`], also where
 /// a deadline cut it short, and under [`Prefer::First`] the point of least cost
 /// `½(|p|² + (metres_per_radian)² · 2(1 − cos θ))` over all attempts.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct PoseSolver {
     prepared: Prepared,
 }

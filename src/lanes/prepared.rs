@@ -10,7 +10,7 @@ use super::options::{LaneError, LaneOptions};
 use super::settings::Settings;
 
 /// A chain and the task, prepared.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Prepared {
     pub(crate) links: Links,
     pub(crate) settings: Settings,

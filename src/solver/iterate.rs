@@ -19,6 +19,13 @@ pub struct Iterate<'a> {
     pub(super) state: &'a mut SolverState,
 }
 
+impl std::fmt::Debug for Iterate<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut shown = f.debug_struct("Iterate");
+        shown.field("state", self.state).finish_non_exhaustive()
+    }
+}
+
 impl Deref for Iterate<'_> {
     type Target = SolverState;
 

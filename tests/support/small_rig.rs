@@ -1,7 +1,7 @@
 //! A rig of three bones and one triangle, held in memory.
 
 use kinopt::io::rig::Rig;
-use kinopt::io::{Place, ReadError, ReadProblem};
+use kinopt::io::{Place, ReadError};
 
 pub const JSON: &str = r#"{
 "model": {"file": "small.ply"}, "weights": {"file": "small.dmat"}, "author": {"x": [1, null]},
@@ -48,7 +48,7 @@ impl SmallRig {
             part.ok_or_else(|| ReadError {
                 file: file.into(),
                 place: Place::File,
-                problem: ReadProblem::Io(std::io::ErrorKind::NotFound.into()),
+                problem: std::io::Error::from(std::io::ErrorKind::NotFound).into(),
             })
         })
     }

@@ -45,7 +45,7 @@ struct InLanes {
 }
 
 /// Room for checks.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct ClearRoom {
     rooms: Rooms,
     exact: CheckerWorkspace,

@@ -10,7 +10,7 @@ use crate::kinematics::KinematicsError;
 use crate::model::UnknownName;
 
 /// Why there is no such collision model.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CollisionModelError {
     /// A frame, link or pair that is not there.

@@ -52,7 +52,7 @@ impl SphereModel {
             }
         };
         let invalid = |error: Box<dyn std::error::Error + Send + Sync>| {
-            ReadError::new(file, Place::File, ReadProblem::Invalid(error))
+            ReadError::new(file, Place::File, ReadProblem::Invalid(error.into()))
         };
         let mut groups = Vec::new();
         let mut overhang: f64 = 0.0;
@@ -113,7 +113,7 @@ fn of_urdf(text: &str, file: &str) -> Result<NamedSpheres, ReadError> {
     use crate::collision::Ball;
 
     let invalid = |error: Box<dyn std::error::Error + Send + Sync>| {
-        ReadError::new(file, Place::File, ReadProblem::Invalid(error))
+        ReadError::new(file, Place::File, ReadProblem::Invalid(error.into()))
     };
     let robot = crate::robot::Robot::reader().lenient().parse(text, file);
     let robot = robot.map_err(|error| invalid(error.into()))?;

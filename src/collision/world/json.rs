@@ -143,7 +143,11 @@ impl Reader<'_> {
     }
 
     fn invalid(&self, place: Place, error: WorldError) -> ReadError {
-        ReadError::new(self.file, place, ReadProblem::Invalid(Box::new(error)))
+        ReadError::new(
+            self.file,
+            place,
+            ReadProblem::Invalid(std::sync::Arc::new(error)),
+        )
     }
 }
 

@@ -149,7 +149,7 @@ impl Scene<'_> {
                 None => Ok(()),
             });
             placed.map_err(|error| {
-                let problem = ReadProblem::Invalid(Box::new(error));
+                let problem = ReadProblem::Invalid(std::sync::Arc::new(error));
                 ReadError::new(self.file, Place::Line(primitive.line), problem)
             })?;
         }
@@ -176,7 +176,7 @@ impl Scene<'_> {
             }
         };
         shape.map_err(|error| {
-            let problem = ReadProblem::Invalid(Box::new(error));
+            let problem = ReadProblem::Invalid(std::sync::Arc::new(error));
             ReadError::new(self.file, Place::Line(measures.line), problem)
         })
     }

@@ -4,7 +4,7 @@ use crate::animation::SizeMismatch;
 use crate::io::WriteError;
 
 /// Why motion cannot be written as BVH. Frames are counted from 0.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BvhError {
     /// An armature without bones.

@@ -31,10 +31,8 @@ impl Rig {
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), WriteError> {
         let path = path.as_ref();
         let refuse = |problem: &str| {
-            Err(WriteError {
-                file: path.display().to_string(),
-                problem: Error::new(ErrorKind::InvalidInput, problem),
-            })
+            let problem = Error::new(ErrorKind::InvalidInput, problem);
+            Err(WriteError::new(path, problem))
         };
         let (mesh_path, weights_path) = (path.with_extension("ply"), path.with_extension("dmat"));
         if path == mesh_path || path == weights_path {

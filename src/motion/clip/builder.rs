@@ -16,6 +16,7 @@ use crate::robot::Robot;
 use crate::task::{Quantity, Residual, Task};
 
 /// Collects the tasks, weights and limits of a [`MotionProblem`]; [`build`](Self::build) checks them.
+#[derive(Clone)]
 pub struct MotionProblemBuilder<'m> {
     model: &'m Model,
     problem: ProblemBuilder<'m>,

@@ -149,7 +149,11 @@ impl CartesianPath {
             return Err(malformed(Place::File, "has no points".into()));
         }
         table.finish(columns).map_err(|error| {
-            ReadError::new(name, Place::File, ReadProblem::Invalid(Box::new(error)))
+            ReadError::new(
+                name,
+                Place::File,
+                ReadProblem::Invalid(std::sync::Arc::new(error)),
+            )
         })
     }
 }

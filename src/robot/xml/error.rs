@@ -9,7 +9,7 @@ use crate::model::{ModelError, UnknownName};
 pub(crate) type Read<T> = Result<T, RobotFileError>;
 
 /// Why a URDF file gives no robot.
-#[derive(Debug, Error)]
+#[derive(Clone, Debug, Error)]
 #[non_exhaustive]
 pub enum RobotFileError {
     /// The file cannot be opened, is too long, or is not UTF-8 text.

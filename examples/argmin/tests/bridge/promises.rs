@@ -33,6 +33,13 @@ use rand::rngs::StdRng;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+const fn value<T: Clone + std::fmt::Debug + Send + Sync>() {}
+
+const _: () = value::<BoundedProblem<'static>>();
+const _: () = value::<UnboundedProblem<'static>>();
+const _: () = value::<ExecutorMethod<LevenbergMarquardt>>();
+const _: () = value::<BridgeError>();
+
 const START: [f64; 7] = [0.1, 0.3, -0.2, -1.0, 0.2, 0.6, 0.05];
 
 fn within_limits(problem: &Problem, q: &[f64]) -> bool {

@@ -185,10 +185,8 @@ impl SceneFile {
     /// read.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), WriteError> {
         let path = path.as_ref();
-        let fail = |problem: String| WriteError {
-            file: path.display().to_string(),
-            problem: Error::new(ErrorKind::InvalidInput, problem),
-        };
+        let fail =
+            |problem: String| WriteError::new(path, Error::new(ErrorKind::InvalidInput, problem));
         let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
         let (mut document, mut container) = (self.document.clone(), self.container.clone());
         match (ending.to_str(), &container) {

@@ -183,9 +183,6 @@ pub fn write_mesh(mesh: &TriangleMesh, path: impl AsRef<Path>) -> Result<(), Wri
 }
 
 fn written(bytes: Result<Vec<u8>, UnwritableScene>, path: &Path) -> Result<(), WriteError> {
-    let bytes = bytes.map_err(|error| WriteError {
-        file: path.display().to_string(),
-        problem: Error::new(ErrorKind::InvalidInput, error),
-    })?;
-    write_bytes(path, &bytes)
+    let refused = |error| WriteError::new(path, Error::new(ErrorKind::InvalidInput, error));
+    write_bytes(path, &bytes.map_err(refused)?)
 }

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use super::QUESTION;
-use crate::io::{ReadError, ReadProblem, WriteError};
+use crate::io::{ReadError, WriteError};
 
 /// Why a folder of movements cannot be begun, or gone on with.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FolderError {
     /// What is no folder.
@@ -65,14 +65,10 @@ fn differing(differs: &[String]) -> String {
 impl FolderError {
     pub(super) fn reading(path: &Path, problem: std::io::Error) -> Self {
         let name = path.display().to_string();
-        let problem = ReadProblem::Io(problem);
         Self::Read(ReadError::new(&name, crate::io::Place::File, problem))
     }
 
     pub(super) fn writing(path: &Path, problem: std::io::Error) -> Self {
-        Self::Write(WriteError {
-            file: path.display().to_string(),
-            problem,
-        })
+        Self::Write(WriteError::new(path, problem))
     }
 }
