@@ -48,12 +48,16 @@ pub struct ArmPoses {
     pub starts: Vec<f64>,
 }
 
+fn at_configuration(chain: &Chain, q: &[f64]) -> Placement<f64> {
+    chain.base_from_tip(q).expect("a configuration of its own")
+}
+
 /// Tip poses of random configurations across the full limits (unbounded joints within ±π), and
 /// other random configurations to start from.
 #[must_use]
 pub fn random_poses(chain: &Chain, count: usize, random: &mut Sequence) -> ArmPoses {
     let targets = (0..count)
-        .map(|_| chain.base_from_tip(&random_configuration(chain, random)))
+        .map(|_| at_configuration(chain, &random_configuration(chain, random)))
         .collect();
     let starts = (0..count)
         .flat_map(|_| random_configuration(chain, random))
@@ -89,7 +93,7 @@ pub fn smooth_path(chain: &Chain, count: usize) -> ArmPoses {
     };
     ArmPoses {
         targets: (0..count)
-            .map(|step| chain.base_from_tip(&at(step)))
+            .map(|step| at_configuration(chain, &at(step)))
             .collect(),
         starts: at(0),
     }

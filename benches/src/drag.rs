@@ -95,7 +95,7 @@ impl DragScene {
     ) -> Result<Self, ModelError> {
         let holds = skeleton.holds(&[hand]);
         let map = holds.parameters(skeleton, &start)?;
-        let postures = holds.postures(skeleton, &start);
+        let postures = holds.postures(skeleton, &start)?;
         Ok(Self {
             map,
             postures,

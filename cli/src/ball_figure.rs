@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use kinopt::animation::{Armature, Pose, PoseAngles, PoseTurns};
+use kinopt::animation::{Armature, Pose, PoseAngles, PoseTurns, ReachError};
 use kinopt::io::cones;
 use kinopt::skeleton::{BallSkeleton, Cones, SkeletonRoot};
 
@@ -101,7 +101,7 @@ impl PoseBridge {
     }
 
     /// Writes a configuration into a pose.
-    pub(crate) fn pose_of(&self, q: &[f64], pose: &mut Pose) {
+    pub(crate) fn pose_of(&self, q: &[f64], pose: &mut Pose) -> Result<(), ReachError> {
         match self {
             Self::Angles(angles) => angles.pose_of(q, pose),
             Self::Turns(turns) => turns.pose_of(q, pose),

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use kinopt::Model;
-use kinopt::animation::{Armature, EulerClip, Playback, Pose};
+use kinopt::animation::{Armature, EulerClip, Playback, Pose, ReachError};
 use kinopt::io::gltf::SceneFile;
 use kinopt::io::rig::Rig;
 use kinopt::model::{FrameId, JointId, JointKind, ParameterMap, Source};
@@ -74,10 +74,10 @@ pub(crate) struct LoadedScene {
 
 impl LoadedScene {
     /// The pose of a configuration of its figure.
-    pub(crate) fn pose(&self, bridge: &PoseBridge, q: &[f64]) -> Pose {
+    pub(crate) fn pose(&self, bridge: &PoseBridge, q: &[f64]) -> Result<Pose, ReachError> {
         let mut pose = self.stands.clone();
-        bridge.pose_of(q, &mut pose);
-        pose
+        bridge.pose_of(q, &mut pose)?;
+        Ok(pose)
     }
 }
 

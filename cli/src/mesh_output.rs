@@ -180,7 +180,7 @@ impl Skin<'_> {
                 Ok(mesh_weights.mesh(method, mesh, &transforms)?)
             }
             Self::Scene { scene, bridge } => {
-                let pose = scene.pose(bridge, q);
+                let pose = scene.pose(bridge, q)?;
                 Ok(ScenePosing::new(scene.file.scene(), method)?.mesh(&pose)?)
             }
         }
@@ -190,7 +190,7 @@ impl Skin<'_> {
     pub(crate) fn write(&self, q: &[f64], method: SkinningMethod, to: &MeshFile) -> Outcome<()> {
         match self {
             Self::Scene { scene, bridge } if to.format == MeshFormat::Glb => {
-                let pose = scene.pose(bridge, q);
+                let pose = scene.pose(bridge, q)?;
                 write_posed(&scene.file, &pose, method, to.path())
             }
             _ => to.write(&self.posed(q, method)?),

@@ -1,6 +1,6 @@
 //! The library's errors as exceptions, with its own messages.
 
-use kinopt::animation::{ClipNameError, NoEffector, ParameterError};
+use kinopt::animation::{ClipNameError, ParameterError, ReachError};
 use kinopt::io::bvh::BvhError;
 use kinopt::io::{ReadError, ReadProblem, WriteError};
 use kinopt::model::UnknownName;
@@ -76,7 +76,6 @@ faults!(
     kinopt::animation::LimbError,
     kinopt::animation::LocalError,
     kinopt::animation::MaskError,
-    kinopt::animation::ReachError,
     kinopt::animation::SampleError,
     kinopt::animation::SizeMismatch,
     kinopt::io::gltf::PosingError,
@@ -171,9 +170,12 @@ impl Fault for kinopt::collision::WorldError {
     }
 }
 
-impl Fault for NoEffector {
+impl Fault for ReachError {
     fn kind(&self) -> Kind {
-        Kind::UnknownName
+        match self {
+            Self::NoEffector(_) => Kind::UnknownName,
+            _ => Kind::InvalidValue,
+        }
     }
 }
 

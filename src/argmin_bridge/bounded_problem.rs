@@ -7,7 +7,7 @@ use super::error::{BridgeError, check_length};
 use super::pool::{Buffers, Pool};
 use super::solution::{Place, solution_of};
 use crate::ik::{Solution, SolveError};
-use crate::problem::{Evaluation, Question};
+use crate::problem::{Evaluation, Question, Share};
 use crate::search::variables_at;
 use crate::solver::{ConfigurationSpace, LeastSquares};
 
@@ -150,6 +150,7 @@ impl LeastSquares for BoundedProblem<'_> {
     }
 
     fn is_reached(&self, residual: &[f64]) -> bool {
-        self.question.problem().is_reached(residual)
+        let problem = self.question.problem();
+        problem.is_reached_by(Share::All, residual)
     }
 }

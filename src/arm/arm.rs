@@ -132,7 +132,7 @@ impl Arm {
         self.check_length("q", q.len(), self.joint_count())?;
         self.check_finite(q)?;
         if let Some(chain) = &self.serial.chain {
-            return Ok(chain.base_from_tip(q));
+            return Ok(chain.tip_at(q));
         }
         self.with_workspace(|workspace| workspace.base_from_tool(&self.serial, q))
     }

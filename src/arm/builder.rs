@@ -197,7 +197,7 @@ impl ArmBuilder<'_> {
     }
 
     /// Frees only these joints; every other joint is held at its value in `q_model` (shape: the
-    /// model's degrees of freedom; a missing value counts as 0), clamped into its limits.
+    /// model's degrees of freedom; [`build`](Self::build) refuses another), clamped into its limits.
     #[must_use]
     pub fn with_only<'a, J: Into<JointRef<'a>>>(
         mut self,

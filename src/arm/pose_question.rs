@@ -51,8 +51,9 @@ impl PoseQuestion {
 
     /// Sets the target.
     pub(super) fn aim(&mut self, target: &Placement<f64>) {
-        // The task is the problem's own.
-        if let Ok(pose) = self.targets.get_mut(self.task) {
+        let pose = self.targets.get_mut(self.task);
+        debug_assert!(pose.is_ok(), "the task is the problem's own");
+        if let Ok(pose) = pose {
             pose.set_target(*target);
         }
     }

@@ -183,7 +183,7 @@ impl Engine for Sweeps<'_> {
                 best = if index == 0 { cost } else { best };
                 break Termination::NonFinite;
             }
-            let arrived = question.problem.is_reached(&self.residual);
+            let arrived = question.problem.is_reached_by(Share::All, &self.residual);
             let hardly_lower = best - cost <= FLAT * cost;
             flat = if hardly_lower { flat + 1 } else { 0 };
             let counts = index > 0 || self.method.start_counts();

@@ -1,5 +1,6 @@
 //! What holds a figure while it is dragged, as tasks.
 
+use crate::model::{ModelError, check_configuration};
 use crate::skeleton::{Holds, Skeleton};
 use crate::task::{Posture, Task};
 
@@ -7,19 +8,25 @@ use crate::task::{Posture, Task};
 const STIFF: f64 = 5.0;
 
 impl Holds {
-    /// Preferences that keep a figure near the posture `q` (stacked angles, radians; missing ones count as 0)
+    /// Preferences that keep a figure near the posture `q` (stacked angles, radians)
     /// where its targets leave room, its back five times more than the rest: so a hand is followed by its
     /// arm, and a figure without limits does not twist.
-    #[must_use]
-    pub fn postures(&self, skeleton: &Skeleton, q: &[f64]) -> Vec<Task<Posture>> {
+    ///
+    /// # Errors
+    /// Another number of angles than the skeleton has, or one that is not finite.
+    pub fn postures(
+        &self,
+        skeleton: &Skeleton,
+        q: &[f64],
+    ) -> Result<Vec<Task<Posture>>, ModelError> {
         let model = skeleton.model();
+        check_configuration(model, q)?;
         let back = self.back.iter();
         let back: Vec<_> = back.flat_map(|&bone| skeleton.joints(bone)).collect();
-        let q = q.iter().copied().chain(std::iter::repeat(0.0));
         let (back, limbs): (Vec<_>, Vec<_>) = (model.moving_joints().iter().copied())
-            .zip(q)
+            .zip(q.iter().copied())
             .partition(|(joint, _)| back.contains(joint));
-        [
+        let tasks = [
             ("posture", limbs, 1.0),
             ("posture of the back", back, STIFF),
         ]
@@ -29,7 +36,7 @@ impl Holds {
             Task::new(Posture::of_joints(joints))
                 .times(weight)
                 .named(name)
-        })
-        .collect()
+        });
+        Ok(tasks.collect())
     }
 }

@@ -4,6 +4,7 @@ use crate::model::JointKind;
 use crate::spatial::{Placement, Vector3};
 
 use super::trigonometry::MAX_ANGLE;
+use super::{LaneError, check};
 
 /// The largest number of moving joints a [`Chain`] can have.
 pub const MAX_JOINTS: usize = 64;
@@ -150,15 +151,23 @@ impl Chain {
         }
     }
 
-    /// `base_from_tip` at the joint values `q` (radians or metres; missing values count as zero).
-    #[must_use]
-    pub fn base_from_tip(&self, q: &[f64]) -> Placement<f64> {
+    /// `base_from_tip` at the joint values `q` (radians or metres).
+    ///
+    /// # Errors
+    /// A `q` of another length than the chain has joints, or not finite.
+    pub fn base_from_tip(&self, q: &[f64]) -> Result<Placement<f64>, LaneError> {
+        check::length("q", q.len(), self.joints.len())?;
+        match q.iter().all(|value| value.is_finite()) {
+            true => Ok(self.tip_at(q)),
+            false => Err(LaneError::NotFinite("q")),
+        }
+    }
+
+    /// As [`base_from_tip`](Self::base_from_tip), of values that are known to be the chain's.
+    pub(crate) fn tip_at(&self, q: &[f64]) -> Placement<f64> {
+        debug_assert_eq!(q.len(), self.joints.len());
         let mut base_from_joint = Placement::identity();
-        for (joint, &value) in self
-            .joints
-            .iter()
-            .zip(q.iter().chain(std::iter::repeat(&0.0)))
-        {
+        for (joint, &value) in self.joints.iter().zip(q) {
             base_from_joint = base_from_joint
                 * joint.parent_from_joint
                 * joint.kind.joint_from_moved(joint.axis, value);

@@ -136,6 +136,9 @@ pub enum LaneError {
         /// The length it must have.
         expected: usize,
     },
+    /// Joint values that are not finite.
+    #[error("{0} is not finite")]
+    NotFinite(&'static str),
     /// A start that is not finite.
     #[error("the start of query {0} is not finite")]
     Start(usize),

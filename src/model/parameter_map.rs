@@ -355,8 +355,19 @@ impl ParameterMap {
 
 /// One number for each degree of freedom, all finite.
 pub(crate) fn check_configuration(model: &Model, q: &[f64]) -> Result<(), ModelError> {
-    check_length(CONFIGURATION, q.len(), model.configuration_len())?;
-    check_numbers(CONFIGURATION, q)
+    ModelError::check_numbers(CONFIGURATION, q, model.configuration_len())
+}
+
+impl ModelError {
+    /// So many numbers, all finite.
+    pub(crate) fn check_numbers(
+        what: &'static str,
+        given: &[f64],
+        expected: usize,
+    ) -> Result<(), Self> {
+        check_length(what, given.len(), expected)?;
+        check_numbers(what, given)
+    }
 }
 
 const CONFIGURATION: &str = "a configuration of this model";

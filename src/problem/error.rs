@@ -2,12 +2,16 @@
 
 use thiserror::Error;
 
+use crate::SizeMismatch;
 use crate::task::Quantity;
 
 /// Why tasks and a model do not make a problem.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ProblemError {
+    /// More or fewer numbers of a target than its task has.
+    #[error(transparent)]
+    Size(#[from] SizeMismatch),
     /// Nothing to solve for.
     #[error("model `{model}` has no free joint: everything is fixed or locked")]
     NoVariables {

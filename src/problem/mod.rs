@@ -45,6 +45,7 @@ pub use targets::Targets;
 
 use std::sync::Arc;
 
+use crate::SizeMismatch;
 use crate::kinematics::Tree;
 use crate::model::{Model, ParameterMap};
 use crate::solver::{RotationSets, Swing, largest};
@@ -177,10 +178,16 @@ impl Problem {
         pub(crate) fn fence(&self) -> Option<&Arc<Fence>> = self.fence.as_ref();
         /// Scratch memory for this problem.
         pub fn scratch(&self) -> Scratch = Scratch::new(self);
-        /// Whether every goal is within its tolerances for the weighted residual `r` (shape:
-        /// [`rows`](Self::rows); of another length it reaches nothing). Rows of weight 0 are not asked
-        /// for.
-        pub fn is_reached(&self, r: &[f64]) -> bool = self.is_reached_by(Share::All, r);
+    }
+
+    /// Whether every goal is within its tolerances for the weighted residual `r` (shape:
+    /// [`rows`](Self::rows)). Rows of weight 0 are not asked for.
+    ///
+    /// # Errors
+    /// Another length.
+    pub fn is_reached(&self, r: &[f64]) -> Result<bool, SizeMismatch> {
+        SizeMismatch::check("rows of the residual", r.len(), self.rows())?;
+        Ok(self.is_reached_by(Share::All, r))
     }
 
     /// A task's name.

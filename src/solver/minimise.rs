@@ -5,6 +5,7 @@ use super::{
     AnyMethod, Iterate, Iteration, LeastSquares, Method, Observer, SolverState, Stopping,
     Termination,
 };
+use crate::SizeMismatch;
 use crate::bad_option::BadOption;
 use crate::clock::Instant;
 
@@ -20,14 +21,32 @@ pub struct Outcome {
     pub projected_gradient: Option<f64>,
 }
 
+/// Why no search begins.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SearchError {
+    /// A setting of the method or a tolerance out of its range.
+    #[error(transparent)]
+    Option(#[from] BadOption),
+    /// A start, or bounds, of another length than the problem has variables.
+    #[error(transparent)]
+    Size(#[from] SizeMismatch),
+    /// A start that is not finite.
+    #[error("number {variable} of the start is {value}, which is not a finite number")]
+    NotFinite {
+        /// Which, from 0.
+        variable: usize,
+        /// The number.
+        value: f64,
+    },
+}
+
 /// Searches from `start` (n numbers, projected into the bounds first) and leaves the result in
-/// `state`. Never leaves an x outside the bounds. A start of the wrong length or with a number that
-/// is not finite ends at once as [`Termination::NonFinite`], standing at the bounded value next to
-/// the start, where what is missing or not finite counts as zero; so does a problem whose bounds are
-/// not n numbers.
+/// `state`. Never leaves an x outside the bounds.
 ///
 /// # Errors
-/// A setting of the method or a tolerance out of its range.
+/// A setting of the method or a tolerance out of its range; a start or bounds of the wrong length, a start that is not
+/// finite.
 pub fn minimise(
     problem: &mut dyn LeastSquares,
     method: &dyn AnyMethod,
@@ -35,9 +54,17 @@ pub fn minimise(
     stopping: &Stopping,
     observer: &mut dyn Observer,
     state: &mut SolverState,
-) -> Result<Outcome, BadOption> {
+) -> Result<Outcome, SearchError> {
     method.check()?;
     stopping.check()?;
+    let n = problem.variables();
+    SizeMismatch::check("numbers of the start", start.len(), n)?;
+    SizeMismatch::check("lower bounds", problem.lower().len(), n)?;
+    SizeMismatch::check("upper bounds", problem.upper().len(), n)?;
+    if let Some(variable) = start.iter().position(|value| !value.is_finite()) {
+        let value = start[variable];
+        return Err(SearchError::NotFinite { variable, value });
+    }
     let deadline = stopping.deadline();
     Ok(method.minimise(problem, start, stopping, deadline, observer, state))
 }

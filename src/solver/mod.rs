@@ -34,7 +34,7 @@ pub(crate) use linear::{
     TangentNewton, dot, largest,
 };
 pub use method::{AnyMethod, Method, Step};
-pub use minimise::{Outcome, minimise};
+pub use minimise::{Outcome, SearchError, minimise};
 pub use observer::{Iteration, Observer, Silent};
 #[cfg(feature = "argmin")]
 pub(crate) use progress::Progress;

@@ -2,6 +2,7 @@
 
 use super::residual::{moved_by, not_finite, refuse};
 use super::{LocalJacobian, Quantity, Residual, Role, Rows};
+use crate::SizeMismatch;
 use crate::model::{FrameId, JointId, JointKind, Model, quaternion_at};
 use crate::scalar::{Dual, Scalar};
 use crate::spatial::{Placement, Quaternion, Vector3};
@@ -24,12 +25,10 @@ pub struct Posture {
 
 impl Posture {
     /// Every moving joint of `model` near its value in the configuration `reference`.
-    /// A missing value counts as 0.
+    /// One of another length is refused when the problem is built.
     #[must_use]
     pub fn new(model: &Model, reference: &[f64]) -> Self {
         let mut joints = model.moving_joints().to_vec();
-        let mut reference = reference.to_vec();
-        reference.resize(joints.len(), 0.0);
         joints.dedup();
         let kind = |joint: &JointId| model.joints()[joint.index()].kind;
         Self {
@@ -38,7 +37,7 @@ impl Posture {
                 .map(|joint| kind(joint) == JointKind::Ball)
                 .collect(),
             joints,
-            reference,
+            reference: reference.to_vec(),
             weights: Vec::new(),
         }
     }
@@ -97,11 +96,18 @@ impl Posture {
         self.with_weights(weights)
     }
 
-    /// Changes the values; missing ones keep what they were.
-    pub fn set_reference(&mut self, reference: &[f64]) {
-        for (own, &new) in self.reference.iter_mut().zip(reference) {
-            *own = new;
-        }
+    /// Changes the values.
+    ///
+    /// # Errors
+    /// More or fewer of them; then they stay.
+    pub fn set_reference(&mut self, reference: &[f64]) -> Result<(), SizeMismatch> {
+        SizeMismatch::check(
+            "numbers of the reference",
+            reference.len(),
+            self.reference.len(),
+        )?;
+        self.reference.copy_from_slice(reference);
+        Ok(())
     }
 
     /// Writes the derivatives at some values, times `slope`.
@@ -257,7 +263,8 @@ impl Residual for Posture {
         }
         let mut first = 0;
         for &is_ball in &self.is_ball {
-            if is_ball && quaternion_at(&self.reference[first..]).is_none() {
+            let own = self.reference.get(first..).unwrap_or_default();
+            if is_ball && own.len() >= 4 && quaternion_at(own).is_none() {
                 return Err("its reference holds a quaternion of length zero".to_owned());
             }
             first += if is_ball { 4 } else { 1 };

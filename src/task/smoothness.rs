@@ -2,6 +2,7 @@
 
 use super::residual::no_time_step;
 use super::{LocalJacobian, Posture, Quantity, Residual, Role, Rows};
+use crate::SizeMismatch;
 use crate::model::{FrameId, Model};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
@@ -15,8 +16,8 @@ pub struct Smoothness {
 }
 
 impl Smoothness {
-    /// Every moving joint of `model`, which stood at `previous` (a configuration; a
-    /// missing value counts as 0) `time_step_s` seconds ago.
+    /// Every moving joint of `model`, which stood at `previous` (a configuration; one of
+    /// another length is refused when the problem is built) `time_step_s` seconds ago.
     #[must_use]
     pub fn new(model: &Model, previous: &[f64], time_step_s: f64) -> Self {
         Self {
@@ -34,9 +35,12 @@ impl Smoothness {
         pub fn by_range(mut self, model: &Model) { self.previous = self.previous.by_range(model) }
     }
 
-    /// Takes the next step's starting point; missing values keep what they were.
-    pub fn set_previous(&mut self, previous: &[f64]) {
-        self.previous.set_reference(previous);
+    /// Takes the next step's starting point.
+    ///
+    /// # Errors
+    /// As [`Posture::set_reference`].
+    pub fn set_previous(&mut self, previous: &[f64]) -> Result<(), SizeMismatch> {
+        self.previous.set_reference(previous)
     }
 }
 

@@ -49,7 +49,7 @@ fn both_stand_at_the_same_places() {
             let q: Vec<f64> = (0..skeleton.angles())
                 .map(|_| random.within(-turn, turn))
                 .collect();
-            bridge.pose_of(&q, &mut pose);
+            bridge.pose_of(&q, &mut pose).unwrap();
             let placed = skeleton.pose(&q).unwrap();
             for (bone, ours) in skeleton.bone_ids().zip(places(&armature, &pose)) {
                 let apart = ours.translation.as_dvec3()

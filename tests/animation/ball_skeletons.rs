@@ -99,7 +99,7 @@ fn kinematics_are_those_of_the_armature_s_own_matrices() {
                 pose = armature.rest().clone();
             }
             let mut q = Vec::new();
-            bridge.configuration_of(&pose, &mut q);
+            bridge.configuration_of(&pose, &mut q).unwrap();
             assert_eq!(q.len(), figure.model().configuration_len());
             let ours = figure.pose(&q).unwrap();
             for (bone, (affine, rotation)) in armature.bone_ids().zip(placed(&armature, &pose)) {
@@ -115,7 +115,7 @@ fn kinematics_are_those_of_the_armature_s_own_matrices() {
             }
             // And back, to the rounding of single precision.
             let mut back = armature.rest().clone();
-            bridge.pose_of(&q, &mut back);
+            bridge.pose_of(&q, &mut back).unwrap();
             for bone in armature.bone_ids() {
                 let (a, b) = (pose.local(bone).unwrap(), back.local(bone).unwrap());
                 assert!(a.translation.abs_diff_eq(b.translation, 1e-5));
@@ -132,7 +132,9 @@ fn the_neutral_configuration_is_the_rest_pose() {
     for root in [SkeletonRoot::Fixed, SkeletonRoot::FREE] {
         let figure = figure(&armature, &Cones::new(), root);
         let mut q = Vec::new();
-        PoseTurns::new(&armature, &figure).configuration_of(armature.rest(), &mut q);
+        PoseTurns::new(&armature, &figure)
+            .configuration_of(armature.rest(), &mut q)
+            .unwrap();
         for (ours, neutral) in q.iter().zip(figure.model().neutral()) {
             assert!((ours - neutral).abs() < 1e-12);
         }

@@ -25,7 +25,7 @@ fn angles_and_local_rotations_are_the_same_pose() {
             .map(|l| random.within(l.lower, l.upper))
             .collect();
         let mut pose = armature.rest().clone();
-        bridge.pose_of(&q, &mut pose);
+        bridge.pose_of(&q, &mut pose).unwrap();
         let mut model = vec![Affine3A::IDENTITY; armature.bones()];
         armature.local_to_model(&pose, &mut model).unwrap();
         let posed = skeleton.pose(&q).unwrap();
@@ -41,9 +41,9 @@ fn angles_and_local_rotations_are_the_same_pose() {
             assert!((model.transform_point3(along) - tip).length() < 2e-4);
         }
         let mut back = vec![f64::NAN; q.len()];
-        bridge.angles_of(&pose, &mut back);
+        bridge.angles_of(&pose, &mut back).unwrap();
         let mut again = armature.rest().clone();
-        bridge.pose_of(&back, &mut again);
+        bridge.pose_of(&back, &mut again).unwrap();
         assert!(difference(&pose, &again) < 1e-5);
         // Of the ways to write a rotation, one within the limits. Where a bend is lost in single precision
         // only the sum of both twists is known.
@@ -93,8 +93,8 @@ fn the_optimiser_brings_several_tips_their_shares_of_the_way() {
         let clip = within(&mut random, 0.4, 0.6);
         let goal = within(&mut random, 0.35, 0.65);
         let (mut pose, mut there) = (armature.rest().clone(), armature.rest().clone());
-        bridge.pose_of(&clip, &mut pose);
-        bridge.pose_of(&goal, &mut there);
+        bridge.pose_of(&clip, &mut pose).unwrap();
+        bridge.pose_of(&goal, &mut there).unwrap();
         let mut layer = ReachLayer::new(skeleton, tips, Solver::default()).unwrap();
         let mut untouched = pose.clone();
         assert!(layer.apply(&mut untouched).unwrap().is_none());
@@ -134,7 +134,7 @@ fn the_optimiser_brings_several_tips_their_shares_of_the_way() {
         }
         let stranger = rig.tips[4];
         let error = layer.set_goal(stranger, [0.0; 3], 1.0).unwrap_err();
-        assert_eq!(error.effectors.len(), 2);
+        assert!(matches!(error, ReachError::NoEffector(own) if own.effectors.len() == 2));
     }
     assert!(reached >= 6, "{reached} of 8");
 }
@@ -154,8 +154,12 @@ fn the_optimiser_holds_bones_and_turns_them_by_their_weights() {
                 .collect()
         };
         let (mut pose, mut there) = (armature.rest().clone(), armature.rest().clone());
-        bridge.pose_of(&within(&mut random, 0.45, 0.55), &mut pose);
-        bridge.pose_of(&within(&mut random, 0.4, 0.6), &mut there);
+        bridge
+            .pose_of(&within(&mut random, 0.45, 0.55), &mut pose)
+            .unwrap();
+        bridge
+            .pose_of(&within(&mut random, 0.4, 0.6), &mut there)
+            .unwrap();
         let turned = |pose: &Pose, bone: BoneId| {
             Quat::from_mat3a(&model_by_ancestors(&armature, pose)[bone.index()].matrix3)
         };
@@ -192,8 +196,8 @@ fn the_optimiser_holds_bones_and_turns_them_by_their_weights() {
         let error = layer
             .set_rotation(stranger, Quat::IDENTITY, 1.0)
             .unwrap_err();
-        assert_eq!(error.effectors.len(), 2);
-        // No rotation at all is as good as none asked for.
+        assert!(matches!(error, ReachError::NoEffector(own) if own.effectors.len() == 2));
+        // No rotation at all is refused.
         let applied = |layer: &mut ReachLayer, rotation: Quat, weight: f64| {
             layer.set_rotation(moves, rotation, weight).unwrap();
             let mut posed = pose.clone();
@@ -202,7 +206,10 @@ fn the_optimiser_holds_bones_and_turns_them_by_their_weights() {
         };
         let held = applied(&mut layer, Quat::IDENTITY, 0.0);
         for none in [Quat::NAN, Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)] {
-            assert_eq!(applied(&mut layer, none, 1.0), held);
+            assert!(layer.set_rotation(moves, none, 1.0).is_err());
+            let mut posed = pose.clone();
+            layer.apply(&mut posed).unwrap();
+            assert_eq!(posed, held);
         }
     }
     assert!(reached.iter().all(|&count| count >= 6), "{reached:?} of 8");
@@ -221,7 +228,7 @@ fn weights_are_shares_of_the_way() {
             .collect()
     };
     let mut pose = armature.rest().clone();
-    bridge.pose_of(&inward(0.5), &mut pose);
+    bridge.pose_of(&inward(0.5), &mut pose).unwrap();
     let there = skeleton.pose(&inward(0.52)).unwrap();
     let target = there.tip(skeleton, bone).unwrap();
     let mut layer = ReachLayer::holding(skeleton, &[bone], &[bone], Solver::default()).unwrap();
@@ -264,12 +271,11 @@ fn what_cannot_be_reached_for_is_refused_or_left_alone() {
     assert!(matches!(error, ReachError::Size(_)), "{error}");
     assert!(layer.apply(&mut armature.rest().clone()).unwrap().is_some());
 
-    // A target that is not finite leaves the tip to the clip, like a rotation that is none.
+    // A target that is not finite is refused, and the last one stays.
     for bad in [f64::NAN, f64::INFINITY] {
-        layer.set_goal(bone, [bad, 0.0, 0.0], 1.0).unwrap();
-        let mut pose = armature.rest().clone();
-        assert!(layer.apply(&mut pose).unwrap().is_none());
-        assert_eq!(&pose, armature.rest());
+        let error = layer.set_goal(bone, [bad, 0.0, 0.0], 0.0).unwrap_err();
+        assert!(error.to_string().contains("not finite"), "{error}");
+        assert!(layer.apply(&mut armature.rest().clone()).unwrap().is_some());
     }
 
     // A bone named twice is one task, which its goal moves.
@@ -317,7 +323,7 @@ fn a_tip_is_as_far_as_its_bone_is_long_in_the_pose() {
             .map(|l| 0.5 * (l.lower + l.upper))
             .collect();
         let mut pose = armature.rest().clone();
-        bridge.pose_of(&middle, &mut pose);
+        bridge.pose_of(&middle, &mut pose).unwrap();
         let mut local = pose.local(bone).unwrap();
         local.scale = Vec3A::new(1.6, 0.7, 1.1);
         pose.set_local(bone, local).unwrap();

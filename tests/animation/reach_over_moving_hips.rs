@@ -53,8 +53,8 @@ fn moved_and_scaled_bones_are_reached_with_as_they_are() {
         let mut pose = armature.rest().clone();
         move_and_scale(&mut pose, &armature, &mut random);
         let mut there = pose.clone();
-        bridge.pose_of(&clip, &mut pose);
-        bridge.pose_of(&goal, &mut there);
+        bridge.pose_of(&clip, &mut pose).unwrap();
+        bridge.pose_of(&goal, &mut there).unwrap();
 
         let mut layer = ReachLayer::holding(skeleton, tips, &tips[1..], Solver::default()).unwrap();
         let wanted = tip(&armature, skeleton, &there, tips[0]);

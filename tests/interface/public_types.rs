@@ -163,7 +163,7 @@ each! { error:
     BadOption, SizeMismatch, animation::MaskError, ik::DerivativeError, ik::LoopClosureError,
     ik::StanceError, lanes::ChainError, lanes::LaneError, motion::clip_ik::ClipIkError,
     motion::path::PathError, motion::retarget::RetargetError, motion::retarget::folder::FolderError,
-    robot::Fault,
+    robot::Fault, solver::SearchError,
 }
 
 #[test]

@@ -4,13 +4,21 @@
 
 use std::error::Error;
 
-use kinopt::animation::{Armature, BoneMask, EulerClip, Playback, Pose};
+use kinopt::animation::{Armature, BoneMask, EulerClip, Playback, Pose, PoseAngles, PoseTurns};
+use kinopt::arm::{Arm, Base};
+use kinopt::collision::{CollisionModel, MeshUse};
 use kinopt::kinematics::{ForwardKinematics, Jacobian, frame_jacobian};
+use kinopt::lanes::{Chain, ChainJoint};
 use kinopt::mesh::TriangleMesh;
-use kinopt::model::{Limits, Model, ParameterMap};
-use kinopt::skeleton::{Bone, Posing, Skeleton};
+use kinopt::model::{JointKind, Limits, Model, ParameterMap};
+use kinopt::motion::path::CartesianPath;
+use kinopt::problem::{Evaluation, ProblemBuilder};
+use kinopt::robot::Robot;
+use kinopt::skeleton::{BallSkeleton, Bone, Cones, Posing, Skeleton, SkeletonRoot};
 use kinopt::skinning::{AutomaticWeights, HeatWeights, SkinWeights, SkinningMethod};
+use kinopt::solver::{LevenbergMarquardt, Silent, SolverState, Stopping, minimise};
 use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{Posture, Smoothness};
 use kinopt::{Problem, Solver};
 use support::planar_arm;
 
@@ -43,6 +51,22 @@ fn solve(model: &Model, q: &[f64]) -> Outcome {
     Ok(())
 }
 
+fn minimised(model: &Model, start: &[f64]) -> Outcome {
+    let mut tasks = Problem::builder(model);
+    tasks.add(Posture::new(model, &[0.0; 3]));
+    let problem = tasks.build()?;
+    let mut scratch = problem.scratch();
+    minimise(
+        &mut Evaluation::new(&problem, &mut scratch),
+        &LevenbergMarquardt::default(),
+        start,
+        &Stopping::default(),
+        &mut Silent,
+        &mut SolverState::default(),
+    )?;
+    Ok(())
+}
+
 /// What takes a configuration of a model of three joints.
 fn of_a_configuration(q: &[f64]) -> Vec<(&'static str, Outcome)> {
     let model = planar_arm(&[0.5, 0.4, 0.3], None);
@@ -54,7 +78,45 @@ fn of_a_configuration(q: &[f64]) -> Vec<(&'static str, Outcome)> {
     let mut room = [0.0; 3];
     let mut kinematics = ForwardKinematics::new(&model);
     let only = ParameterMap::builder(&model).only(&[first], q).build();
+    let with_tasks = |residual: &dyn Fn(&mut ProblemBuilder<'_>)| {
+        let mut tasks = Problem::builder(&model);
+        residual(&mut tasks);
+        tasks.build().map(drop).map_err(Into::into)
+    };
+    let joint = ChainJoint {
+        parent_from_joint: Placement::identity(),
+        axis: Vector3::UNITS[2],
+        kind: JointKind::Revolute,
+        lower: -1.0,
+        upper: 1.0,
+    };
+    let chain = Chain::new(vec![joint; 3], Placement::identity()).unwrap();
     vec![
+        (
+            "posture",
+            with_tasks(&|tasks| {
+                tasks.add(Posture::new(&model, q));
+            }),
+        ),
+        (
+            "smoothness",
+            with_tasks(&|tasks| {
+                tasks.add(Smoothness::new(&model, q, 0.1));
+            }),
+        ),
+        (
+            "base_from_tip",
+            chain.base_from_tip(q).map(drop).map_err(Into::into),
+        ),
+        (
+            "with_only",
+            Arm::builder(&model, Base::World, tip)
+                .with_only([first], q)
+                .build()
+                .map(drop)
+                .map_err(Into::into),
+        ),
+        ("minimise", minimised(&model, q)),
         ("place", kinematics.place(q).map(drop).map_err(Into::into)),
         (
             "at",
@@ -82,6 +144,8 @@ fn of_a_configuration(q: &[f64]) -> Vec<(&'static str, Outcome)> {
 fn of_angles(q: &[f64]) -> Vec<(&'static str, Outcome)> {
     let skeleton = skeleton();
     let holds = skeleton.holds(&[]);
+    let bridge = PoseAngles::new(&skeleton);
+    let mut pose = Armature::of_skeleton(&skeleton).rest().clone();
     vec![
         ("pose", skeleton.pose(q).map(drop).map_err(Into::into)),
         (
@@ -92,6 +156,11 @@ fn of_angles(q: &[f64]) -> Vec<(&'static str, Outcome)> {
             "holds",
             holds.parameters(&skeleton, q).map(drop).map_err(Into::into),
         ),
+        (
+            "postures",
+            holds.postures(&skeleton, q).map(drop).map_err(Into::into),
+        ),
+        ("pose_of", bridge.pose_of(q, &mut pose).map_err(Into::into)),
     ]
 }
 
@@ -148,6 +217,28 @@ fn poses_and_masks() {
     );
     assert!(armature.skinning_transforms(&[], &mut Vec::new()).is_err());
 
+    let skeleton = skeleton();
+    let bridge = PoseAngles::new(&skeleton);
+    assert!(bridge.angles_of(other.rest(), &mut Vec::new()).is_err());
+    assert!(
+        bridge
+            .pose_of(&[0.0; 6], &mut other.rest().clone())
+            .is_err()
+    );
+    let balls = BallSkeleton::new(skeleton, &Cones::new(), SkeletonRoot::Fixed).unwrap();
+    let turns = PoseTurns::new(&armature, &balls);
+    assert!(
+        turns
+            .configuration_of(other.rest(), &mut Vec::new())
+            .is_err()
+    );
+    let mut q = balls.model().neutral();
+    assert!(turns.pose_of(&q, &mut other.rest().clone()).is_err());
+    assert!(turns.pose_of(&q, &mut pose).is_ok());
+    q[0] = f64::NAN;
+    assert!(turns.pose_of(&q, &mut pose).is_err());
+    assert!(turns.pose_of(&q[1..], &mut pose).is_err());
+
     let fore = armature.bone("fore").unwrap();
     let mask = || BoneMask::none(&armature);
     assert!(mask().with_bone(fore, 0.5).is_ok());
@@ -162,6 +253,31 @@ fn poses_and_masks() {
         assert!(mask().with_bone(fore, share).is_err());
         assert!(mask().with_subtree(&armature, fore, share).is_err());
     }
+}
+
+#[test]
+fn targets() {
+    let model = planar_arm(&[0.5, 0.4, 0.3], None);
+    let mut posture = Posture::new(&model, &[0.0; 3]);
+    assert!(posture.set_reference(&[0.1; 3]).is_ok());
+    let mut smoothness = Smoothness::new(&model, &[0.0; 3], 0.1);
+    for wrong in [&[][..], &[0.1; 2], &[0.1; 4]] {
+        assert!(posture.set_reference(wrong).is_err());
+        assert!(smoothness.set_previous(wrong).is_err());
+    }
+    assert_eq!(posture, Posture::new(&model, &[0.1; 3]));
+    assert_eq!(smoothness, Smoothness::new(&model, &[0.0; 3], 0.1));
+}
+
+#[test]
+fn counts_of_nothing() {
+    let keys = vec![Placement::identity(); 2];
+    let told = CartesianPath::spline(keys, None, 0).unwrap_err();
+    assert!(told.to_string().contains("steps"), "{told}");
+    let robot = Robot::read("models/franka_panda.urdf").unwrap();
+    let builder = CollisionModel::builder(&robot).with_meshes(MeshUse::Pieces(0));
+    let told = builder.build().unwrap_err();
+    assert!(told.to_string().contains("pieces"), "{told}");
 }
 
 #[test]

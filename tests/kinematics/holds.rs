@@ -219,7 +219,7 @@ fn a_back_is_stiffer_than_limbs() {
     let holds = character.holds(&[character.bone("left hand").unwrap()]);
     let n = character.model().degrees_of_freedom();
     let mut builder = Problem::builder(character.model());
-    for posture in holds.postures(&character, &vec![0.25; n]) {
+    for posture in holds.postures(&character, &vec![0.25; n]).unwrap() {
         builder.add(posture);
     }
     let problem = builder.build().unwrap();

@@ -127,7 +127,7 @@ fn what_many_turns_cannot_resolve_is_not_reached() {
     let options = options.with_orientation_tolerance(1e-12);
     let solver = PoseSolver::new(&chain, options).unwrap();
     for (turned, reached) in [(1.0, true), (9e3, false)] {
-        let (target, mut q) = (chain.base_from_tip(&[turned]), [0.0]);
+        let (target, mut q) = (chain.base_from_tip(&[turned]).unwrap(), [0.0]);
         let outcome = solver.solve(&target, &[turned], Prefer::Start, None, &mut q);
         assert_eq!(outcome.unwrap().reached, reached, "{turned}");
     }
@@ -150,7 +150,7 @@ fn what_many_long_links_cannot_resolve_is_not_reached() {
         let options = LaneOptions::default().with_atlas(false);
         let solver = PoseSolver::new(&chain, options).unwrap();
         let q = vec![0.1; joints];
-        let goal = chain.base_from_tip(&q);
+        let goal = chain.base_from_tip(&q).unwrap();
         let outcome = solver.solve(&goal, &q, Prefer::Start, None, &mut vec![0.0; joints]);
         outcome.unwrap().reached
     };

@@ -104,7 +104,7 @@ fn lanes() -> [u64; 2] {
                 .with_axes(axes);
             let solver = PoseSolver::new(&chain, options).unwrap();
             let targets: Vec<_> = (0..6)
-                .map(|_| chain.base_from_tip(&draw(&mut random)))
+                .map(|_| chain.base_from_tip(&draw(&mut random)).unwrap())
                 .collect();
             let starts: Vec<f64> = (0..6).flat_map(|_| draw(&mut random)).collect();
             let (mut q, mut outcomes) = (vec![0.0; 6 * joints], vec![PoseOutcome::default(); 6]);

@@ -97,7 +97,9 @@ fn lanes() -> [u64; 2] {
     let solver = PoseSolver::new(&chain, LaneOptions::default()).unwrap();
     let mut random = Random::new(3);
     let mut draw = || -> Vec<f64> { (0..7).map(|_| random.within(-2.5, 2.5)).collect() };
-    let mut targets: Vec<Placement<f64>> = (0..40).map(|_| chain.base_from_tip(&draw())).collect();
+    let mut targets: Vec<Placement<f64>> = (0..40)
+        .map(|_| chain.base_from_tip(&draw()).unwrap())
+        .collect();
     targets[7].translation = Vector3::new(2.0, 0.1, 0.4);
     let starts: Vec<f64> = (0..40).flat_map(|_| draw()).collect();
     let (mut alone, mut batch) = (Digest::new(), Digest::new());

@@ -46,7 +46,9 @@ fn a_solution_poses_the_mesh() {
         let mut posing = rig.posing(method).unwrap();
         assert!(!posing.has_automatic_weights());
         let mut pose = Armature::of_skeleton(skeleton).rest().clone();
-        PoseAngles::new(skeleton).pose_of(&solution.q, &mut pose);
+        PoseAngles::new(skeleton)
+            .pose_of(&solution.q, &mut pose)
+            .unwrap();
         let of_pose = posing.mesh_of_pose(&pose).unwrap();
         let pairs = of_pose.positions().iter().zip(posed.positions());
         assert!(pairs.into_iter().all(|(a, b)| a.abs_diff_eq(*b, 1e-5)));

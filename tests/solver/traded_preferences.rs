@@ -155,7 +155,7 @@ fn a_preference_that_is_cut_short_or_not_finite_is_told() {
     }
     let mut targets = problem.targets();
     let posture = targets.get_mut(task).unwrap();
-    posture.set_reference(&vec![f64::NAN; other.len()]);
+    posture.set_reference(&vec![f64::NAN; other.len()]).unwrap();
     let question = problem.with_targets(&targets).unwrap();
     let solution = Solver::default().solve_once(question, &there).unwrap();
     assert_eq!(solution.termination, Termination::NonFinite);

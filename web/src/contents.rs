@@ -1,7 +1,7 @@
 //! Other files that a file names, by a function of the caller's.
 
 use js_sys::{Function, Uint8Array};
-use kinopt::io::{Place, ReadError, ReadProblem};
+use kinopt::io::{Place, ReadError};
 use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen(typescript_custom_section)]
@@ -56,6 +56,6 @@ fn fail(file: &str, kind: std::io::ErrorKind, text: &str) -> ReadError {
     ReadError {
         file: file.to_owned(),
         place: Place::File,
-        problem: ReadProblem::Io(std::io::Error::new(kind, text)),
+        problem: std::io::Error::new(kind, text).into(),
     }
 }

@@ -61,7 +61,7 @@ impl Figure {
             )));
         }
         let mut inner = self.stands.clone();
-        self.angles.pose_of(q, &mut inner);
+        self.angles.pose_of(q, &mut inner).map_err(raise)?;
         Ok(Pose { inner })
     }
 }

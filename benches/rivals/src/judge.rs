@@ -24,7 +24,7 @@ impl Judge<'_> {
     /// Distance, metres, and angle, radians, of the tip from the target.
     #[must_use]
     pub fn errors(&self, target: &Placement<f64>, q: &[f64]) -> (f64, f64) {
-        let tip = self.0.base_from_tip(q);
+        let tip = self.0.base_from_tip(q).expect("one number a joint");
         let turned = rotation_log(&(tip.rotation.transpose() * target.rotation));
         ((tip.translation - target.translation).norm(), turned.norm())
     }

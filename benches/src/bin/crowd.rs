@@ -180,7 +180,7 @@ fn reach_by(
     let bridge = PoseAngles::new(skeleton);
     let easy = at_ease(skeleton);
     let mut posed = Armature::of_skeleton(skeleton).rest().clone();
-    bridge.pose_of(&easy, &mut posed);
+    bridge.pose_of(&easy, &mut posed).expect("its own angles");
     let at = skeleton.pose(&easy).expect("its own pose");
     let tips: Vec<_> = hands
         .iter()

@@ -170,8 +170,7 @@ impl ClipOptions {
         let mut q = vec![0.0; skeleton.angles()];
         let clip = sampled("keys", &scene.armature, frames, |time, pose| {
             keys.sample(time, playback, &mut q)?;
-            angles.pose_of(&q, pose);
-            Ok(())
+            Ok(angles.pose_of(&q, pose)?)
         })?;
         let (clip, told) = self.changed(clip, &scene.armature, Some(skeleton), frames)?;
         let clip = clip.renamed(self.clip_name.clone().unwrap_or_else(|| "keys".into()));

@@ -198,7 +198,7 @@ impl<'a> GeneralBackend<'a> {
             others.add(&mut builder, (self.loaded, start), levels)?;
         }
         // After what was asked for, in whose order the answer is given.
-        for posture in self.held.posture(self.loaded, start) {
+        for posture in self.held.posture(self.loaded, start)? {
             builder.add(posture);
         }
         Ok(Statement {

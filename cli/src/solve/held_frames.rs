@@ -140,15 +140,19 @@ impl Held {
 
     /// What keeps a figure that says nothing of itself near the posture it starts in, where the targets
     /// leave room, its back more than its limbs: none for the others.
-    pub(super) fn posture(&self, loaded: &LoadedModel, start: &[f64]) -> Vec<Task<Posture>> {
-        match (&loaded.rig, &loaded.balls) {
+    pub(super) fn posture(
+        &self,
+        loaded: &LoadedModel,
+        start: &[f64],
+    ) -> Outcome<Vec<Task<Posture>>> {
+        Ok(match (&loaded.rig, &loaded.balls) {
             _ if !self.keeps_posture => Vec::new(),
-            (Some(rig), None) => self.holds.postures(&rig.skeleton, start),
+            (Some(rig), None) => self.holds.postures(&rig.skeleton, start)?,
             _ => {
                 let posture = Posture::new(&loaded.model, start).upright(&loaded.model);
                 vec![Task::new(posture).named("posture")]
             }
-        }
+        })
     }
 }
 

@@ -104,13 +104,13 @@ impl Written<'_> {
             }
             Self::Capture(path, capture, bridge) => {
                 let mut pose = capture.armature.rest().clone();
-                bridge.pose_of(q, &mut pose);
+                bridge.pose_of(q, &mut pose)?;
                 let rate = 1.0 / capture.frame_time;
                 bvh::write_poses(&capture.armature, &[pose], rate, path)?;
                 Ok(path)
             }
             Self::Clip(path, name, scene, bridge) => {
-                let pose = scene.pose(bridge, q);
+                let pose = scene.pose(bridge, q)?;
                 let armature = &scene.file.scene().armature;
                 let clip = Clip::through_poses(*name, armature, &[0.0], &[pose])?;
                 let file = scene_output::file_to_add_to(&scene.file, path)?;

@@ -40,7 +40,7 @@ fn drag(rig: &Rig, place: [f64; 3]) -> Result<Vec<f64>, Failure> {
     for &end in &holds.ends {
         tasks.add(Point::new(skeleton.tip(end), pose.tip(&skeleton, end)?));
     }
-    for posture in holds.postures(&skeleton, &rest) {
+    for posture in holds.postures(&skeleton, &rest)? {
         tasks.add(posture);
     }
     let mut drag = Drag::new(tasks.build()?, &rest)?;

@@ -72,7 +72,8 @@ impl ReachLayer {
     /// Sets where a bone's tip should be, shape (3,), in model coordinates, and how much of the way it goes:
     /// from 0, where the clip has it, to 1, the target.
     ///
-    /// Raises `UnknownNameError` for a bone that is none of the layer's.
+    /// Raises `UnknownNameError` for a bone that is none of the layer's, and `InvalidValueError` for a target
+    /// that is not finite.
     #[pyo3(signature = (bone, target, weight = 1.0))]
     fn set_goal(&self, bone: &str, target: &Bound<'_, PyAny>, weight: f64) -> PyResult<()> {
         let bone = self.skeleton.bone(bone).or_raise()?;
@@ -177,22 +178,14 @@ impl PoseAngles {
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let (poses, count) = asked(pose)?;
         let angles = self.skeleton.angles();
-        if let Some(odd) = poses.iter().find(|pose| pose.bones() * 3 != angles) {
-            return Err(invalid(format!(
-                "a pose of {} bones for a skeleton of {}",
-                odd.bones(),
-                self.skeleton.bones().len()
-            )));
-        }
         let shape: Vec<usize> = count.into_iter().chain([angles]).collect();
         let array = arrays::room_of::<f64>(py, out, &shape)?;
         arrays::fill(&array, |room| {
             py.detach(|| {
-                for (pose, room) in poses.iter().zip(room.chunks_mut(angles.max(1))) {
-                    self.inner.angles_of(pose, room);
-                }
-            });
-            Ok(())
+                let mut each = poses.iter().zip(room.chunks_mut(angles.max(1)));
+                each.try_for_each(|(pose, room)| self.inner.angles_of(pose, room))
+            })
+            .or_raise()
         })?;
         Ok(array)
     }
@@ -206,11 +199,7 @@ impl PoseAngles {
         let q = Questions::rows(q, "q", self.skeleton.angles())?;
         let mut poses = vec![self.armature.rest().clone(); q.count()];
         q.each(py, &mut poses, POSES_AT_A_TIME, |q, pose| {
-            if !q.iter().all(|angle| angle.is_finite()) {
-                return Err(invalid("q holds a number that is not finite"));
-            }
-            self.inner.pose_of(q, &mut pose[0]);
-            Ok(())
+            self.inner.pose_of(q, &mut pose[0]).or_raise()
         })?;
         match (one, poses.pop()) {
             (true, Some(pose)) => Ok(Bound::new(py, Pose::of(&self.armature, pose))?.into_any()),

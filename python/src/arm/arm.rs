@@ -41,7 +41,8 @@ use crate::world::World;
 /// metres_per_radian: how many metres weigh as much as a radian. Default: a quarter of the arm's reach.
 /// locked: {joint: value}, held there, radians or metres. Default: none.
 /// only: names of the joints that are free; all others are held at `held`, a configuration of the model,
-///     shape (model's dof,), clamped into the limits. Default: all between base and tip; zeros.
+///     shape (model's dof,), clamped into the limits. Default: all between base and tip; the neutral
+///     configuration.
 /// joint_weights: what a radian or metre of each joint counts as in joint distances, shape (dof,), above 0.
 ///     Default: 1 each.
 /// max_move: how far each joint may be from its start, shape (dof,), radians or metres; a hard bound. Default:
@@ -161,17 +162,19 @@ impl Arm {
             Some(base) => Base::from(base),
             None => Base::World,
         };
-        let builder = if let Ok(robot) = robot.cast::<Robot>() {
-            kinopt::Arm::builder(&*robot.get().inner, from, &tip)
+        let (builder, model) = if let Ok(robot) = robot.cast::<Robot>() {
+            let robot = &*robot.get().inner;
+            (kinopt::Arm::builder(robot, from, &tip), robot.model())
         } else if let Ok(model) = robot.cast::<Model>() {
-            kinopt::Arm::builder(&*model.get().inner, from, &tip)
+            let model = &*model.get().inner;
+            (kinopt::Arm::builder(model, from, &tip), model)
         } else {
             let name = robot.get_type().name()?;
             return Err(invalid(format!(
                 "an arm is made of a Robot or a Model, not {name}"
             )));
         };
-        let builder = options::apply(builder, &options)?;
+        let builder = options::apply(builder, &options, &model.neutral())?;
         let inner = py.detach(|| builder.build()).or_raise()?;
         let checker = obstacles.checker(robot)?;
         let inner = obstacles::keep_clear(inner, checker.as_ref(), held)?;

@@ -38,10 +38,11 @@ const NAMES: [&str; 22] = [
     "world",
 ];
 
-/// The builder with every keyword set; None stands for the default.
+/// The builder with every keyword set; None stands for the default, of `held` that is `neutral`.
 pub(super) fn apply<'m>(
     mut builder: ArmBuilder<'m>,
     options: &Bound<'_, PyDict>,
+    neutral: &[f64],
 ) -> PyResult<ArmBuilder<'m>> {
     for (name, value) in options {
         let name: String = name.extract()?;
@@ -49,7 +50,7 @@ pub(super) fn apply<'m>(
             Err(UnknownName::new("option of an arm", &name, NAMES)).or_raise()?;
         }
         if !value.is_none() {
-            builder = set(builder, &name, &value, options)?;
+            builder = set(builder, &name, &value, options, neutral)?;
         }
     }
     Ok(builder)
@@ -60,6 +61,7 @@ fn set<'m>(
     name: &str,
     value: &Bound<'_, PyAny>,
     options: &Bound<'_, PyDict>,
+    neutral: &[f64],
 ) -> PyResult<ArmBuilder<'m>> {
     let numbers = || arrays::vector(value, name);
     Ok(match name {
@@ -73,7 +75,7 @@ fn set<'m>(
         "locked" => locked(builder, value)?,
         "max_move" => builder.with_max_move(&numbers()?),
         "metres_per_radian" => builder.with_metres_per_radian(number(value, name)?),
-        "only" => only(builder, value, options)?,
+        "only" => only(builder, value, options, neutral)?,
         "orientation_tolerance" => builder.with_orientation_tolerance(number(value, name)?),
         "position_tolerance" => builder.with_position_tolerance(number(value, name)?),
         "posture" => builder.with_posture(&numbers()?),
@@ -143,6 +145,7 @@ fn only<'m>(
     builder: ArmBuilder<'m>,
     value: &Bound<'_, PyAny>,
     options: &Bound<'_, PyDict>,
+    neutral: &[f64],
 ) -> PyResult<ArmBuilder<'m>> {
     let joints: Vec<String> = value
         .extract()
@@ -152,6 +155,6 @@ fn only<'m>(
             let held = arrays::vector(&held, "held")?;
             Ok(builder.with_only(&joints, &held))
         }
-        _ => Ok(builder.with_only(&joints, &[])),
+        _ => Ok(builder.with_only(&joints, neutral)),
     }
 }

@@ -60,15 +60,10 @@ targets! {
     Manipulability, f64, arrays::number, |own, least| own.set_least(*least);
 }
 
-/// Every number of the joints that a task reads, none missing.
-fn of_joints(task: &impl Residual, given: &[f64]) -> Result<(), String> {
-    match task.joint_values() {
-        Some(values) if given.len() != values => Err(format!(
-            "has shape ({},), expected ({values},)",
-            given.len()
-        )),
-        _ => Ok(()),
-    }
+/// Numbers of another count than the joints' that a task reads.
+fn other_shape(error: kinopt::SizeMismatch) -> String {
+    let (given, expected) = (error.given, error.expected);
+    format!("has shape ({given},), expected ({expected},)")
 }
 
 impl Target for Posture {
@@ -79,9 +74,7 @@ impl Target for Posture {
     }
 
     fn aim(&mut self, reference: &Vec<f64>) -> Result<(), String> {
-        of_joints(self, reference)?;
-        self.set_reference(reference);
-        Ok(())
+        self.set_reference(reference).map_err(other_shape)
     }
 }
 
@@ -93,9 +86,7 @@ impl Target for Smoothness {
     }
 
     fn aim(&mut self, previous: &Vec<f64>) -> Result<(), String> {
-        of_joints(self, previous)?;
-        self.set_previous(previous);
-        Ok(())
+        self.set_previous(previous).map_err(other_shape)
     }
 }
 

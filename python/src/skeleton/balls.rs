@@ -296,15 +296,8 @@ impl BallSkeleton {
         pose: &Bound<'py, Pose>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let pose = pose.get().now();
-        if pose.bones() != self.armature.bones() {
-            return Err(invalid(format!(
-                "the pose has {} bones, the skeleton {}",
-                pose.bones(),
-                self.armature.bones()
-            )));
-        }
         let mut q = Vec::new();
-        self.bridge.configuration_of(&pose, &mut q);
+        self.bridge.configuration_of(&pose, &mut q).or_raise()?;
         Ok(arrays::list(py, &q))
     }
 
@@ -314,7 +307,7 @@ impl BallSkeleton {
     fn to_pose(&self, q: &Bound<'_, PyAny>) -> PyResult<Pose> {
         let q = arrays::vector_of(q, "q", self.model.configuration_len())?;
         let mut pose = self.armature.rest().clone();
-        self.bridge.pose_of(&q, &mut pose);
+        self.bridge.pose_of(&q, &mut pose).or_raise()?;
         Ok(Pose::of(&self.armature, pose))
     }
 

@@ -29,12 +29,13 @@ impl Held {
         }
     }
 
-    /// Sets the rotation wanted, of any length; one that is not finite or zero gets no weight.
-    pub(super) fn set(&mut self, rotation: Quaternion<f64>, weight: f64) {
+    /// Sets the rotation wanted, of any length; whether it is one.
+    pub(super) fn set(&mut self, rotation: Quaternion<f64>, weight: f64) -> bool {
         let unit = DVec4::from(DQuat::from(rotation)).try_normalize();
-        self.wanted = unit.map_or(DQuat::IDENTITY, DQuat::from_vec4);
-        let usable = unit.is_some() && weight > 0.0;
-        self.weight = if usable { weight.min(1.0) } else { 0.0 };
+        if let Some(unit) = unit {
+            (self.wanted, self.weight) = (DQuat::from_vec4(unit), weight);
+        }
+        unit.is_some()
     }
 
     /// The clip's rotation, turned by the weight's share of the shortest arc to the one wanted.

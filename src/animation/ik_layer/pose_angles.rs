@@ -2,10 +2,12 @@
 
 use glam::{DQuat, Quat};
 
+use super::ReachError;
 use crate::Buffer;
+use crate::SizeMismatch;
 use crate::animation::Pose;
 use crate::animation::rotation::EulerOrder;
-use crate::model::Limits;
+use crate::model::{Limits, ModelError};
 use crate::skeleton::{ANGLES_PER_BONE, BoneId, Skeleton};
 
 /// The rotation of a bone by its angles θ₁, θ₂, θ₃: R_x(θ₃) R_z(θ₂) R_x(θ₁), in radians.
@@ -63,22 +65,38 @@ impl PoseAngles {
         }
     }
 
-    /// Writes the stacked angles (radians, shape 3 × bones) whose local rotations a pose has. Bones
-    /// beyond either are left out; a `Vec` gets room for all bones of the skeleton.
-    pub fn angles_of(&self, pose: &Pose, q: &mut (impl Buffer<f64> + ?Sized)) {
+    /// Writes the stacked angles (radians, shape 3 × bones) whose local rotations a pose has. A `Vec` gets
+    /// room for all bones of the skeleton.
+    ///
+    /// # Errors
+    /// A pose of another number of bones.
+    pub fn angles_of(
+        &self,
+        pose: &Pose,
+        q: &mut (impl Buffer<f64> + ?Sized),
+    ) -> Result<(), SizeMismatch> {
+        SizeMismatch::check("bones in the pose", pose.bones(), self.rest.len())?;
         let q = q.sized(ANGLES_PER_BONE * self.rest.len());
         let bones = self.rest.iter().zip(&self.limits).zip(pose.rotations());
         for (angles, ((rest, limits), rotation)) in q.chunks_exact_mut(ANGLES_PER_BONE).zip(bones) {
             let turned = rest.conjugate() * rotation.as_dquat().normalize();
             angles.copy_from_slice(&bone_angles(turned, limits));
         }
+        Ok(())
     }
 
     /// Writes the local rotations of stacked angles (radians, shape 3 × bones) into a pose.
-    pub fn pose_of(&self, q: &[f64], pose: &mut Pose) {
+    ///
+    /// # Errors
+    /// A pose of another number of bones; another number of angles, or one that is not finite. The pose stays.
+    pub fn pose_of(&self, q: &[f64], pose: &mut Pose) -> Result<(), ReachError> {
+        SizeMismatch::check("bones in the pose", pose.bones(), self.rest.len())?;
+        let angles = ANGLES_PER_BONE * self.rest.len();
+        ModelError::check_numbers("angles of this skeleton", q, angles)?;
         for index in 0..self.rest.len() {
             self.pose_bone(BoneId::new(index), q, pose);
         }
+        Ok(())
     }
 
     /// As [`pose_of`](Self::pose_of), for one bone.

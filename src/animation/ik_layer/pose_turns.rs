@@ -2,9 +2,10 @@
 
 use glam::{DAffine3, DQuat, DVec3, Vec3A};
 
-use crate::Buffer;
+use super::ReachError;
 use crate::animation::{Armature, Pose};
 use crate::skeleton::{BallSkeleton, BoneId};
+use crate::{Buffer, SizeMismatch};
 
 /// Takes configurations of a [`BallSkeleton`] to poses of the armature that its bones are of, and back. Bones that do not
 /// turn, scales and all translations but a free root's are left as they are.
@@ -70,7 +71,15 @@ impl PoseTurns {
 
     /// Writes the configuration of a pose: how each bone is turned from rest, whatever its cone says, and where a
     /// free root is. A `Vec` gets room for all of it.
-    pub fn configuration_of(&self, pose: &Pose, q: &mut (impl Buffer<f64> + ?Sized)) {
+    ///
+    /// # Errors
+    /// A pose of another number of bones.
+    pub fn configuration_of(
+        &self,
+        pose: &Pose,
+        q: &mut (impl Buffer<f64> + ?Sized),
+    ) -> Result<(), SizeMismatch> {
+        SizeMismatch::check("bones in the pose", pose.bones(), self.rest.len())?;
         let model = self.figure.model();
         let q = q.sized(model.configuration_len());
         let bones = self.rest.iter().zip(pose.rotations()).enumerate();
@@ -106,10 +115,17 @@ impl PoseTurns {
                 own.copy_from_slice(&[w, x, y, z]);
             }
         }
+        Ok(())
     }
 
     /// Writes the local rotations of a configuration into a pose, and where it has a free root.
-    pub fn pose_of(&self, q: &[f64], pose: &mut Pose) {
+    ///
+    /// # Errors
+    /// A pose of another number of bones; a configuration of another length, not finite or with a quaternion of
+    /// length zero. The pose stays.
+    pub fn pose_of(&self, q: &[f64], pose: &mut Pose) -> Result<(), ReachError> {
+        SizeMismatch::check("bones in the pose", pose.bones(), self.rest.len())?;
+        self.figure.model().check_configuration(q)?;
         for (index, rest) in self.rest.iter().enumerate() {
             let bone = BoneId::new(index);
             let Some((turned, went)) = self.figure.turned(bone, q) else {
@@ -133,6 +149,7 @@ impl PoseTurns {
                 *own = rotation.normalize().as_quat().normalize();
             }
         }
+        Ok(())
     }
 
     fn root(&self, bone: BoneId) -> Option<&Root> {

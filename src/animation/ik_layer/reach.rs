@@ -116,50 +116,57 @@ impl ReachLayer {
     }
 
     /// Sets where a bone's tip should be, in model coordinates, and how much of the way it goes: from
-    /// 0, where the clip has it, to 1, the target. The weight is taken into [0, 1]; NaN counts as 0. A
-    /// target that is not finite leaves the tip where the clip has it.
+    /// 0, where the clip has it, to 1, the target. The weight is taken into [0, 1]; NaN counts as 0.
     ///
     /// # Errors
-    /// A bone that is none of the layer's; the error lists them.
+    /// A bone that is none of the layer's; the error lists them. A target that is not finite: the last one stays.
     pub fn set_goal(
         &mut self,
         bone: BoneId,
         target: impl Into<Vector3<f64>>,
         weight: f64,
-    ) -> Result<(), NoEffector> {
+    ) -> Result<(), ReachError> {
         let target = target.into();
         let own = self.effectors.iter_mut().find(|own| own.bone == bone);
         if let Some(own) = own {
-            let finite = target.to_array().into_iter().all(f64::is_finite);
-            // A share of none of NaN would still be NaN.
-            own.target = if finite { target } else { Vector3::zero() };
-            let usable = finite && weight > 0.0;
-            own.weight = if usable { weight.min(1.0) } else { 0.0 };
+            if !target.to_array().into_iter().all(f64::is_finite) {
+                return Err(self.not_finite(bone, "target is not finite"));
+            }
+            own.target = target;
+            own.weight = share(weight);
             return Ok(());
         }
         let effectors = self.effectors.iter().map(|own| own.bone);
-        Err(self.none_of(bone, effectors))
+        Err(self.none_of(bone, effectors).into())
     }
 
     /// Sets how a held bone should be turned in the model, and how much of the way it goes there by the
     /// shortest arc: from 0, as the clip has it, to 1. The weight is taken into [0, 1]; NaN counts as
-    /// 0. The rotation may be of any length; one that is not finite or zero holds the bone as it is.
+    /// 0. The quaternion may be of any length.
     ///
     /// # Errors
-    /// A bone that the layer does not hold; the error lists those that it does.
+    /// A bone that the layer does not hold; the error lists those that it does. A quaternion of length 0 or not
+    /// finite: the last one stays.
     pub fn set_rotation(
         &mut self,
         bone: BoneId,
         rotation: impl Into<Quaternion<f64>>,
         weight: f64,
-    ) -> Result<(), NoEffector> {
+    ) -> Result<(), ReachError> {
         let own = self.held.iter_mut().find(|own| own.bone == bone);
         if let Some(own) = own {
-            own.set(rotation.into(), weight);
-            return Ok(());
+            return match own.set(rotation.into(), share(weight)) {
+                true => Ok(()),
+                false => Err(self.not_finite(bone, "rotation is of length 0 or not finite")),
+            };
         }
         let held = self.held.iter().map(|own| own.bone);
-        Err(self.none_of(bone, held))
+        Err(self.none_of(bone, held).into())
+    }
+
+    fn not_finite(&self, bone: BoneId, what: &'static str) -> ReachError {
+        let bone = self.none_of(bone, std::iter::empty()).bone;
+        ReachError::NotFinite { bone, what }
     }
 
     fn none_of(&self, bone: BoneId, others: impl Iterator<Item = BoneId>) -> NoEffector {
@@ -191,7 +198,7 @@ impl ReachLayer {
         if weights.all(|weight| weight == 0.0) {
             return Ok(None);
         }
-        self.bridge.angles_of(pose, &mut self.q);
+        self.bridge.angles_of(pose, &mut self.q)?;
         let skeleton = self.stances.take(pose, &self.moved)?;
         let (model, map) = (skeleton.model(), self.problem.parameters());
         self.tree.compile(model, map, &mut self.places);
@@ -216,6 +223,11 @@ impl ReachLayer {
         }
         Ok(Some(solution))
     }
+}
+
+/// A weight that animates, within [0, 1].
+fn share(weight: f64) -> f64 {
+    if weight > 0.0 { weight.min(1.0) } else { 0.0 }
 }
 
 /// Each bone once, in the order in which they are first named.

@@ -1,9 +1,11 @@
 //! Why a pose is left as it is.
 
+use super::NoEffector;
 use crate::animation::SizeMismatch;
 use crate::ik::SolveError;
+use crate::model::ModelError;
 
-/// Why a layer leaves a pose as it is.
+/// Why a layer, or angles, leave a pose as it is.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReachError {
@@ -19,6 +21,20 @@ pub enum ReachError {
         /// The bone.
         bone: String,
     },
+    /// A bone that the layer has no such task for.
+    #[error(transparent)]
+    NoEffector(#[from] NoEffector),
+    /// A target, or a rotation, that is none.
+    #[error("bone `{bone}`: its {what}")]
+    NotFinite {
+        /// The bone.
+        bone: String,
+        /// What of it, and how it is wrong.
+        what: &'static str,
+    },
+    /// Angles, or a configuration, of another length or not finite.
+    #[error(transparent)]
+    Configuration(#[from] ModelError),
     /// The search did not start.
     #[error(transparent)]
     Solve(#[from] SolveError),

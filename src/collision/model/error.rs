@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::CollisionObject;
 use crate::SizeMismatch;
+use crate::bad_option::BadOption;
 use crate::collision::{ShapeError, ShapeKind};
 use crate::file::ReadError;
 use crate::kinematics::KinematicsError;
@@ -53,6 +54,9 @@ pub enum CollisionModelError {
     /// Weights of another mesh or skeleton.
     #[error(transparent)]
     Size(#[from] SizeMismatch),
+    /// No pieces at all.
+    #[error(transparent)]
+    Option(#[from] BadOption),
     /// A configuration that is none.
     #[error(transparent)]
     Kinematics(#[from] KinematicsError),

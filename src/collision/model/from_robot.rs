@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::capsules;
 use super::meshes::{MeshFault, MeshUse, Meshes};
 use super::{CollisionModel, CollisionModelError, CollisionObject};
+use crate::bad_option::{AT_LEAST_ONE, BadOption};
 use crate::collision::Shape;
 use crate::collision::mesh_folders::MeshFolders;
 use crate::robot::{self, Geometry, Robot};
@@ -53,6 +54,9 @@ impl<'r> CollisionModelBuilder<'r> {
     /// # Errors
     /// As [`CollisionModel::of`].
     pub fn build(&self) -> Result<CollisionModel, CollisionModelError> {
+        if let MeshUse::Pieces(most) = self.meshes {
+            BadOption::check("pieces", most as f64, AT_LEAST_ONE)?;
+        }
         let mut objects = Vec::new();
         let mut notes = Vec::new();
         let mut meshes = Meshes::default();

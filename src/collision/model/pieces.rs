@@ -26,7 +26,7 @@ struct Piece {
     hollow: f64,
 }
 
-/// The hulls of at most so many pieces; of one where the mesh is convex nearly.
+/// The hulls of at most so many pieces, one at least; of one where the mesh is convex nearly.
 pub(super) fn pieces(mesh: &MeshFile, most: usize) -> Result<Vec<Shape>, ShapeError> {
     let solid = Shape::mesh(mesh.points.clone(), mesh.triangles.clone())?;
     let corner = |index: u32| mesh.points[index as usize];
@@ -37,7 +37,7 @@ pub(super) fn pieces(mesh: &MeshFile, most: usize) -> Result<Vec<Shape>, ShapeEr
     let cell = solid.bounding_box();
     let size = (cell.max - cell.min).norm();
     let mut pieces = vec![Piece::new(cell, polygons.collect(), Vec::new())?];
-    while pieces.len() < most.max(1) {
+    while pieces.len() < most {
         let worst =
             (0..pieces.len()).max_by(|a, b| pieces[*a].hollow.total_cmp(&pieces[*b].hollow));
         let Some(worst) = worst.filter(|at| pieces[*at].hollow > FILLED * size) else {

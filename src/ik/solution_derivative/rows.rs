@@ -22,7 +22,7 @@ impl Roles {
         pulled.clear();
         let tasks = problem.compiled_tasks().iter();
         if problem.search_share() == Share::All {
-            let hold = problem.is_reached(r) && !problem.has_preferences();
+            let hold = problem.is_reached_by(Share::All, r) && !problem.has_preferences();
             for task in tasks {
                 match hold {
                     true => held.extend(asked(task)),

@@ -5,6 +5,7 @@ use crate::bad_option::BadOption;
 use crate::ik::SolveError;
 use crate::model::{ModelError, UnknownName};
 use crate::problem::ProblemError;
+use crate::solver::SearchError;
 
 /// Why a motion cannot be solved for.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -22,6 +23,9 @@ pub enum MotionError {
     /// A configuration that is none of the model's.
     #[error(transparent)]
     Configuration(#[from] ModelError),
+    /// A first motion that no search begins.
+    #[error(transparent)]
+    Search(#[from] SearchError),
     /// A start that the frames cannot be solved from.
     #[error(transparent)]
     Start(#[from] SolveError),

@@ -96,7 +96,7 @@ impl FrameSolver {
         for (bone, turn) in &self.turns {
             self.targets.get_mut(*turn)?.set_target(bones.turn(*bone));
         }
-        self.targets.get_mut(self.posture)?.set_reference(&self.q);
+        self.targets.get_mut(self.posture)?.set_reference(&self.q)?;
         let question = Question::from(&self.problem);
         let question = question.with_targets(&self.targets).with_places(&self.tree);
         let solution = self.solver.solve(question, &self.q, &mut self.workspace)?;

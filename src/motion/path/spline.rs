@@ -4,6 +4,7 @@
 //! key is the way between its neighbours over the time between them, one-sided at the ends. Orientations turn evenly from key to key.
 
 use super::{CartesianPath, PathError};
+use crate::bad_option::{AT_LEAST_ONE, BadOption};
 use crate::spatial::{Placement, Quaternion, Vector3, rotation_exp};
 
 impl CartesianPath {
@@ -12,7 +13,7 @@ impl CartesianPath {
     /// even where none are given; given ones become the points' times.
     ///
     /// # Errors
-    /// As [`new`](Self::new) and [`with_times`](Self::with_times), of the keys.
+    /// As [`new`](Self::new) and [`with_times`](Self::with_times), of the keys; no steps.
     pub fn spline(
         keys: impl Into<Vec<Placement<f64>>>,
         key_times: Option<&[f64]>,
@@ -22,7 +23,7 @@ impl CartesianPath {
         if let Some(times) = key_times {
             keyed = keyed.with_times(times)?;
         }
-        let steps = steps.max(1);
+        BadOption::check("steps", steps as f64, AT_LEAST_ONE)?;
         let keys = &keyed.points;
         let time = |k: usize| match key_times {
             Some(times) => times[k],

@@ -1,6 +1,6 @@
 //! What can be wrong with a capture, a map, or what is asked of both.
 
-use crate::animation::{ChannelError, LocalError};
+use crate::animation::{ChannelError, LocalError, ReachError};
 use crate::bad_option::BadOption;
 use crate::model::{ModelError, UnknownName};
 use crate::motion::clip::MotionError;
@@ -36,6 +36,9 @@ pub enum RetargetError {
     /// Bones that cannot stand so.
     #[error(transparent)]
     Pose(#[from] LocalError),
+    /// Angles that no pose is of.
+    #[error(transparent)]
+    Angles(#[from] ReachError),
     /// Poses that make no clip.
     #[error(transparent)]
     Clip(#[from] ChannelError),

@@ -121,7 +121,7 @@ impl FigureTarget {
         let frames = q.chunks_exact(width).map(|q| {
             let mut pose = stands.clone();
             let (base, angles) = q.split_at(BASE);
-            self.angles.pose_of(angles, &mut pose);
+            self.angles.pose_of(angles, &mut pose)?;
             let moved = self.moved(base);
             for &bone in &self.topmost {
                 let stood = armature.model_from_bone(&pose, bone)?;

@@ -8,7 +8,7 @@ use super::problem_of_frame::ProblemOfFrame;
 use super::{RetargetError, Retargeting};
 use crate::model::{JointId, Model};
 use crate::motion::clip::{MotionError, longest_moves};
-use crate::problem::{Problem, Targets, TaskId};
+use crate::problem::{Problem, ProblemError, Targets, TaskId};
 use crate::scalar::elementary;
 use crate::solver::dot;
 use crate::spatial::Vector3;
@@ -279,7 +279,8 @@ impl BodyFollower {
             }
             self.targets
                 .get_mut(self.stay)?
-                .set_reference(&self.reference);
+                .set_reference(&self.reference)
+                .map_err(ProblemError::from)?;
         }
         Ok(())
     }

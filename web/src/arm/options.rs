@@ -18,7 +18,7 @@ export interface ArmOptions {
     globalSearchOnMiss?: boolean;
     /** What of the target counts: "pose" (the default), "position", or half widths of room, metres and radians. */
     goal?: "pose" | "position" | Numbers;
-    /** Where the joints stand that `only` leaves out. */
+    /** Where the joints stand that `only` leaves out. Default: the robot's neutral configuration. */
     held?: Numbers;
     iterations?: number;
     jointWeights?: Numbers;
@@ -78,14 +78,17 @@ pub(super) fn build(
         Some(base) => Base::from(base),
         None => Base::World,
     };
-    let builder = apply(kinopt::Arm::builder(&*robot.inner, from, tip), options)?;
+    let neutral = robot.inner.model().neutral();
+    let builder = kinopt::Arm::builder(&*robot.inner, from, tip);
+    let builder = apply(builder, options, neutral)?;
     builder.build().map_err(raise)
 }
 
-/// The builder with them.
+/// The builder with them; `neutral` is where joints are held by default.
 fn apply<'m>(
     mut builder: ArmBuilder<'m>,
     options: Option<ArmOptions>,
+    neutral: Vec<f64>,
 ) -> Result<ArmBuilder<'m>, JsError> {
     let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
     let given = Given::new(options, "option of an arm", &KNOWN)?;
@@ -128,7 +131,7 @@ fn apply<'m>(
         builder = builder.with_locked(&joint, value);
     }
     if let Some(joints) = given.texts("only")? {
-        builder = builder.with_only(&joints, &given.numbers("held")?.unwrap_or_default());
+        builder = builder.with_only(&joints, &given.numbers("held")?.unwrap_or(neutral));
     }
     Ok(builder)
 }

@@ -109,31 +109,23 @@ untargeted!(LimitCentring);
 #[cfg(feature = "bodies")]
 untargeted!(SupportPolygon);
 
-/// Every number of the joints that a task reads, none missing.
-fn of_joints(task: &impl Residual, value: &JsValue, what: &str) -> Result<Vec<f64>, JsError> {
-    let numbers = given::numbers(value, what)?;
-    let (count, asked) = (numbers.len(), task.joint_values());
-    match asked.filter(|asked| *asked != count) {
-        None => Ok(numbers),
-        Some(asked) => Err(JsError::new(&format!(
-            "{what} has {count} numbers, expected {asked}"
-        ))),
-    }
+/// Numbers of another count than the joints' that a task reads.
+fn other_count(what: &str, error: &kinopt::SizeMismatch) -> JsError {
+    let (count, asked) = (error.given, error.expected);
+    JsError::new(&format!("{what} has {count} numbers, expected {asked}"))
 }
 
 impl Target for Posture {
     fn aim(&mut self, value: &JsValue, what: &str) -> Result<(), JsError> {
-        let reference = of_joints(self, value, what)?;
-        self.set_reference(&reference);
-        Ok(())
+        let set = self.set_reference(&given::numbers(value, what)?);
+        set.map_err(|error| other_count(what, &error))
     }
 }
 
 impl Target for Smoothness {
     fn aim(&mut self, value: &JsValue, what: &str) -> Result<(), JsError> {
-        let previous = of_joints(self, value, what)?;
-        self.set_previous(&previous);
-        Ok(())
+        let set = self.set_previous(&given::numbers(value, what)?);
+        set.map_err(|error| other_count(what, &error))
     }
 }
 
