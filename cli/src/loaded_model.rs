@@ -371,7 +371,7 @@ impl LoadedModel {
         let first = |(coordinate, id): (usize, &JointId)| {
             let part = coordinate - self.model.coordinate(*id).unwrap_or(coordinate);
             let joint = self.model.joints().get(id.index());
-            match joint.filter(|joint| joint.kind == JointKind::Ball) {
+            match joint.filter(|joint| joint.kind.is_ball()) {
                 Some(_) => [" w", " x", " y", " z"][part],
                 None => "",
             }
@@ -449,12 +449,12 @@ impl LoadedModel {
     /// Which coordinates of a configuration are angles; the others are lengths and parts of quaternions.
     pub(crate) fn is_angle(&self) -> impl Iterator<Item = bool> + '_ {
         let kinds = self.kinds();
-        kinds.map(|kind| kind.turns() && kind != JointKind::Ball)
+        kinds.map(|kind| kind.turns() && !kind.is_ball())
     }
 
     /// Which coordinates of a configuration are parts of quaternions.
     pub(crate) fn is_of_ball(&self) -> impl Iterator<Item = bool> + '_ {
-        self.kinds().map(|kind| kind == JointKind::Ball)
+        self.kinds().map(JointKind::is_ball)
     }
 
     /// Whether some joint slides.

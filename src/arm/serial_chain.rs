@@ -3,9 +3,7 @@
 use super::ArmError;
 use super::kinematic_path::Part;
 use crate::lanes::{Chain, ChainJoint};
-use crate::model::{
-    FrameId, Joint, JointId, JointKind, Limits, Model, ModelBuilder, ParameterMap, Source,
-};
+use crate::model::{FrameId, Joint, JointId, Limits, Model, ModelBuilder, ParameterMap, Source};
 use crate::spatial::Placement;
 
 /// Name of the frame that solving looks at.
@@ -85,7 +83,7 @@ impl Serial {
             Part::Joint { id, .. } => Some(&source.joints()[id.index()]),
             Part::Way(_) => None,
         });
-        if let Some(ball) = balls.find(|joint| joint.kind == JointKind::Ball) {
+        if let Some(ball) = balls.find(|joint| joint.kind.is_ball()) {
             return Err(ArmError::BallJoint {
                 joint: ball.name.clone(),
             });

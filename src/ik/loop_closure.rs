@@ -3,7 +3,7 @@
 use super::loop_gap::{LoopClosureError, LoopGap};
 use super::nearest_closing::NearestClosing;
 use super::{Solution, Solver};
-use crate::model::{JointId, JointKind, Model, ModelError, ParameterMap, ParameterMapBuilder};
+use crate::model::{JointId, Model, ModelError, ParameterMap, ParameterMapBuilder};
 use crate::problem::{Evaluation, Problem, ProblemError, Share};
 use crate::robot::Robot;
 use crate::search::check_start;
@@ -104,7 +104,7 @@ impl<'m> LoopClosure<'m> {
         let keeps = |coordinate: usize| leads.contains(&model.moving_joints()[coordinate]);
         for ((coordinate, limits), value) in model.limits().enumerate().zip(q.iter()) {
             let joint = model.joint_of(coordinate);
-            let outside = joint.kind != JointKind::Ball && !limits.contains(*value);
+            let outside = !joint.kind.is_ball() && !limits.contains(*value);
             if outside && keeps(coordinate) {
                 return Err(LoopClosureError::Model(ModelError::LockedOutsideLimits {
                     joint: joint.name.clone(),

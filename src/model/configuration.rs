@@ -7,7 +7,7 @@
 use super::parameter_map::{check_configuration, check_length, check_numbers};
 use super::rotation_chart::any_rotation;
 use super::segment::{Segment, SegmentKind, quaternion_at, write_quaternion};
-use super::{JointId, JointKind, Model, ModelError, RotationChart};
+use super::{JointId, Model, ModelError, RotationChart};
 use crate::random::RandomStream;
 use crate::spatial::{Matrix3, Quaternion, Vector3, rotation_exp_jacobian, rotation_log_jacobian};
 
@@ -171,7 +171,7 @@ impl Model {
         let mut q = self.neutral();
         for (coordinate, id) in self.moving.iter().enumerate() {
             let joint = &self.joints[id.index()];
-            if joint.kind != JointKind::Ball {
+            if !joint.kind.is_ball() {
                 let spread = self.sampling_spread(joint, reach);
                 let (lower, upper) = joint.limits.sampling_range(q[coordinate], spread);
                 let share = random.unit();

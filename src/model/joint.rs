@@ -23,6 +23,12 @@ pub enum JointKind {
 }
 
 impl JointKind {
+    /// Whether it is a ball, whose value is a quaternion.
+    #[must_use]
+    pub const fn is_ball(self) -> bool {
+        matches!(self, Self::Ball)
+    }
+
     /// Whether it moves at all: its value is a number of the configuration.
     #[must_use]
     pub const fn moves(self) -> bool {

@@ -4,15 +4,14 @@
 //! Every coordinate of q depends on at most one variable, so limits on q are limits on x and hard
 //! bounds stay boxes; but for ball joints, whose four depend on three (see [`BallVariables`]).
 
-use super::{
-    BallVariables, Joint, JointKind, Limits, Model, ModelError, ParameterMapBuilder, quaternion_at,
-};
+use super::{BallVariables, Joint, Limits, Model, ModelError, ParameterMapBuilder, quaternion_at};
 use crate::scalar::Scalar;
 use crate::spatial::{Quaternion, Vector3};
 
 /// Where one coordinate of a configuration comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Source {
     /// Held at a value.
     Constant(f64),
@@ -108,7 +107,7 @@ impl ParameterMap {
         let mut coordinate = 0;
         while coordinate < own.limits.len() {
             coordinate += match model.joint_of(coordinate) {
-                ball if ball.kind == JointKind::Ball => {
+                ball if ball.kind.is_ball() => {
                     own.add_ball(coordinate, ball, within_limits);
                     4
                 }

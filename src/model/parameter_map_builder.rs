@@ -1,7 +1,7 @@
 //! How a parameter map is said: which joints are locked, which follow, which are free.
 
 use super::parameter_map::{ParameterMap, Source, check_configuration, preimage};
-use super::{JointId, JointKind, Limits, Model, ModelError, quaternion_at};
+use super::{JointId, Limits, Model, ModelError, quaternion_at};
 use crate::spatial::Quaternion;
 
 /// Gives joints their roles. A joint may be locked once and coupled once, of which the last counts.
@@ -50,7 +50,7 @@ impl<'m> ParameterMapBuilder<'m> {
         };
         let own = self.model.joint_of(first);
         match quaternion_at(&rotation) {
-            Some(unit) if own.kind == JointKind::Ball => {
+            Some(unit) if own.kind.is_ball() => {
                 for (k, part) in unit_parts(unit).into_iter().enumerate() {
                     self.set(first + k, Source::Constant(part));
                 }
@@ -146,12 +146,12 @@ impl<'m> ParameterMapBuilder<'m> {
         let mut ball_until = 0;
         for (c, role) in roles.iter_mut().enumerate() {
             let joint = model.joint_of(c);
-            if role.is_none() && joint.kind != JointKind::Ball && limits[c].is_locked() {
+            if role.is_none() && !joint.kind.is_ball() && limits[c].is_locked() {
                 *role = Some(Source::Constant(limits[c].lower));
             }
             match role {
                 Some(source) => check(source, &limits[c], ["the ratio", "the offset"], || name(c))?,
-                None if joint.kind != JointKind::Ball => {
+                None if !joint.kind.is_ball() => {
                     variable_of[c] = Some(map.variables());
                     map.add_variable(c, &limits[c]);
                 }

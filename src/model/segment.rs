@@ -89,7 +89,7 @@ pub(super) fn segments(
             let fits = if part < 3 {
                 kind.slides()
             } else {
-                kind == JointKind::Ball
+                kind.is_ball()
             };
             id.index() != index || !fits
         });

@@ -354,7 +354,7 @@ fn compile_task(
     {
         let joint = |id: &JointId| &model.joints()[id.index()];
         let mut joints = pending.joints.iter().map(joint);
-        let ball = joints.find(|joint| joint.kind == JointKind::Ball);
+        let ball = joints.find(|joint| joint.kind.is_ball());
         let problem = match ball {
             Some(ball) if expected == pending.joints.len() => format!(
                 "it has one number for each of its joints, but `{}` is a ball, which turns by a quaternion",

@@ -32,10 +32,7 @@ impl Posture {
         joints.dedup();
         let kind = |joint: &JointId| model.joints()[joint.index()].kind;
         Self {
-            is_ball: joints
-                .iter()
-                .map(|joint| kind(joint) == JointKind::Ball)
-                .collect(),
+            is_ball: joints.iter().map(|joint| kind(joint).is_ball()).collect(),
             joints,
             reference: reference.to_vec(),
             weights: Vec::new(),

@@ -8,15 +8,14 @@ use std::path::Path;
 use kinopt::model::{JointKind, Limits, Model};
 use kinopt::spatial::{Placement, Vector3};
 
-/// Every source below a folder that names a kind, by its path from the root.
-fn naming(folder: &Path, found: &mut BTreeSet<String>) {
+/// Every source below a folder that names one of some kinds, by its path from the root.
+fn naming(kinds: &[&str], folder: &Path, found: &mut BTreeSet<String>) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         if path.is_dir() {
-            naming(&path, found);
+            naming(kinds, &path, found);
         } else if path.extension().is_some_and(|extension| extension == "rs") {
             let text = std::fs::read_to_string(&path).unwrap();
-            let kinds = ["Fixed", "Revolute", "Continuous", "Prismatic"];
             let mut whole = kinds.iter().map(|kind| format!("JointKind::{kind}"));
             let named = path.ends_with("model/joint.rs") || whole.any(|kind| text.contains(&kind));
             if named {
@@ -31,13 +30,19 @@ fn a_kind_is_added_where_the_page_says() {
     let page = std::fs::read_to_string("CONTRIBUTING.md").unwrap();
     let (_, page) = page.split_once("## A kind of joint").unwrap();
     let (page, _) = page.split_once("\n## ").unwrap();
-    let files = page.split('`').filter(|word| word.starts_with("src/"));
-    let files: BTreeSet<String> = files.map(str::to_owned).collect();
-    let mut found = BTreeSet::new();
-    for folder in ["src", "cli/src"] {
-        naming(Path::new(folder), &mut found);
+    // Those of one number first, then the one of four.
+    let (of_one, of_several) = page.split_once("One of several numbers").unwrap();
+    let of_one_number = &["Fixed", "Revolute", "Continuous", "Prismatic"][..];
+    for (kinds, page) in [(of_one_number, of_one), (&["Ball"], of_several)] {
+        let words = page.split('`');
+        let files = words.filter(|word| word.starts_with("src/") || word.starts_with("cli/src/"));
+        let files: BTreeSet<String> = files.map(str::to_owned).collect();
+        let mut found = BTreeSet::new();
+        for folder in ["src", "cli/src"] {
+            naming(kinds, Path::new(folder), &mut found);
+        }
+        assert_eq!(found, files);
     }
-    assert_eq!(found, files);
 }
 
 #[test]

@@ -4,8 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use kinopt::model::{
-    FrameId, JointId, JointKind, Model, ModelBuilder, ParameterMap, ParameterMapBuilder,
-    UnknownName,
+    FrameId, JointId, Model, ModelBuilder, ParameterMap, ParameterMapBuilder, UnknownName,
 };
 use kinopt::robot::{Robot, Srdf};
 use kinopt::spatial::Placement;
@@ -198,7 +197,7 @@ impl HeldJoints {
 
 fn is_ball(model: &Model, joint: JointId) -> bool {
     let joint = model.joints().get(joint.index());
-    joint.is_some_and(|joint| joint.kind == JointKind::Ball)
+    joint.is_some_and(|joint| joint.kind.is_ball())
 }
 
 impl ChainArguments {

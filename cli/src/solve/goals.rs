@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kinopt::model::{FrameId, JointId, JointKind};
+use kinopt::model::{FrameId, JointId};
 
 use super::arguments::Arguments;
 use super::backend::QueryBackend;
@@ -89,7 +89,7 @@ impl<'a> Goals<'a> {
             let above = base.iter().filter(|joint| !tip.contains(joint));
             let is_ball = |id: &JointId| {
                 let joint = model.joints().get(id.index());
-                joint.is_some_and(|joint| joint.kind == JointKind::Ball)
+                joint.is_some_and(|joint| joint.kind.is_ball())
             };
             let mut way = below.chain(above);
             way.any(|id| is_ball(id) || moves_a_loop(*id))

@@ -13,7 +13,7 @@ pub use state::GroupState;
 
 use super::Robot;
 use super::xml::{Repair, RobotFileError};
-use crate::model::{FrameId, JointId, JointKind, ParameterMapBuilder, UnknownName};
+use crate::model::{FrameId, JointId, ParameterMapBuilder, UnknownName};
 
 /// A file of semantics, checked against the robot that it was read for: its ids are that robot's.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -137,7 +137,7 @@ impl Srdf {
             if robot.mimics().iter().any(|mimic| mimic.joint == joint) {
                 continue;
             }
-            let is_ball = model.joints()[joint.index()].kind == JointKind::Ball;
+            let is_ball = model.joints()[joint.index()].kind.is_ball();
             builder = match (is_ball, q.get(at..)) {
                 (false, Some([value, ..])) => builder.lock(joint, *value),
                 (true, Some([w, x, y, z, ..])) => builder.lock_ball(joint, [*w, *x, *y, *z]),
