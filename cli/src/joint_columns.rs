@@ -50,7 +50,7 @@ impl LoadedModel {
             Source::Variable { variable, .. } => {
                 map.leaders().get(*variable).copied() != Some(coordinate)
             }
-            Source::Constant(_) | Source::Rotation { .. } => false,
+            _ => false,
         };
         let sources = map.sources().iter().enumerate();
         let followers = sources

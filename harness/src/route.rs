@@ -9,5 +9,6 @@ pub(crate) fn route_name(route: Derivatives) -> &'static str {
         Derivatives::Dual => "dual",
         Derivatives::ForwardDifference => "fd",
         Derivatives::CentralDifference => "central",
+        _ => "other",
     }
 }

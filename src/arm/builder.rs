@@ -17,6 +17,7 @@ use crate::spatial::Placement;
 
 /// Where an arm begins: the frame that targets are given in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Base<'a> {
     /// The model's world, which needs no frame.
     World,

@@ -7,6 +7,7 @@ use crate::bad_option::{AT_LEAST_0, AT_LEAST_ONE, BadOption, NOT_NEGATIVE, POSIT
 
 /// Which of several solutions is wanted.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Search {
     /// The one that the start's own attempt comes to, if it succeeds; others only rescue it, the

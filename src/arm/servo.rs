@@ -52,6 +52,8 @@ pub enum ServoStatus {
 
 /// What holds a joint back in a tick: it would lower the error by going on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum HeldBy {
     /// Its limit on this side.
     Limit(Side),

@@ -104,6 +104,7 @@ impl LaneOptions {
 
 /// How a query ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct PoseOutcome {
     /// Whether both errors are within their tolerances.
     pub reached: bool,

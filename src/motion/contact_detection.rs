@@ -10,10 +10,13 @@ pub(super) const USUAL_LEG_M: f64 = 0.9;
 
 /// When something that may stand does: by its speed, and how high it is, on a body of the model's size.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct ContactDetection {
     /// It moves no faster than this, m/s.
     pub speed: f64,
     /// It is no higher over the ground than this, metres; infinity where people climb.
+    #[cfg_attr(feature = "serde", serde(with = "crate::search::non_finite"))]
     pub height: f64,
     /// It does so for at least this long, seconds.
     pub shortest_s: f64,
@@ -34,6 +37,17 @@ impl Default for ContactDetection {
 }
 
 impl ContactDetection {
+    setters! {
+        /// How fast it moves at most, m/s.
+        pub fn with_speed(mut self, speed: f64) { self.speed = speed }
+        /// How high it is at most, metres.
+        pub fn with_height(mut self, height: f64) { self.height = height }
+        /// How long it stands at least, seconds.
+        pub fn with_shortest(mut self, seconds: f64) { self.shortest_s = seconds }
+        /// How long it is led to its place and let go, seconds.
+        pub fn with_lead(mut self, seconds: f64) { self.lead_s = seconds }
+    }
+
     /// Whether its numbers are in their ranges.
     pub(super) fn check(&self) -> Result<(), BadOption> {
         BadOption::check("the speed of what stands", self.speed, AT_LEAST_0)?;

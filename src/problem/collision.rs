@@ -5,6 +5,7 @@ use std::fmt;
 /// What it is that touches: a robot's link and an obstacle may bear the same name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum BodyKind {
     /// A link of the robot, or a bone of a figure.
     Link,

@@ -4,6 +4,7 @@
 /// routes and to about 1e-7 (forward) or 1e-10 (central) for the differences.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Derivatives {
     /// The geometric Jacobian, and reverse mode for the gradient: exact, and the fastest by far.
     #[default]

@@ -17,7 +17,7 @@ mod explain;
 mod measure;
 mod move_limits;
 #[cfg(feature = "serde")]
-mod non_finite;
+pub(crate) mod non_finite;
 mod open_loops;
 mod out_of_reach;
 mod preference_conflicts;

@@ -14,6 +14,7 @@ use crate::task::{Quantity, Role};
 /// Whose bound it is that a joint stands on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum BoundKind {
     /// The joint's own limit.
     #[default]

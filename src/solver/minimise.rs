@@ -11,6 +11,7 @@ use crate::clock::Instant;
 
 /// How a search ended; where, is in the state.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Outcome {
     /// Which test fired.
     pub termination: Termination,

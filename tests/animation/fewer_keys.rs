@@ -51,11 +51,10 @@ fn a_clip_stays_within_the_error() {
     let clip = wavy(&armature, random);
     let mut before = keys(&clip, &armature);
     for size in [1e-4, 1e-3, 1e-2, 0.1] {
-        let tolerance = KeyTolerance {
-            translation: size,
-            rotation: 2.0 * size,
-            scale: 0.5 * size,
-        };
+        let tolerance = KeyTolerance::EXACT
+            .with_translation(size)
+            .with_rotation(2.0 * size)
+            .with_scale(0.5 * size);
         let fewer = clip.with_fewer_keys(&armature, &tolerance).unwrap();
         assert_eq!(fewer.span(), clip.span());
         for key in 0..KEYS {
@@ -110,10 +109,7 @@ fn straight_lines_need_their_ends_alone() {
         )
         .unwrap();
     let clip = builder.build();
-    let tolerance = KeyTolerance {
-        rotation: 1e-6,
-        ..KeyTolerance::EXACT
-    };
+    let tolerance = KeyTolerance::EXACT.with_rotation(1e-6);
     let fewer = clip.with_fewer_keys(&armature, &tolerance).unwrap();
     // Two of the line, two of the turn, one of what stands still.
     assert_eq!(keys(&fewer, &armature), 5);
@@ -130,11 +126,10 @@ fn morph_weights_have_the_tolerance_of_scales() {
     builder.morph_weight(0, curve.unwrap()).unwrap();
     let clip = builder.build();
     for (scale, expected) in [(0.06, 2), (0.04, 3)] {
-        let tolerance = KeyTolerance {
-            translation: 0.1 - scale,
-            rotation: 0.1 - scale,
-            scale,
-        };
+        let tolerance = KeyTolerance::EXACT
+            .with_translation(0.1 - scale)
+            .with_rotation(0.1 - scale)
+            .with_scale(scale);
         let fewer = clip.with_fewer_keys(&armature, &tolerance).unwrap();
         let weights = fewer.morph_channels(&armature).unwrap();
         assert_eq!(weights[0].1.times().len(), expected, "within {scale}");
@@ -157,13 +152,7 @@ fn a_jump_keeps_its_keys() {
         .unwrap();
     let clip = builder.build();
     let fewer = clip
-        .with_fewer_keys(
-            &armature,
-            &KeyTolerance {
-                translation: 0.01,
-                ..KeyTolerance::EXACT
-            },
-        )
+        .with_fewer_keys(&armature, &KeyTolerance::EXACT.with_translation(0.01))
         .unwrap();
     assert_eq!(fewer, clip);
 }
@@ -181,10 +170,7 @@ fn a_whole_turn_and_what_stands_still_after_it() {
     let mut builder = Clip::builder("turn", &armature);
     let curve = RotationCurve::slerp(times, turns).unwrap();
     builder.channel(bone, Channel::Rotation(curve)).unwrap();
-    let tolerance = KeyTolerance {
-        rotation: 1e-4,
-        ..KeyTolerance::EXACT
-    };
+    let tolerance = KeyTolerance::EXACT.with_rotation(1e-4);
     let fewer = builder.build();
     let fewer = fewer.with_fewer_keys(&armature, &tolerance).unwrap();
     // Three thirds of a turn, and the end.

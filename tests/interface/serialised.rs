@@ -9,19 +9,28 @@ use kinopt::animation::curve::{BezierHandle, KeyedCurve, TensionContinuityBias};
 use kinopt::animation::rotation::{EulerOrder, RotationCurve};
 use kinopt::animation::{
     Armature, Channel, Clip, Cursor, Easing, EulerClip, EulerCurve, EulerInterpolation, EulerKey,
-    EulerTrack, Playback,
+    EulerTrack, KeyTolerance, Playback,
 };
+use kinopt::arm::Search;
+use kinopt::collision::{Shape, World};
 use kinopt::ik::Restarts;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::lanes::LaneOptions;
 use kinopt::model::{Limits, Loop, Model, ModelBuilder, ParameterMap};
+use kinopt::motion::ContactDetection;
+use kinopt::motion::clip::{MotionProblem, MotionSolution, MotionSolver};
+use kinopt::motion::path::{CartesianPath, PathSolver};
+use kinopt::motion::retarget::{FootShapes, RetargetOptions, UpAxis};
+use kinopt::problem::Preferences;
 use kinopt::robot::Robot;
 use kinopt::skinning::{AutomaticWeights, HeatWeights};
 use kinopt::solver::Stopping;
-use kinopt::{Problem, Skeleton, Solution, Solver};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::{Arm, Problem, Skeleton, Solution, Solver};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use support::bones::RandomRig;
+use support::planar_arm;
 use support::random::Random;
 use support::trees::RandomTree;
 
@@ -146,6 +155,76 @@ fn options() {
     same(&LaneOptions::default());
     same(&AutomaticWeights::default());
     same(&HeatWeights::default());
+    for search in [
+        Search::First,
+        Search::Distinct {
+            k: 3,
+            distance: 0.1,
+        },
+    ] {
+        same(&search);
+    }
+    same(&Preferences::Traded);
+    same(&ContactDetection::default());
+    same(&KeyTolerance::EXACT.with_rotation(1e-3));
+    let nao = Robot::read("models/aldebaran_nao.urdf").unwrap();
+    let options = RetargetOptions::default().with_up(UpAxis::Y);
+    same(&options.with_shapes(FootShapes::of_files(&nao)));
+}
+
+#[test]
+fn worlds() {
+    let mut world = World::new();
+    let at = |x: f64| Placement::translation(Vector3::new(x, 0.1 + 0.2, -0.3));
+    world
+        .add("ball", Shape::sphere(0.1).unwrap(), at(0.4))
+        .unwrap();
+    world
+        .add("box", Shape::cuboid([0.1, 0.2, 0.3]).unwrap(), at(0.7))
+        .unwrap();
+    world
+        .add("other ball", Shape::sphere(0.2).unwrap(), at(1.0))
+        .unwrap();
+    assert_eq!(again(&world).to_json(), world.to_json());
+    let text = serde_json::to_string(&world).unwrap();
+    let wrong = text.replace("\"radius\":0.1", "\"radius\":-0.1");
+    let error = serde_json::from_str::<World>(&wrong).unwrap_err();
+    assert!(error.to_string().contains("ball"), "{error}");
+}
+
+#[test]
+fn motions_and_paths() {
+    let model = planar_arm(&[0.5, 0.4, 0.3], Some((-1.0, 1.0)));
+    let mut motion = MotionProblem::builder(&model, 6, 0.1);
+    let tip = motion.add(kinopt::task::Point::new(
+        model.frame("tip").unwrap(),
+        [9.0, 0.0, 0.0],
+    ));
+    motion.follow(tip, |frame, task| task.set_target([9.0, frame as f64, 0.0]));
+    let solved = MotionSolver::default()
+        .solve(&motion.build().unwrap(), &[0.1; 3])
+        .unwrap();
+    assert!(!solved.reached());
+    let read: MotionSolution = again(&solved);
+    assert_eq!(bits(read.q()), bits(solved.q()));
+    assert_eq!(format!("{read:?}"), format!("{solved:?}"));
+
+    let robot = Robot::read("models/franka_panda.urdf").unwrap();
+    let arm = Arm::builder(&robot, "base", "flange")
+        .with_atlas(false)
+        .build()
+        .unwrap();
+    let start = [0.0, -0.3, 0.0, -1.8, 0.0, 1.5, 0.7];
+    let from = arm.base_from_tool(&start).unwrap();
+    let mut far = from;
+    far.translation.x += 3.0;
+    let path = CartesianPath::new(vec![from, far]).unwrap();
+    let solved = PathSolver::new(&arm)
+        .with_start(&start)
+        .solve(&path)
+        .unwrap();
+    assert!(!solved.missed.is_empty());
+    same(&solved);
 }
 
 #[test]

@@ -54,10 +54,7 @@ fn capture(frames: usize, place: impl Fn(usize, Vector3<f64>) -> Vector3<f64>) -
 
 fn retargeted(robot: &Robot, capture: &Capture, up: UpAxis, whole: bool) -> Retargeted {
     let guess = BodyMap::guess(capture, robot.model()).unwrap();
-    let options = RetargetOptions {
-        up,
-        ..RetargetOptions::default()
-    };
+    let options = RetargetOptions::default().with_up(up);
     let retargeting = Retargeting::new(robot, &guess.map, capture, options).unwrap();
     let found = if whole {
         retargeting.whole()

@@ -181,10 +181,7 @@ fn a_free_body_is_no_faster_than_it_may_be_in_any_direction() {
     let (model, motion) = free_body(leap, |motion| _ = motion.max_free_speed("base", 0.9, 1.4));
     for solver in [
         MotionSolver::default(),
-        MotionSolver::default().with_windows(Some(Windows {
-            frames: 15,
-            ahead: 10,
-        })),
+        MotionSolver::default().with_windows(Some(Windows::new(15, 10))),
     ] {
         let solved = solver.solve(&motion, &model.neutral()).unwrap();
         assert_eq!(solved.termination(), MotionTermination::Stationary);

@@ -110,10 +110,7 @@ fn check(model: &Model, motion: &MotionProblem, end: &str, cost: f64) {
         assert!((pair[1][0] - pair[0][0]).abs() <= 3.0 * STEP);
     }
     assert!(solved.q().chunks(4).all(|q| model.is_within_limits(q)));
-    let windows = Windows {
-        frames: 15,
-        ahead: 10,
-    };
+    let windows = Windows::new(15, 10);
     let solver = MotionSolver::default().with_windows(Some(windows));
     assert!(solver.solve(motion, &start).unwrap().loop_gap() <= 1e-9);
 }

@@ -39,10 +39,7 @@ fn a_foot_held_still_in_the_air_stands_there_only_below_the_height_asked_for() {
     // The model is two thirds as large: its foot is lifted by 0.2 m.
     for (height, stands_aloft) in [(0.1, false), (0.3, true), (f64::INFINITY, true)] {
         let mut options = RetargetOptions::default();
-        options.contacts = ContactDetection {
-            height,
-            ..options.contacts
-        };
+        options.contacts.height = height;
         let retargeting = Retargeting::new(&robot, &map, &capture, options).unwrap();
         let found = retargeting.per_frame().unwrap();
         let toe = found
@@ -101,12 +98,7 @@ fn a_clip_s_foot_held_still_in_the_air_is_no_stance() {
             .filter(|stance| stance.bone == foot)
             .count()
     };
-    let up_to = |height: f64| {
-        Some(ContactDetection {
-            height,
-            ..ContactDetection::default()
-        })
-    };
+    let up_to = |height: f64| Some(ContactDetection::default().with_height(height));
     assert_eq!(stances(0.4, None), 2);
     assert_eq!(stances(0.4, up_to(0.35)), 2);
     assert_eq!(stances(0.4, up_to(0.45)), 3);

@@ -13,10 +13,7 @@ fn a_held_foot_stands_still_though_its_target_wanders() {
     let (frames, span) = (40, 12..30);
     let motion = walker.swaying(frames, Some(span.clone()));
     // As a whole, and in windows whose seams are within the span.
-    let windows = Windows {
-        frames: 9,
-        ahead: 9,
-    };
+    let windows = Windows::new(9, 9);
     for windows in [None, Some(windows)] {
         let solver = MotionSolver::default().with_windows(windows);
         let solved = solver.solve(&motion, &walker.stance).unwrap();

@@ -80,10 +80,7 @@ fn the_way_that_a_figure_stands_is_told_from_its_feet() {
         let mut map = BodyMap::guess(&capture, figure.robot().model())
             .unwrap()
             .map;
-        let options = RetargetOptions {
-            up: UpAxis::Y,
-            ..RetargetOptions::default()
-        };
+        let options = RetargetOptions::default().with_up(UpAxis::Y);
         let along = |map: &BodyMap| {
             let fitted = Retargeting::new(figure.robot(), map, &capture, options.clone());
             fitted.unwrap().model_stands_along()

@@ -92,7 +92,7 @@ fn limits_and_errors_are_told_as_they_are() {
         for frame in met.frames {
             let off = match met.bound {
                 MotionBound::Speed => (value(frame) - value(frame - 1)).abs() - most[at],
-                MotionBound::Position => {
+                _ => {
                     let limits = model.joints()[id.index()].limits;
                     (value(frame) - limits.lower)
                         .abs()

@@ -100,17 +100,9 @@ fn a_question_is_what_it_asks_and_not_how() {
     let alone = BodyMap::from_json(&format!("{{\"drives\": {drives}}}"), "").unwrap();
     let joints = ["hips", "foot"].map(str::to_owned);
     let plain = FolderQuestion::new(&robot, RetargetOptions::default());
-    let by_map = FolderQuestion {
-        map: Some(&all),
-        ..plain.clone()
-    };
-    let beside = FolderQuestion {
-        map: Some(&alone),
-        joints: Some(&joints),
-        frame_rate: Some(30.0),
-        up: Some(UpAxis::Y),
-        ..plain.clone()
-    };
+    let by_map = plain.clone().with_map(&all);
+    let beside = plain.clone().with_map(&alone).with_joints(&joints[..]);
+    let beside = beside.with_frame_rate(30.0).with_up(UpAxis::Y);
     assert_eq!(differs(&folders, &by_map, &beside), "");
     assert_eq!(differs(&folders, &by_map, &plain), "fps, joints, map, up");
 }

@@ -203,10 +203,8 @@ fn a_cloud_s_points_are_as_thick_as_they_are() {
             }
         }
         let bodies = CollisionModel::new(model, objects).unwrap();
-        let options = RetargetOptions {
-            shapes: Some(FootShapes::of_collision_model(&bodies)),
-            ..RetargetOptions::default()
-        };
+        let shapes = FootShapes::of_collision_model(&bodies);
+        let options = RetargetOptions::default().with_shapes(shapes);
         let retargeting = Retargeting::new(&robot, &map, &capture, options).unwrap();
         retargeting.per_frame().unwrap()
     };
@@ -229,10 +227,7 @@ fn a_foot_lands_the_flatter_the_more_that_counts() {
     let capture = Capture::new(map.joints.clone(), &person(), RATE).unwrap();
     let foot = model.frame("left_foot").unwrap().index();
     let tilts = |landing_weight: f64| {
-        let options = RetargetOptions {
-            landing_weight,
-            ..RetargetOptions::default()
-        };
+        let options = RetargetOptions::default().with_landing_weight(landing_weight);
         let retargeting = Retargeting::new(&robot, &map, &capture, options).unwrap();
         let found = retargeting.per_frame().unwrap();
         let names = &found.standing;

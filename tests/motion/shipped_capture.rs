@@ -19,14 +19,9 @@ fn steps_come_onto_the_nao() {
     let guess = BodyMap::guess(&capture, robot.model()).unwrap();
     assert_eq!(guess.body, Some("nao"));
     assert_eq!((guess.up, guess.notes.len()), (Some(UpAxis::Y), 0));
-    let options = RetargetOptions {
-        up: UpAxis::Y,
-        contacts: ContactDetection {
-            speed: STANDS,
-            ..ContactDetection::default()
-        },
-        ..RetargetOptions::default()
-    };
+    let options = RetargetOptions::default()
+        .with_up(UpAxis::Y)
+        .with_contacts(ContactDetection::default().with_speed(STANDS));
     let retargeting = Retargeting::new(&robot, &guess.map, &capture, options).unwrap();
     let mut told = Vec::new();
     let whole = retargeting

@@ -89,7 +89,7 @@ fn each_window_goes_on_from_what_is_kept_of_the_last() {
         }
         // Had the seams not pulled, it would be another motion.
         assert!(off(&expected, whole.q()) > 1e-3, "order {order}");
-        let cut = solver.with_windows(Some(Windows { frames, ahead }));
+        let cut = solver.with_windows(Some(Windows::new(frames, ahead)));
         let cut = cut.solve(&motion, &[0.0]).unwrap();
         assert_eq!(cut.termination(), MotionTermination::Stationary);
         let off = off(cut.q(), &expected);

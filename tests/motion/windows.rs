@@ -12,10 +12,7 @@ fn windows_agree_with_the_whole_and_at_their_seams() {
     let motion = walker.swaying(70, None);
     let solver = MotionSolver::default().with_tolerance(1e-9);
     let whole = solver.solve(&motion, &walker.stance).unwrap();
-    let windows = Windows {
-        frames: 25,
-        ahead: 30,
-    };
+    let windows = Windows::new(25, 30);
     let cut = solver
         .with_windows(Some(windows))
         .solve(&motion, &walker.stance)
@@ -36,10 +33,7 @@ fn windows_agree_with_the_whole_and_at_their_seams() {
 #[test]
 fn work_grows_with_the_frames_and_no_faster() {
     let walker = Walker::new();
-    let windows = Windows {
-        frames: 20,
-        ahead: 10,
-    };
+    let windows = Windows::new(20, 10);
     let solver = MotionSolver::default()
         .with_tolerance(1e-4)
         .with_windows(Some(windows));
@@ -74,10 +68,7 @@ fn one_window_that_is_cut_short_is_told() {
         motion.rate_cost(RateCost::acceleration(1e-3));
         motion.build().unwrap()
     };
-    let windows = Windows {
-        frames: 12,
-        ahead: 3,
-    };
+    let windows = Windows::new(12, 3);
     let (first, all) = (to_and_fro(15), to_and_fro(60));
     let mut cut = 0;
     for most in 1..30 {

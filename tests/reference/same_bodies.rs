@@ -168,10 +168,7 @@ fn retargeted() -> [u64; 2] {
     let read = kinopt::io::bvh::read("models/captures/steps.bvh").unwrap();
     let capture = Capture::of_clip(&read.armature, &read.clip, 30.0).unwrap();
     let guess = BodyMap::guess(&capture, robot.model()).unwrap();
-    let contacts = ContactDetection {
-        speed: 0.06,
-        ..ContactDetection::default()
-    };
+    let contacts = ContactDetection::default().with_speed(0.06);
     let mut options = RetargetOptions::default();
     (options.up, options.contacts) = (UpAxis::Y, contacts);
     let retargeting = Retargeting::new(&robot, &guess.map, &capture, options).unwrap();

@@ -144,6 +144,7 @@ impl Digest {
                 self.bytes(match by {
                     HeldBy::Limit(side) => format!("limit {side:?}"),
                     HeldBy::Speed(side) => format!("speed {side:?}"),
+                    _ => unreachable!("a new bound"),
                 });
             }
         }

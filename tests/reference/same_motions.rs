@@ -55,10 +55,7 @@ fn arm_in_a_hurry() -> u64 {
     let rest = [0.0, -1.2, 1.5, -1.0, -1.5, 0.1];
     motion.first(&rest);
     let motion = motion.build().unwrap();
-    let windows = Windows {
-        frames: 10,
-        ahead: 6,
-    };
+    let windows = Windows::new(10, 6);
     for windows in [None, Some(windows)] {
         let solver = MotionSolver::default().with_windows(windows);
         add(&mut digest, &solver.solve(&motion, &rest).unwrap());

@@ -59,11 +59,10 @@ pub(super) struct ClipOptions {
 fn tolerance(text: &str) -> Result<KeyTolerance, String> {
     let [translation, rotation] = number_list::parse_exactly::<2>(text, "--fewer-keys")?;
     match translation >= 0.0 && rotation >= 0.0 {
-        true => Ok(KeyTolerance {
-            translation: translation as f32,
-            rotation: rotation as f32,
-            scale: ROUNDING,
-        }),
+        true => Ok(KeyTolerance::EXACT
+            .with_translation(translation as f32)
+            .with_rotation(rotation as f32)
+            .with_scale(ROUNDING)),
         false => Err("a length and an angle of 0 or more".into()),
     }
 }

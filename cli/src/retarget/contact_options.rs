@@ -21,10 +21,8 @@ pub(super) struct ContactOptions {
 impl ContactOptions {
     pub(super) fn detection(&self) -> ContactDetection {
         let usual = ContactDetection::default();
-        ContactDetection {
-            speed: self.contact_speed.unwrap_or(usual.speed),
-            height: self.contact_height.unwrap_or(usual.height),
-            ..usual
-        }
+        usual
+            .with_speed(self.contact_speed.unwrap_or(usual.speed))
+            .with_height(self.contact_height.unwrap_or(usual.height))
     }
 }

@@ -190,11 +190,9 @@ impl<'a> Job<'a> {
     }
 
     fn options(&self) -> RetargetOptions {
-        RetargetOptions {
-            shapes: Some(self.shapes.clone()),
-            contacts: self.arguments.contacts.detection(),
-            ..RetargetOptions::default()
-        }
+        RetargetOptions::default()
+            .with_shapes(self.shapes.clone())
+            .with_contacts(self.arguments.contacts.detection())
     }
 
     /// What tells the answers of one question from another's.

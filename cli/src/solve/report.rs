@@ -135,8 +135,8 @@ impl<'a> Report<'a> {
             joint: limit.joint,
             side: side(limit.side),
             kind: match limit.kind {
-                BoundKind::Limit => "limit",
                 BoundKind::Move => "move",
+                _ => "limit",
             },
             value: limit.value,
         });

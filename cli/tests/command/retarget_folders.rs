@@ -99,18 +99,13 @@ fn a_folder_is_gone_on_with_whoever_began_it() {
         .unwrap()
         .with_base_joint(BaseJoint::FREE)
         .unwrap();
-    let mut options = RetargetOptions {
-        shapes: Some(FootShapes::of_files(&robot)),
-        ..RetargetOptions::default()
-    };
+    let mut options = RetargetOptions::default().with_shapes(FootShapes::of_files(&robot));
     options.contacts.speed = 0.2;
     let given = BodyMap::from_json(text, "").unwrap();
-    let asked = FolderQuestion {
-        map: Some(&given),
-        up: Some(UpAxis::Z),
-        whole: true,
-        ..FolderQuestion::new(&robot, options)
-    };
+    let asked = FolderQuestion::new(&robot, options)
+        .with_map(&given)
+        .with_up(UpAxis::Z)
+        .with_whole(true);
     let found = MovementFolder::find(from.as_ref(), into.as_ref(), "npz").unwrap();
     std::fs::write(&found.begin(&asked, false).unwrap()[0].out, "done").unwrap();
     let command = format!(

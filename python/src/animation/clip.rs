@@ -263,11 +263,10 @@ impl Clip {
         rotation: f32,
         scale: f32,
     ) -> PyResult<Self> {
-        let tolerance = KeyTolerance {
-            translation,
-            rotation,
-            scale,
-        };
+        let tolerance = KeyTolerance::EXACT
+            .with_translation(translation)
+            .with_rotation(rotation)
+            .with_scale(scale);
         self.changed(py, |clip, armature| {
             Ok(clip.with_fewer_keys(armature, &tolerance)?)
         })

@@ -116,6 +116,7 @@ fn by_name(by: HeldBy) -> &'static str {
         HeldBy::Limit(Side::Upper) => "upper limit",
         HeldBy::Speed(Side::Lower) => "speed down",
         HeldBy::Speed(Side::Upper) => "speed up",
+        _ => "other",
     }
 }
 

@@ -177,7 +177,7 @@ impl MotionProblem {
             solver = solver.with_slip(slip);
         }
         if let Some((frames, ahead)) = windows {
-            solver = solver.with_windows(Some(Windows { frames, ahead }));
+            solver = solver.with_windows(Some(Windows::new(frames, ahead)));
         }
         let width = self.inner.configuration_len();
         let one = arrays::axes(start)? == 1;

@@ -121,8 +121,8 @@ impl MotionSolution {
                     frame,
                     joint: limit.joint.to_owned(),
                     bound: match limit.bound {
-                        MotionBound::Position => "position",
                         MotionBound::Speed => "speed",
+                        _ => "position",
                     }
                     .to_owned(),
                     side: match limit.side {

@@ -40,17 +40,15 @@ pub(super) fn folder_begun(
     let mut how = options.read(up.unwrap_or_default());
     how.shapes = foot_shapes_of(target);
     let map = map.map(|map| read_map(map, &robot)).transpose()?;
-    let asked = FolderQuestion {
-        map: map.as_ref(),
-        skeleton,
-        joints: reading.joints.as_deref(),
-        frame_rate: reading.fps,
-        up,
-        clip: reading.clip.as_deref(),
-        whole: reading.whole,
-        keep_clear: options.keep_clear(),
-        ..FolderQuestion::new(&robot, how)
-    };
+    let asked = FolderQuestion::new(&robot, how)
+        .with_map(map.as_ref())
+        .with_skeleton(skeleton)
+        .with_joints(reading.joints.as_deref())
+        .with_frame_rate(reading.fps)
+        .with_up(up)
+        .with_clip(reading.clip.as_deref())
+        .with_whole(reading.whole)
+        .with_keep_clear(options.keep_clear());
     let (source, into) = folders;
     let found = MovementFolder::find(&source, &into, "npz").or_raise()?;
     let begun = found.begin(&asked, again).map_err(|error| {

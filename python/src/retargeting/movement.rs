@@ -56,10 +56,10 @@ pub(super) fn capture_retargeted<'py>(
         .map(|&joint| question.capture.names()[joint].clone());
     let limits = limits.into_iter().map(|met| {
         let side = match (met.bound, met.side) {
-            (MotionBound::Position, Side::Lower) => "lower",
-            (MotionBound::Position, Side::Upper) => "upper",
             (MotionBound::Speed, Side::Lower) => "speed down",
             (MotionBound::Speed, Side::Upper) => "speed up",
+            (_, Side::Lower) => "lower",
+            (_, Side::Upper) => "upper",
         };
         (met.joint, side, met.frames.start, met.frames.end)
     });

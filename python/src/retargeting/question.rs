@@ -47,10 +47,7 @@ impl Options {
     }
 
     pub(super) fn read(&self, up: UpAxis) -> RetargetOptions {
-        let mut options = RetargetOptions {
-            up,
-            ..RetargetOptions::default()
-        };
+        let mut options = RetargetOptions::default().with_up(up);
         let contacts = &mut options.contacts;
         contacts.speed = self.contact_speed.unwrap_or(contacts.speed);
         contacts.height = self.contact_height.unwrap_or(contacts.height);

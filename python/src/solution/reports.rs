@@ -311,8 +311,8 @@ impl ActiveLimit {
     #[getter]
     fn kind(&self) -> &'static str {
         match self.kind {
-            BoundKind::Limit => "limit",
             BoundKind::Move => "move",
+            _ => "limit",
         }
     }
 

@@ -12,6 +12,8 @@ use crate::animation::{Armature, Channel, Clip};
 
 /// How far a channel with fewer keys may be from what it was, at any key that it had.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct KeyTolerance {
     /// Of a bone's place in its parent, in the file's unit of length.
     pub translation: f32,
@@ -28,6 +30,22 @@ impl KeyTolerance {
         rotation: 0.0,
         scale: 0.0,
     };
+
+    setters! {
+        /// Of a bone's place, in the file's unit of length.
+        pub fn with_translation(mut self, length: f32) { self.translation = length }
+        /// Of how it is turned, in radians.
+        pub fn with_rotation(mut self, radians: f32) { self.rotation = radians }
+        /// Of its scale, and of weights of morph targets.
+        pub fn with_scale(mut self, share: f32) { self.scale = share }
+    }
+}
+
+impl Default for KeyTolerance {
+    /// [`EXACT`](Self::EXACT).
+    fn default() -> Self {
+        Self::EXACT
+    }
 }
 
 impl Clip {

@@ -213,10 +213,14 @@ impl Mesh {
 
 /// A world of JSON's bytes.
 pub(super) fn parse(bytes: &[u8], file: &str, folder: Option<&Path>) -> FromFile<World> {
-    let Object(mut contents): Object<Contents> = crate::io::json::parse(bytes, file)?;
+    let Object(contents) = crate::io::json::parse(bytes, file)?;
+    read(contents, &Reader { file, folder })
+}
+
+/// The same of what the file holds.
+fn read(mut contents: Contents, reader: &Reader<'_>) -> FromFile<World> {
     let order = std::mem::take(&mut contents.order);
-    let reader = Reader { file, folder };
-    let mut world = read_all(contents, &reader)?;
+    let mut world = read_all(contents, reader)?;
     if order.is_empty() {
         return Ok(world);
     }
@@ -242,6 +246,27 @@ pub(super) fn parse(bytes: &[u8], file: &str, folder: Option<&Path>) -> FromFile
 
 /// A world as JSON.
 pub(super) fn text(world: &World) -> String {
+    // Numbers of obstacles are finite and keys are texts, so nothing can fail.
+    serde_json::to_string_pretty(&contents(world)).unwrap_or_default()
+}
+
+#[cfg(feature = "serde")]
+impl Serialize for World {
+    fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        contents(self).serialize(to)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<'de> Deserialize<'de> for World {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let (file, folder) = ("a world", None);
+        let Object(contents) = Object::deserialize(from)?;
+        read(contents, &Reader { file, folder }).map_err(serde::de::Error::custom)
+    }
+}
+
+fn contents(world: &World) -> Contents {
     let mut contents = Contents::default();
     for obstacle in world.obstacles() {
         push(&mut contents, obstacle);
@@ -250,8 +275,7 @@ pub(super) fn text(world: &World) -> String {
     if !world.obstacles().map(|o| &o.name).eq(&names) {
         contents.order = world.obstacles().map(|o| o.name.clone()).collect();
     }
-    // Numbers of obstacles are finite and keys are texts, so nothing can fail.
-    serde_json::to_string_pretty(&contents).unwrap_or_default()
+    contents
 }
 
 fn push(contents: &mut Contents, obstacle: &Obstacle) {

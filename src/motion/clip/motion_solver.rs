@@ -14,11 +14,21 @@ use crate::search::check_start;
 /// from where the first ended. Neighbours agree at their seam, as the second begins with the first one's last frames
 /// held, and what is beyond the frames ahead hardly pulls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Windows {
     /// How many frames a window keeps.
     pub frames: usize,
     /// How many more it looks at.
     pub ahead: usize,
+}
+
+impl Windows {
+    /// Windows that keep so many frames and look at so many more.
+    #[must_use]
+    pub fn new(frames: usize, ahead: usize) -> Self {
+        Self { frames, ahead }
+    }
 }
 
 /// Solves a [`MotionProblem`]: a first motion frame by frame, then all frames together.

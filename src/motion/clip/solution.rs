@@ -41,6 +41,7 @@ pub struct MotionCounts {
 /// Whose bound it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum MotionBound {
     /// The joint's own limit.
     Position,
@@ -75,6 +76,7 @@ pub struct MotionMiss<'a> {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Held {
     frame: usize,
     variable: usize,
@@ -84,6 +86,7 @@ struct Held {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Missed {
     frame: usize,
     task: usize,
@@ -93,6 +96,7 @@ struct Missed {
 
 /// A motion, and the truth about it.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct MotionSolution {
     q: Vec<f64>,
@@ -147,7 +151,7 @@ impl MotionSolution {
     pub fn missed(&self, frame: usize) -> impl Iterator<Item = MotionMiss<'_>> {
         let own = of_frame(&self.missed, frame, |missed| missed.frame);
         own.iter().map(|missed| MotionMiss {
-            task: &self.names.tasks[missed.task],
+            task: self.names.tasks.get(missed.task).map_or("", String::as_str),
             quantity: missed.quantity,
             error: missed.error,
         })
@@ -157,7 +161,11 @@ impl MotionSolution {
     pub fn active_limits(&self, frame: usize) -> impl Iterator<Item = MotionLimit<'_>> {
         let own = of_frame(&self.held, frame, |held| held.frame);
         own.iter().map(|held| MotionLimit {
-            joint: &self.names.variables[held.variable],
+            joint: self
+                .names
+                .variables
+                .get(held.variable)
+                .map_or("", String::as_str),
             bound: held.bound,
             side: held.side,
             push: held.push,

@@ -4,6 +4,7 @@ use crate::search::Collision;
 
 /// A step in which the arm leaves its branch.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Reconfiguration {
     /// The row of [`q`](PathSolution::q) that it leads to, from the one before; 0 for the step that closes a cyclic path.
@@ -19,6 +20,7 @@ pub struct Reconfiguration {
 /// How far the tool is from the path at most while all joints move evenly from one row to the next, over all steps that are no
 /// reconfiguration. Upper bounds, not samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Deviation {
     /// Metres; what the goal leaves free does not count.
@@ -33,6 +35,7 @@ pub struct Deviation {
 
 /// A point that the tool does not reach.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Missed {
     /// The row of [`q`](PathSolution::q).
@@ -47,6 +50,7 @@ pub struct Missed {
 
 /// Why a point is missed.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum MissReason {
     /// It is farther from where the chain begins than the chain is long: certain.
@@ -64,6 +68,7 @@ pub enum MissReason {
 
 /// A step on which something touches, or comes too near to be told apart from that.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Blocked {
     /// The row of [`q`](PathSolution::q) that it leads to; 0 for the step that closes a cyclic path.
@@ -74,6 +79,7 @@ pub struct Blocked {
 
 /// Joints for a whole path.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct PathSolution {
     /// One configuration a point, one after another, radians or metres, in the order in which the path is gone. A path that may be

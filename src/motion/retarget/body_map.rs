@@ -14,6 +14,7 @@ use crate::spatial::{Matrix3, Vector3};
 
 /// What a captured joint drives.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Drive {
     /// The captured joint.
     pub joint: String,
@@ -66,6 +67,7 @@ impl From<UpAxis> for Vec3 {
 
 /// A map from a capture to a model.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct BodyMap {
     /// The captured joints in the order of an array, where the map says it.
     pub joints: Vec<String>,

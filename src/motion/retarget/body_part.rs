@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 /// A part of a person's body, which a captured joint and a model's frame may both be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum BodyPart {
     /// What everything hangs on.
     Pelvis,

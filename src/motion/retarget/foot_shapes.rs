@@ -12,12 +12,14 @@ const CORNERS: usize = 16;
 ///
 /// Of the feet among them [`Retargeting`](super::Retargeting) knows where the ground is, and keeps them out of it.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FootShapes {
     pub(super) balls: Vec<Ball>,
 }
 
 /// A ball that is fixed to a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Ball {
     pub(super) frame: FrameId,
     /// Its middle in the frame, metres.

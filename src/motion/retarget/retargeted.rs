@@ -8,6 +8,7 @@ const SLIPPED: f64 = 1e-3;
 
 /// A movement on a model.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Retargeted {
     /// Configurations, frame after frame.
@@ -35,6 +36,8 @@ pub struct Retargeted {
 
 /// What touches in a frame.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Touching {
     /// The frame.
     pub frame: usize,
@@ -44,6 +47,8 @@ pub struct Touching {
 
 /// What stood, and could be held no longer.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct GivenUp {
     /// The first frame in which it has slipped by more than a millimetre.
     pub frame: usize,

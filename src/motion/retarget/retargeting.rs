@@ -23,6 +23,8 @@ use crate::spatial::Vector3;
 
 /// How a movement is brought onto a model.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct RetargetOptions {
     /// Which way is up in the capture, unless the map says it.
     pub up: UpAxis,
@@ -51,11 +53,27 @@ impl Default for RetargetOptions {
             landing_weight: 4.0,
             acceleration: 1e-4,
             tolerance: 0.03,
-            windows: Windows {
-                frames: 120,
-                ahead: 30,
-            },
+            windows: Windows::new(120, 30),
         }
+    }
+}
+
+impl RetargetOptions {
+    setters! {
+        /// Which way is up in the capture, unless the map says it.
+        pub fn with_up(mut self, up: UpAxis) { self.up = up }
+        /// When feet stand.
+        pub fn with_contacts(mut self, contacts: ContactDetection) { self.contacts = contacts }
+        /// The shapes of feet.
+        pub fn with_shapes(mut self, shapes: impl Into<Option<FootShapes>>) { self.shapes = shapes.into() }
+        /// How much more a point counts where it lands.
+        pub fn with_landing_weight(mut self, weight: f64) { self.landing_weight = weight }
+        /// What an acceleration of 1 rad/s² costs, in metres off a place.
+        pub fn with_acceleration(mut self, metres: f64) { self.acceleration = metres }
+        /// Where each window ends, as a share of its cost.
+        pub fn with_tolerance(mut self, share: f64) { self.tolerance = share }
+        /// The windows of whole movements.
+        pub fn with_windows(mut self, windows: Windows) { self.windows = windows }
     }
 }
 

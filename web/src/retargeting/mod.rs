@@ -83,10 +83,8 @@ impl Mapped {
         let guess = map
             .completed(&capture, robot.inner.model())
             .map_err(raise)?;
-        let mut how = RetargetOptions {
-            up: told.or(guess.up).unwrap_or(UpAxis::Y),
-            ..RetargetOptions::default()
-        };
+        let up = told.or(guess.up).unwrap_or(UpAxis::Y);
+        let mut how = RetargetOptions::default().with_up(up);
         let contacts = &mut how.contacts;
         contacts.speed = options.number("contactSpeed")?.unwrap_or(contacts.speed);
         contacts.height = options.number("contactHeight")?.unwrap_or(contacts.height);

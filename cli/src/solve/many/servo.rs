@@ -177,5 +177,6 @@ fn limit(by: HeldBy) -> &'static str {
         HeldBy::Limit(Side::Upper) => "upper limit",
         HeldBy::Speed(Side::Lower) => "velocity limit, downwards",
         HeldBy::Speed(Side::Upper) => "velocity limit, upwards",
+        _ => "another bound",
     }
 }

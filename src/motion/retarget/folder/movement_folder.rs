@@ -42,6 +42,7 @@ pub struct MovementFolder {
 
 /// A movement of a folder that was begun.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Movement {
     /// Its file.
     pub source: PathBuf,

@@ -10,6 +10,7 @@ use crate::robot::Robot;
 
 /// What tells the answers of one question from another's: the target, the map and how it is done.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct FolderQuestion<'a> {
     /// What the movements are brought onto.
     pub target: &'a Robot,
@@ -52,6 +53,25 @@ impl<'a> FolderQuestion<'a> {
             keep_clear: None,
             more: Vec::new(),
         }
+    }
+
+    setters! {
+        /// By a map that is given.
+        pub fn with_map(mut self, map: impl Into<Option<&'a BodyMap>>) { self.map = map.into() }
+        /// Of a skeleton.
+        pub fn with_skeleton(mut self, name: impl Into<Option<&'a str>>) { self.skeleton = name.into() }
+        /// Of arrays of joints.
+        pub fn with_joints(mut self, joints: impl Into<Option<&'a [String]>>) { self.joints = joints.into() }
+        /// At so many frames a second.
+        pub fn with_frame_rate(mut self, rate: impl Into<Option<f64>>) { self.frame_rate = rate.into() }
+        /// With an axis that points upward.
+        pub fn with_up(mut self, up: impl Into<Option<UpAxis>>) { self.up = up.into() }
+        /// Of one of a scene's clips.
+        pub fn with_clip(mut self, clip: impl Into<Option<&'a str>>) { self.clip = clip.into() }
+        /// Each movement as one, or frame by frame.
+        pub fn with_whole(mut self, whole: bool) { self.whole = whole }
+        /// With links kept apart by so many metres.
+        pub fn with_keep_clear(mut self, metres: impl Into<Option<f64>>) { self.keep_clear = metres.into() }
     }
 
     /// The same text for the same question.
