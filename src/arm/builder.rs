@@ -277,10 +277,10 @@ impl ArmBuilder<'_> {
         }
         let mut map = coupled(self.model, self.followers);
         for &(joint, value) in &self.locked {
-            map = map.lock(joint, value);
+            map = map.with_locked(joint, value);
         }
         if let Some((joints, q)) = &self.only {
-            map = map.only(joints, q);
+            map = map.with_only(joints, q);
         }
         Ok(map.build()?)
     }

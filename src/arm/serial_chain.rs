@@ -226,7 +226,7 @@ impl Assembly<'_> {
         let mut followed = vec![false; self.joints.len()];
         for &(follower, variable, ratio, offset) in &self.followers {
             if let Some(leader) = self.leaders[variable] {
-                map = map.couple(follower, leader, ratio, offset);
+                map = map.with_coupled(follower, leader, ratio, offset);
                 let source = self.source.moving_joints()[self.full.leaders()[variable]];
                 for (followed, &joint) in followed.iter_mut().zip(&self.joints) {
                     *followed |= joint == source;

@@ -35,7 +35,7 @@ pub enum Elbow {
 ///
 /// The problem has one point task, and the free joints that move it stand at two points: a shoulder
 /// and an elbow, say. On rigs and redundant robots lock the other joints with
-/// [`ParameterMap::builder`](crate::model::ParameterMap::builder) and `only`. The joints are then set
+/// [`ParameterMap::builder`](crate::model::ParameterMap::builder) and `with_only`. The joints are then set
 /// from the base out, in closed form where two axes meet in a point and by coordinate descent where
 /// they do not, within their limits. Exact where the root's joints can point anywhere and the limits
 /// allow it; everything else ends with the miss that is left. A target out of reach stretches or

@@ -173,7 +173,7 @@ impl<'m> LoopClosure<'m> {
 
     /// Parameters that hold all but the dependent joints.
     fn held_at(&self, q: &[f64]) -> ParameterMapBuilder<'m> {
-        self.parameters.clone().only(&self.dependent, q)
+        self.parameters.clone().with_only(&self.dependent, q)
     }
 
     /// The loops alone, closed as near to `start` as can be.

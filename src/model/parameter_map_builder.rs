@@ -35,7 +35,7 @@ impl<'m> ParameterMapBuilder<'m> {
 
     /// Holds a joint at `value` (radians or metres).
     #[must_use]
-    pub fn lock(mut self, joint: JointId, value: f64) -> Self {
+    pub fn with_locked(mut self, joint: JointId, value: f64) -> Self {
         if let Some(coordinate) = self.single(joint, "locked") {
             self.set(coordinate, Source::Constant(value));
         }
@@ -44,7 +44,7 @@ impl<'m> ParameterMapBuilder<'m> {
 
     /// Holds a ball joint at a rotation, a quaternion w, x, y, z of any length but zero; limits do not matter.
     #[must_use]
-    pub fn lock_ball(mut self, joint: JointId, rotation: [f64; 4]) -> Self {
+    pub fn with_locked_ball(mut self, joint: JointId, rotation: [f64; 4]) -> Self {
         let Some(first) = self.moving(joint, "locked") else {
             return self;
         };
@@ -68,7 +68,13 @@ impl<'m> ParameterMapBuilder<'m> {
 
     /// Lets a joint follow another: its value is `ratio · master + offset`.
     #[must_use]
-    pub fn couple(mut self, joint: JointId, master: JointId, ratio: f64, offset: f64) -> Self {
+    pub fn with_coupled(
+        mut self,
+        joint: JointId,
+        master: JointId,
+        ratio: f64,
+        offset: f64,
+    ) -> Self {
         if let (Some(coordinate), Some(master)) = (
             self.single(joint, "coupled"),
             self.single(master, "followed"),
@@ -80,7 +86,7 @@ impl<'m> ParameterMapBuilder<'m> {
 
     /// Leaves a joint only the values that `limits` (radians or metres) allow too.
     #[must_use]
-    pub fn narrow(mut self, joint: JointId, limits: Limits) -> Self {
+    pub fn with_narrowed(mut self, joint: JointId, limits: Limits) -> Self {
         if let Some(coordinate) = self.single(joint, "narrowed") {
             let own = &mut self.limits[coordinate];
             *own = own.intersection(&limits);
@@ -92,7 +98,7 @@ impl<'m> ParameterMapBuilder<'m> {
     /// (shape: degrees of freedom; [`build`](Self::build) refuses another length and what is not finite),
     /// clamped into its limits.
     #[must_use]
-    pub fn only(mut self, joints: &[JointId], q: &[f64]) -> Self {
+    pub fn with_only(mut self, joints: &[JointId], q: &[f64]) -> Self {
         let mut keep = vec![false; self.roles.len()];
         for &joint in joints {
             if let Some(first) = self.moving(joint, "freed") {

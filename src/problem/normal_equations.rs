@@ -239,7 +239,7 @@ mod tests {
         let mut random = RandomStream::new(7, 0);
         let (model, knees) = body();
         let own = ParameterMap::free(&model);
-        let coupled = ParameterMap::builder(&model).couple(knees[1], knees[0], -0.8, 0.1);
+        let coupled = ParameterMap::builder(&model).with_coupled(knees[1], knees[0], -0.8, 0.1);
         let coupled = coupled.build().unwrap();
         for (map, ties) in [
             (&own, false),

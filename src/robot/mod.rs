@@ -109,11 +109,11 @@ impl Robot {
         /// let robot = Robot::read("models/franka_panda.urdf")?;
         /// // The arm alone, the fingers held open: the second follows the first.
         /// let finger = robot.model().joint("finger_left_slide")?;
-        /// let arm = robot.parameters().lock(finger, 0.04).build()?;
+        /// let arm = robot.parameters().with_locked(finger, 0.04).build()?;
         /// assert_eq!(arm.variables(), 7);
         /// // Three joints, the others at zero or at the limit next to it.
         /// let wrist = robot.joints(&["joint5", "joint6", "joint7"])?;
-        /// let wrist = robot.parameters().only(&wrist, &[0.0; 9]).build()?;
+        /// let wrist = robot.parameters().with_only(&wrist, &[0.0; 9]).build()?;
         /// assert_eq!(wrist.variables(), 3);
         /// # Ok::<(), Box<dyn std::error::Error>>(())
         /// ```
@@ -252,6 +252,6 @@ pub enum ToolError {
 pub(crate) fn coupled<'m>(model: &'m Model, mimics: &[Mimic]) -> ParameterMapBuilder<'m> {
     let free = ParameterMap::builder(model);
     mimics.iter().fold(free, |map, mimic| {
-        map.couple(mimic.joint, mimic.master, mimic.ratio, mimic.offset)
+        map.with_coupled(mimic.joint, mimic.master, mimic.ratio, mimic.offset)
     })
 }

@@ -214,7 +214,7 @@ impl BallSkeleton {
         for joint in holds.trunk.iter().filter_map(|&bone| self.joint(bone)) {
             let at = self.model.coordinate(joint);
             let own = at.and_then(|at| q.get(at..)?.first_chunk::<4>());
-            map = map.lock_ball(joint, own.copied().unwrap_or([1.0, 0.0, 0.0, 0.0]));
+            map = map.with_locked_ball(joint, own.copied().unwrap_or([1.0, 0.0, 0.0, 0.0]));
         }
         map
     }

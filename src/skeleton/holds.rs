@@ -174,14 +174,14 @@ impl Holds {
             at.copied().unwrap_or(0.0)
         };
         for joint in self.trunk.iter().flat_map(|&bone| skeleton.joints(bone)) {
-            map = map.lock(joint, at(joint));
+            map = map.with_locked(joint, at(joint));
         }
         let bend = BENDS_OF_A_BACK / self.back.len().max(1) as f64;
         for joints in self.back.iter().map(|&bone| skeleton.joints(bone)) {
             // Both twists turn the same way where a bone is straight.
             for (joint, far) in joints.into_iter().zip([0.5 * bend, bend, 0.5 * bend]) {
                 let at = at(joint);
-                map = map.narrow(joint, Limits::new(at - far, at + far));
+                map = map.with_narrowed(joint, Limits::new(at - far, at + far));
             }
         }
         map

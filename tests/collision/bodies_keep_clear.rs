@@ -387,7 +387,7 @@ fn a_figure_s_hand_stops_at_its_belly() {
         let hand = tasks.add(Point::new(tip, belly));
         let arm = ["left_upper_arm", "left_forearm", "left_hand"];
         let joints = arm.map(|bone| skeleton.joints(skeleton.bone(bone).unwrap()));
-        let map = ParameterMap::builder(skeleton.model()).only(&joints.concat(), &rest);
+        let map = ParameterMap::builder(skeleton.model()).with_only(&joints.concat(), &rest);
         tasks.parameters(map.build().unwrap());
         if clear {
             tasks.keep_clear(&checker);

@@ -80,7 +80,7 @@ fn a_hand_in_the_belly_is_told() {
         let joints = arm
             .map(|bone| skeleton.joints(skeleton.bone(bone).unwrap()))
             .concat();
-        let map = kinopt::model::ParameterMap::builder(skeleton.model()).only(&joints, &rest);
+        let map = kinopt::model::ParameterMap::builder(skeleton.model()).with_only(&joints, &rest);
         tasks.parameters(map.build().unwrap());
         let problem = tasks.build().unwrap();
         let solution = Solver::default().solve_once(&problem, &rest).unwrap();

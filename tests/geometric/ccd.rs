@@ -109,8 +109,8 @@ fn no_sweep_raises_the_cost() {
 fn coupled_and_locked_joints_keep_their_word() {
     let model = planar_arm(&[1.0, 0.8, 0.6], Some((-2.0, 2.0)));
     let [first, second, third] = [0, 1, 2].map(|k| model.joint(&format!("joint {k}")).unwrap());
-    let map = ParameterMap::builder(&model).couple(second, first, -0.5, 0.1);
-    let map = map.lock(third, 0.4).build().unwrap();
+    let map = ParameterMap::builder(&model).with_coupled(second, first, -0.5, 0.1);
+    let map = map.with_locked(third, 0.4).build().unwrap();
     for master in [-1.3, -0.2, 0.7, 1.6] {
         let goal = [master, 0.1 - 0.5 * master, 0.4];
         let target = planar_tip(&[1.0, 0.8, 0.6], &goal);
@@ -334,7 +334,7 @@ fn a_follower_of_a_joint_elsewhere_is_turned_by_its_leader() {
     let link = Placement::translation([1.0, 0.0, 0.0].into());
     builder.frame("tip", Some(hand), link);
     let model = builder.build().unwrap();
-    let map = ParameterMap::builder(&model).couple(hand, leader, -0.5, 0.1);
+    let map = ParameterMap::builder(&model).with_coupled(hand, leader, -0.5, 0.1);
     let map = map.build().unwrap();
     // Within its range, and at its end.
     for (angle, expected) in [(0.4_f64, 0.4), (0.9, 0.6), (-0.2, -0.2)] {

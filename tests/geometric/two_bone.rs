@@ -184,7 +184,7 @@ fn a_limb_of_a_rig_follows_its_pole() {
         let goal = model.random_configuration(seed);
         let pose = skeleton.pose(&goal).unwrap();
         let joints = [skeleton.joints(upper), skeleton.joints(lower)].concat();
-        let map = ParameterMap::builder(model).only(&joints, &goal);
+        let map = ParameterMap::builder(model).with_only(&joints, &goal);
         let mut builder = Problem::builder(model);
         builder.parameters(map.build().unwrap());
         builder.add(Point::new(

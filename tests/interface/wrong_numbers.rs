@@ -77,7 +77,7 @@ fn of_a_configuration(q: &[f64]) -> Vec<(&'static str, Outcome)> {
     };
     let mut room = [0.0; 3];
     let mut kinematics = ForwardKinematics::new(&model);
-    let only = ParameterMap::builder(&model).only(&[first], q).build();
+    let only = ParameterMap::builder(&model).with_only(&[first], q).build();
     let with_tasks = |residual: &dyn Fn(&mut ProblemBuilder<'_>)| {
         let mut tasks = Problem::builder(&model);
         residual(&mut tasks);

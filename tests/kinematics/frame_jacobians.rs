@@ -135,7 +135,7 @@ fn variables_and_chosen_frames_have_the_columns_and_rows_asked_for() {
     let tree = RandomTree::new(3, 8);
     let model = &tree.model;
     let [leader, follower] = [model.moving_joints()[0], model.moving_joints()[1]];
-    let map = ParameterMap::builder(model).couple(follower, leader, 0.5, 0.1);
+    let map = ParameterMap::builder(model).with_coupled(follower, leader, 0.5, 0.1);
     let map = map.build().unwrap();
     let q = tree.configuration(&mut Random::new(3));
     let mut x = vec![0.0; map.variables()];

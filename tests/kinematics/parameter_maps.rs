@@ -13,7 +13,7 @@ use support::{placement, planar_arm};
 fn what_is_not_freed_is_held_within_its_limits() {
     let model = planar_arm(&[1.0; 4], Some((-1.0, 2.0)));
     let joints = model.moving_joints();
-    let map = ParameterMap::builder(&model).only(&[joints[2]], &[-3.0, 0.5, 9.0, 0.0]);
+    let map = ParameterMap::builder(&model).with_only(&[joints[2]], &[-3.0, 0.5, 9.0, 0.0]);
     let map = map.build().unwrap();
     let mut q = [f64::NAN; 4];
     map.expand(&[0.7], &mut q).unwrap();
@@ -25,9 +25,9 @@ fn bounds_are_those_of_all_that_follow() {
     let model = planar_arm(&[1.0; 4], Some((-1.0, 2.0)));
     let joints = model.moving_joints();
     let build = |ratio: f64, offset: f64, narrow: Option<Limits>| {
-        let map = ParameterMap::builder(&model).couple(joints[3], joints[1], ratio, offset);
+        let map = ParameterMap::builder(&model).with_coupled(joints[3], joints[1], ratio, offset);
         let map = match narrow {
-            Some(limits) => map.narrow(joints[3], limits),
+            Some(limits) => map.with_narrowed(joints[3], limits),
             None => map,
         };
         let map = map.build().unwrap();
@@ -61,7 +61,7 @@ fn what_is_held_stands_where_it_was() {
         let q = model.random_configuration(seed);
         let mut free: Vec<_> = model.joint_ids().collect();
         free.retain(|_| random.within(0.0, 1.0) < 0.4);
-        let map = ParameterMap::builder(model).only(&free, &q).build();
+        let map = ParameterMap::builder(model).with_only(&free, &q).build();
         let map = map.unwrap();
         let mut x = vec![0.0; map.variables()];
         map.reduce(&q, &mut x).unwrap();

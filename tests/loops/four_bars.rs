@@ -16,7 +16,7 @@ fn the_rocker_follows_a_crank_that_is_held() {
     let model = linkage.model();
     for k in 0..24 {
         let angle = TAU * f64::from(k) / 24.0 - 3.1;
-        let map = ParameterMap::builder(&model).lock(model.joint("crank").unwrap(), angle);
+        let map = ParameterMap::builder(&model).with_locked(model.joint("crank").unwrap(), angle);
         let mut problem = Problem::builder(&model);
         problem.parameters(map.build().unwrap());
         // No task but the loop.

@@ -79,7 +79,7 @@ fn mechanism(own: &Statement) -> (Model, Option<ParameterMap>, Vec<f64>) {
                 "ankle_rod",
                 "ankle",
             ];
-            let map = ParameterMap::builder(&model).only(&robot.joints(&own).unwrap(), &start);
+            let map = ParameterMap::builder(&model).with_only(&robot.joints(&own).unwrap(), &start);
             let map = map.build().unwrap();
             (model, Some(map), start)
         }

@@ -130,7 +130,7 @@ fn a_joint_that_another_follows_takes_it_along() {
     }
     let model = builder.build().unwrap();
     let dependent = ["coupler", "rocker"].map(|name| model.joint(name).unwrap());
-    let map = ParameterMap::builder(&model).couple(gear, rocker, 0.25, 0.1);
+    let map = ParameterMap::builder(&model).with_coupled(gear, rocker, 0.25, 0.1);
     let closure = LoopClosure::new(map, &dependent).unwrap();
     let mut random = Random::new(4);
     for case in 0..cases(300, 100) {

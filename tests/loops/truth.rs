@@ -14,8 +14,8 @@ fn an_open_loop_is_told_by_name_and_gap() {
     // Both ends of the coupler and the rocker held: the pin is open by as much as they are apart.
     let joint = |name| model.joint(name).unwrap();
     let map = ParameterMap::builder(&model)
-        .lock(joint("coupler"), 0.0)
-        .lock(joint("rocker"), 0.0);
+        .with_locked(joint("coupler"), 0.0)
+        .with_locked(joint("rocker"), 0.0);
     let mut problem = Problem::builder(&model);
     problem.parameters(map.build().unwrap());
     let pen = model.frame("pen").unwrap();

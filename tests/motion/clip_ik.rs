@@ -112,8 +112,8 @@ pub(crate) fn pose(armature: &Armature, clip: &Clip, time: f64) -> Pose {
 pub(crate) fn planted<'a>(armature: &'a Armature) -> ClipIk<'a> {
     let id = |name: &str| armature.bone(name).unwrap();
     ClipIk::new(armature)
-        .plant(id("foot.l"))
-        .plant(id("foot.r"))
+        .with_planted(id("foot.l"))
+        .with_planted(id("foot.r"))
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn planted_feet_slide_by_less_than_2_mm() {
     let armature = figure();
     let walk = walk(&armature, true);
     let edited = planted(&armature)
-        .keys_per_second(60.0)
+        .with_keys_per_second(60.0)
         .solve(&walk)
         .unwrap();
     // Two feet, two seconds, a step a second each.
@@ -163,7 +163,7 @@ fn a_walk_on_the_spot_travels_as_its_feet_say() {
     assert!(speed.distance(Vec3::new(0.0, 0.0, SPEED)) < 0.1, "{speed}");
     let travel = Vec3::new(0.0, 0.0, SPEED);
     let edited = planted(&armature)
-        .travel(travel)
+        .with_travel(travel)
         .solve(&on_the_spot)
         .unwrap();
     let same = planted(&armature).solve(&walk(&armature, true)).unwrap();
@@ -185,8 +185,14 @@ fn a_hand_reaches_over_its_span_and_nothing_else_changes() {
     let walk = walk(&armature, true);
     let hand = armature.bone("hand").unwrap();
     let target = DVec3::new(0.5, 1.3, 1.5);
-    let reach = Reach::to(hand, target).unwrap().over(0.8..=1.6).fade(0.3);
-    let edited = ClipIk::new(&armature).reach(reach).solve(&walk).unwrap();
+    let reach = Reach::to(hand, target)
+        .unwrap()
+        .with_span(0.8..=1.6)
+        .with_fade(0.3);
+    let edited = ClipIk::new(&armature)
+        .with_reach(reach)
+        .solve(&walk)
+        .unwrap();
     for time in [1.1, 1.2, 1.3] {
         let off = at(&armature, &edited.clip, "hand", time)
             .as_dvec3()
@@ -233,7 +239,7 @@ fn the_root_moves_by_what_limbs_are_too_short_for() {
     let straight = f64::from(THIGH + SHIN);
     let target = hip - DVec3::new(0.0, straight + 0.05, 0.0);
     let edited = ClipIk::new(&armature)
-        .reach(Reach::to(foot, target).unwrap())
+        .with_reach(Reach::to(foot, target).unwrap())
         .solve(&stand)
         .unwrap();
     let hips = at(&armature, &edited.clip, "hips", 0.5).as_dvec3();
@@ -244,7 +250,7 @@ fn the_root_moves_by_what_limbs_are_too_short_for() {
     // Within reach nothing moves it.
     let near = hip - DVec3::new(0.0, straight - 0.1, 0.1);
     let edited = ClipIk::new(&armature)
-        .reach(Reach::to(foot, near).unwrap())
+        .with_reach(Reach::to(foot, near).unwrap())
         .solve(&stand)
         .unwrap();
     assert_eq!(edited.root_moved, 0.0);
@@ -256,7 +262,7 @@ fn feet_stand_on_stairs() {
     let armature = figure();
     let stairs = |at: DVec3| 0.1 * ((at.z + 0.2) / 0.4).floor().max(0.0);
     let edited = planted(&armature)
-        .ground(stairs)
+        .with_ground(move |at| stairs(at.into()))
         .solve(&walk(&armature, true))
         .unwrap();
     let level = planted(&armature).solve(&walk(&armature, true)).unwrap();
@@ -288,23 +294,36 @@ fn what_is_wrong_is_named() {
     let ik = || ClipIk::new(&armature);
     assert_eq!(ik().solve(&walk).unwrap_err(), ClipIkError::Nothing);
     assert!(
-        says(ik().reach(reach("hand")).root(id("shin.l")))
+        says(ik().with_reach(reach("hand")).with_root(id("shin.l")))
             .contains("`hand` does not hang on the root `shin.l`")
     );
     assert!(
-        says(ik().reach(reach("hand")).plant(id("hand"))).contains("`hand` is asked for twice")
+        says(ik().with_reach(reach("hand")).with_planted(id("hand")))
+            .contains("`hand` is asked for twice")
     );
-    assert!(says(ik().reach(reach("hand")).reach(reach("hand"))).contains("twice"));
-    assert!(says(ik().reach(reach("hand").over(1.0..=0.5))).contains("from 1 s to 0.5 s"));
-    assert!(says(ik().reach(reach("hand").over(5.0..=6.0))).contains("0 s to 2 s"));
-    assert!(says(ik().reach(reach("hand").over(0.0..=1.0).fade(0.6))).contains("fades of 0.6 s"));
-    assert!(says(ik().reach(reach("hand").fade(f64::NAN))).contains("NaN"));
-    assert!(says(ik().plant(id("foot.l")).keys_per_second(0.0)).contains("keys a second"));
-    assert!(says(ik().plant(id("foot.l")).up(Vec3::ZERO)).contains("axis up"));
-    assert!(says(ik().reach(reach("hips")).travel(Vec3::X)).contains("root"));
+    assert!(says(ik().with_reach(reach("hand")).with_reach(reach("hand"))).contains("twice"));
+    assert!(
+        says(ik().with_reach(reach("hand").with_span(1.0..=0.5))).contains("from 1 s to 0.5 s")
+    );
+    assert!(says(ik().with_reach(reach("hand").with_span(5.0..=6.0))).contains("0 s to 2 s"));
+    assert!(
+        says(ik().with_reach(reach("hand").with_span(0.0..=1.0).with_fade(0.6)))
+            .contains("fades of 0.6 s")
+    );
+    assert!(says(ik().with_reach(reach("hand").with_fade(f64::NAN))).contains("NaN"));
+    assert!(
+        says(ik().with_planted(id("foot.l")).with_keys_per_second(0.0)).contains("keys a second")
+    );
+    assert!(says(ik().with_planted(id("foot.l")).with_up(Vec3::ZERO)).contains("axis up"));
+    assert!(says(ik().with_reach(reach("hips")).with_travel(Vec3::X)).contains("root"));
     assert!(Reach::to(id("hand"), [f64::NAN, 0.0, 0.0]).is_err());
     let other = Armature::new(Vec::new(), Vec::new()).unwrap();
-    assert!(ClipIk::new(&other).plant(id("hand")).solve(&walk).is_err());
+    assert!(
+        ClipIk::new(&other)
+            .with_planted(id("hand"))
+            .solve(&walk)
+            .is_err()
+    );
 }
 
 /// A foot that swings high over a low step is up early and comes down late.
@@ -315,7 +334,10 @@ fn a_foot_rises_early_and_falls_late() {
     let level = planted(&armature).solve(&walk).unwrap();
     for rise in [0.01, -0.01] {
         let stairs = move |at: DVec3| rise * ((at.z + 0.2) / 0.4).floor();
-        let edited = planted(&armature).ground(stairs).solve(&walk).unwrap();
+        let edited = planted(&armature)
+            .with_ground(move |at| stairs(at.into()))
+            .solve(&walk)
+            .unwrap();
         let mut swings = 0;
         for pair in edited.stances.windows(2).zip(level.stances.windows(2)) {
             let ([from, to], [under_from, under_to]) = pair else {
@@ -359,11 +381,16 @@ fn a_hand_is_led_over_the_ends_of_its_span_that_are_within_the_clip() {
         ([0.5, 1.5], Some(0.4), 0.4),
         ([0.0, 2.0], None, 0.2),
     ] {
-        let mut reach = Reach::to(hand, target).unwrap().over(span[0]..=span[1]);
+        let mut reach = Reach::to(hand, target)
+            .unwrap()
+            .with_span(span[0]..=span[1]);
         if let Some(fade) = fade {
-            reach = reach.fade(fade);
+            reach = reach.with_fade(fade);
         }
-        let edited = ClipIk::new(&armature).reach(reach).solve(&stand).unwrap();
+        let edited = ClipIk::new(&armature)
+            .with_reach(reach)
+            .solve(&stand)
+            .unwrap();
         let side = |since: f64, at_end: bool| match (since < 0.0, at_end) {
             (true, _) => 0.0,
             (_, true) => 1.0,
@@ -393,7 +420,10 @@ fn when_it_is_missed_most_is_told() {
     let far = own + DVec3::new(3.0, 0.0, 0.0);
     let way = KeyedCurve::linear(vec![0.0, 1.5, 2.0], vec![own, far, own]).unwrap();
     let reach = Reach::along(hand, way.clone());
-    let edited = ClipIk::new(&armature).reach(reach).solve(&stand).unwrap();
+    let edited = ClipIk::new(&armature)
+        .with_reach(reach)
+        .solve(&stand)
+        .unwrap();
     let led = &edited.led[0];
     let off = |frame: u32| {
         let time = f64::from(frame) / 60.0;
@@ -424,8 +454,13 @@ fn a_root_comes_back_within_the_span_that_it_follows() {
     let stand = Clip::through_poses("stand", &armature, &[0.0, 2.0], &poses).unwrap();
     let span = [0.501, 1.4005];
     let target = at(&armature, &stand, "hand", 0.0).as_dvec3() + DVec3::new(0.6, 0.0, 0.0);
-    let reach = Reach::to(hand, target).unwrap().over(span[0]..=span[1]);
-    let edited = ClipIk::new(&armature).reach(reach).solve(&stand).unwrap();
+    let reach = Reach::to(hand, target)
+        .unwrap()
+        .with_span(span[0]..=span[1]);
+    let edited = ClipIk::new(&armature)
+        .with_reach(reach)
+        .solve(&stand)
+        .unwrap();
     assert!(edited.root_moved > 0.3, "{}", edited.root_moved);
     let hips = |time: f64| at(&armature, &edited.clip, "hips", time).as_dvec3();
     let own = DVec3::new(0.0, f64::from(HIPS), 0.0);

@@ -89,7 +89,7 @@ fn a_clip_s_foot_held_still_in_the_air_is_no_stance() {
     let stances = |lift: f32, detection: Option<ContactDetection>| {
         let mut solver = planted(&armature);
         if let Some(detection) = detection {
-            solver = solver.detection(detection);
+            solver = solver.with_detection(detection);
         }
         let edited = solver.solve(&lifted(&armature, lift)).unwrap();
         edited

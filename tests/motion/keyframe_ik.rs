@@ -74,9 +74,12 @@ fn the_hand_follows_by_the_rig_s_own_keys_alone() {
     let hand = skeleton.bone(HAND).unwrap();
     let curve = curve(skeleton, &clip, hand);
     let reach = Reach::along(hand, curve.clone())
-        .over(SPAN[0]..=SPAN[1])
-        .fade(0.2);
-    let edited = KeyframeIk::new(skeleton).reach(reach).solve(&clip).unwrap();
+        .with_span(SPAN[0]..=SPAN[1])
+        .with_fade(0.2);
+    let edited = KeyframeIk::new(skeleton)
+        .with_reach(reach)
+        .solve(&clip)
+        .unwrap();
     // It follows, between keys as well; and did not before.
     let off = |clip: &EulerClip| {
         let times = all_times().filter(|time| (1.5..=2.7).contains(time));
@@ -121,8 +124,13 @@ fn limits_hold_between_keys_where_targets_ask_for_more() {
     let hand = skeleton.bone(HAND).unwrap();
     // Behind the back and far away: shoulder and elbow come to their limits.
     for target in [[-0.6, -0.1, 1.3], [0.1, 0.6, 1.5], [0.0, -0.2, 0.4]] {
-        let reach = Reach::to(hand, target).unwrap().over(SPAN[0]..=SPAN[1]);
-        let edited = KeyframeIk::new(skeleton).reach(reach).solve(&clip).unwrap();
+        let reach = Reach::to(hand, target)
+            .unwrap()
+            .with_span(SPAN[0]..=SPAN[1]);
+        let edited = KeyframeIk::new(skeleton)
+            .with_reach(reach)
+            .solve(&clip)
+            .unwrap();
         let mut touched = false;
         for time in all_times() {
             let [new, old] = [&edited.clip, &clip].map(|clip| angles(skeleton, clip, time));
@@ -149,11 +157,11 @@ fn no_small_change_of_the_keys_does_better() {
     let curve = curve(skeleton, &clip, hand);
     let reach = || {
         Reach::along(hand, curve.clone())
-            .over(SPAN[0]..=SPAN[1])
-            .fade(0.0)
+            .with_span(SPAN[0]..=SPAN[1])
+            .with_fade(0.0)
     };
     let edited = KeyframeIk::new(skeleton)
-        .reach(reach())
+        .with_reach(reach())
         .solve(&clip)
         .unwrap();
     // Told anew: the sum of squares over 60 moments a second, and 0.001 of the rig's size for a radian of a key.
@@ -205,19 +213,25 @@ fn what_is_wrong_is_named() {
     let ik = || KeyframeIk::new(&rig.skeleton);
     let says = |ik: KeyframeIk<'_>| ik.solve(&clip).unwrap_err().to_string();
     assert_eq!(ik().solve(&clip).unwrap_err(), ClipIkError::Nothing);
-    assert!(says(ik().reach(reach()).reach(reach())).contains("twice"));
-    assert!(says(ik().reach(reach().over(7.0..=8.0))).contains("from 7 s"));
-    let short = || reach().over(1.05..=1.15);
-    assert!(says(ik().reach(short())).contains("no key"));
-    assert!(says(ik().reach(reach()).moments_per_second(f64::NAN)).contains("moments_per_second"));
-    assert!(says(ik().reach(reach()).moments_per_second(1e12)).contains("million"));
+    assert!(says(ik().with_reach(reach()).with_reach(reach())).contains("twice"));
+    assert!(says(ik().with_reach(reach().with_span(7.0..=8.0))).contains("from 7 s"));
+    let short = || reach().with_span(1.05..=1.15);
+    assert!(says(ik().with_reach(short())).contains("no key"));
+    assert!(
+        says(ik().with_reach(reach()).with_moments_per_second(f64::NAN))
+            .contains("moments_per_second")
+    );
+    assert!(says(ik().with_reach(reach()).with_moments_per_second(1e12)).contains("million"));
     let foot = rig.skeleton.bone("left_foot").unwrap();
-    assert!(says(ik().reach(reach()).root(foot)).contains("does not hang on the root `left_foot`"));
+    assert!(
+        says(ik().with_reach(reach()).with_root(foot))
+            .contains("does not hang on the root `left_foot`")
+    );
     let still = Reach::to(foot, [0.0, 0.1, 0.1]).unwrap();
-    assert!(says(ik().reach(still)).contains("no key"));
+    assert!(says(ik().with_reach(still)).contains("no key"));
     let none = EulerClip::default();
     assert_eq!(
-        ik().reach(reach()).solve(&none).unwrap_err(),
+        ik().with_reach(reach()).solve(&none).unwrap_err(),
         ClipIkError::NoKeys
     );
 }
@@ -265,8 +279,8 @@ fn way(rig: &Rig, clip: &EulerClip, span: [f64; 2]) -> Reach {
         .map(|time| tip(&rig.skeleton, clip, hand, *time))
         .collect();
     Reach::along(hand, KeyedCurve::catmull_rom(times, points).unwrap())
-        .over(span[0]..=span[1])
-        .fade(0.0)
+        .with_span(span[0]..=span[1])
+        .with_fade(0.0)
 }
 
 #[test]
@@ -281,7 +295,7 @@ fn a_whole_track_beyond_its_limit_comes_within_and_serves_the_goal() {
     let all = [0.0, 3.0];
     assert!(apart(&rig, &beyond, &wanted, all) > 0.1);
     let solve = |span| {
-        let ik = KeyframeIk::new(skeleton).reach(way(&rig, &wanted, span));
+        let ik = KeyframeIk::new(skeleton).with_reach(way(&rig, &wanted, span));
         ik.solve(&beyond).unwrap()
     };
     // All keys are solved for: nothing stays beyond.
@@ -348,7 +362,7 @@ fn one_key_beyond_comes_to_its_limit_and_no_other_moves() {
             })
         };
         let (beyond, wanted) = (only(limits.upper + over), only(limits.upper));
-        let ik = KeyframeIk::new(skeleton).reach(way(&rig, &wanted, SPAN));
+        let ik = KeyframeIk::new(skeleton).with_reach(way(&rig, &wanted, SPAN));
         let edited = ik.solve(&beyond).unwrap();
         assert!(edited.beyond.is_empty(), "{:?}", edited.beyond);
         let new = bends(&rig, &edited.clip);
@@ -390,10 +404,10 @@ fn a_track_of_one_key_keeps_its_limit_and_the_others_know() {
     let target = tip(skeleton, &beyond, hand, 2.1);
     let reach = Reach::to(hand, target.to_array())
         .unwrap()
-        .over(SPAN[0]..=SPAN[1])
-        .fade(0.0);
+        .with_span(SPAN[0]..=SPAN[1])
+        .with_fade(0.0);
     let root = skeleton.bone("right_upper_arm").unwrap();
-    let ik = KeyframeIk::new(skeleton).root(root).reach(reach);
+    let ik = KeyframeIk::new(skeleton).with_root(root).with_reach(reach);
     let edited = ik.solve(&clip).unwrap();
     let bend = angles(skeleton, &edited.clip, 0.0)[3 * forearm.index() + 1];
     assert!(limits.lower <= bend && bend < limits.lower + 0.1, "{bend}");
@@ -422,9 +436,12 @@ fn an_angle_that_is_locked_counts_as_the_clip_has_it() {
     let clip = EulerClip::new(tracks).unwrap();
     let curve = curve(skeleton, &clip, hand);
     let reach = Reach::along(hand, curve.clone())
-        .over(SPAN[0]..=SPAN[1])
-        .fade(0.0);
-    let edited = KeyframeIk::new(skeleton).reach(reach).solve(&clip).unwrap();
+        .with_span(SPAN[0]..=SPAN[1])
+        .with_fade(0.0);
+    let edited = KeyframeIk::new(skeleton)
+        .with_reach(reach)
+        .solve(&clip)
+        .unwrap();
     let times = (0..=108).map(|k| SPAN[0] + (SPAN[1] - SPAN[0]) * f64::from(k) / 108.0);
     let off = times.map(|time| tip(skeleton, &edited.clip, hand, time).distance(curve.at(time)));
     let off = off.fold(0.0, f64::max);

@@ -19,7 +19,10 @@ fn what_is_higher_than_the_steps_is_walked_through() {
             true => 3.0,
             false => rise * f64::from(at.z > 0.3),
         };
-        let edited = planted(&armature).ground(ground).solve(&walk).unwrap();
+        let edited = planted(&armature)
+            .with_ground(move |at| ground(at.into()))
+            .solve(&walk)
+            .unwrap();
         let passes = |foot: &str, time| {
             let at = at(&armature, &level.clip, foot, time);
             (0.1..0.3).contains(&at.z)
@@ -71,8 +74,8 @@ fn an_edge_is_cleared_by_the_lower_of_two_stances() {
     for raised in [[0.0, 0.04], [0.04, 0.0]] {
         let ground = |at: DVec3| 0.2 * f64::from(at.z > -0.12);
         let edited = kinopt::motion::clip_ik::ClipIk::new(&armature)
-            .plant(foot)
-            .ground(ground)
+            .with_planted(foot)
+            .with_ground(move |at| ground(at.into()))
             .solve(&pace(&armature, raised))
             .unwrap();
         assert_eq!(edited.stances.len(), 2);

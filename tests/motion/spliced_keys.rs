@@ -32,8 +32,11 @@ fn what_one_key_holds_gets_keys_over_the_span_alone() {
             .unwrap();
         let clip = builder.build();
         let reach = Reach::to(id("hand"), DVec3::new(0.5, 1.3, 0.3)).unwrap();
-        let reach = reach.over(0.8..=1.6).fade(0.2);
-        let edited = ClipIk::new(&armature).reach(reach).solve(&clip).unwrap();
+        let reach = reach.with_span(0.8..=1.6).with_fade(0.2);
+        let edited = ClipIk::new(&armature)
+            .with_reach(reach)
+            .solve(&clip)
+            .unwrap();
         let mut moved = 0;
         for (bone, channel) in edited.clip.channels(&armature).unwrap() {
             let name = armature.names()[bone.index()].as_str();

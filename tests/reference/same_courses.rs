@@ -79,9 +79,9 @@ fn maps(model: &Model) -> [ParameterMap; 2] {
     let middle = |k: usize| 0.5 * (limits[k].lower + limits[k].upper);
     let narrow = Limits::new(middle(4), limits[4].upper);
     let mixed = ParameterMap::builder(model)
-        .lock(a, middle(0))
-        .narrow(d, narrow);
-    let mixed = mixed.couple(c, b, -0.4, middle(2) + 0.4 * middle(1));
+        .with_locked(a, middle(0))
+        .with_narrowed(d, narrow);
+    let mixed = mixed.with_coupled(c, b, -0.4, middle(2) + 0.4 * middle(1));
     [ParameterMap::free(model), mixed.build().unwrap()]
 }
 

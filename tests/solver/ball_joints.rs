@@ -304,7 +304,7 @@ fn a_ball_locked_where_it_stands_stays() {
     let at = model.coordinate(ball.id).unwrap();
     let held = [q[at], q[at + 1], q[at + 2], q[at + 3]];
     let map = ParameterMap::builder(model)
-        .lock_ball(ball.id, held)
+        .with_locked_ball(ball.id, held)
         .build()
         .unwrap();
     assert_eq!(map.variables(), ParameterMap::free(model).variables() - 3);

@@ -153,7 +153,7 @@ fn hinges_slides_and_followers_go_as_far_as_they_may() {
     let follower = builder.revolute("follower", Some(hinge), at, z, limits);
     let hand = builder.frame("hand", Some(follower), Placement::translation(X));
     let model = builder.build().unwrap();
-    let map = ParameterMap::builder(&model).couple(follower, hinge, -2.0, 0.1);
+    let map = ParameterMap::builder(&model).with_coupled(follower, hinge, -2.0, 0.1);
     let mut tasks = Problem::builder(&model);
     tasks.parameters(map.build().unwrap());
     tasks.add(Point::new(hand, [1.5, -1.9, 0.0]));
@@ -192,7 +192,7 @@ fn a_leader_goes_as_far_as_it_and_its_follower_may() {
         let hand = builder.frame("hand", Some(two), Placement::translation(X));
         let model = builder.build().unwrap();
         let (leader, follower) = if leader_first { (one, two) } else { (two, one) };
-        let map = ParameterMap::builder(&model).couple(follower, leader, 2.0, 0.0);
+        let map = ParameterMap::builder(&model).with_coupled(follower, leader, 2.0, 0.0);
         let mut tasks = Problem::builder(&model);
         tasks.parameters(map.build().unwrap());
         tasks.add(Point::new(hand, [0.0, 1.0, 0.0]));

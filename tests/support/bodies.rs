@@ -279,12 +279,12 @@ fn roles(
         match (rule, random.below(10)) {
             (Rule::Number(limits), 0) => {
                 let value = limits.lower.max(-1.0).min(limits.upper);
-                builder = builder.lock(joint, value);
+                builder = builder.with_locked(joint, value);
                 roles.push(Role::Held(at, vec![value]));
             }
             (Rule::Ball(_), 0) => {
                 let turned = exponential(random.vector(2.0).into());
-                builder = builder.lock_ball(joint, turned.map(|part| part * 3.0));
+                builder = builder.with_locked_ball(joint, turned.map(|part| part * 3.0));
                 roles.push(Role::Held(at, turned.to_vec()));
             }
             (Rule::Number(limits), 1 | 2) => {
@@ -295,7 +295,7 @@ fn roles(
                 };
                 let ratio = random.within(-1.5, 1.5);
                 let offset = in_the_middle(limits) - ratio * middle;
-                builder = builder.couple(joint, other, ratio, offset);
+                builder = builder.with_coupled(joint, other, ratio, offset);
                 let leads = model.coordinate(other).unwrap();
                 roles.push(Role::Follows(at, leads, ratio, offset));
             }

@@ -63,7 +63,7 @@ pub fn maps_of(tree: &RandomTree) -> Vec<ExpectedMap> {
     for c in 0..n {
         if c % 3 == 1 {
             let value = limits[c].clamp(middle(&limits[c]) + 0.1);
-            builder = builder.lock(moving[c], value);
+            builder = builder.with_locked(moving[c], value);
             rules.push((None, 0.0, value));
         } else {
             rules.push((Some(variable), 1.0, 0.0));
@@ -84,7 +84,7 @@ pub fn maps_of(tree: &RandomTree) -> Vec<ExpectedMap> {
     all.push(ExpectedMap {
         name: "coupled",
         map: ParameterMap::builder(model)
-            .couple(moving[last], moving[first], ratio, offset)
+            .with_coupled(moving[last], moving[first], ratio, offset)
             .build()
             .unwrap(),
         rules,
@@ -106,8 +106,8 @@ pub fn maps_of(tree: &RandomTree) -> Vec<ExpectedMap> {
     all.push(ExpectedMap {
         name: "coupled in a chain",
         map: ParameterMap::builder(model)
-            .couple(moving[first], moving[last], outer, outer_offset)
-            .couple(moving[1], moving[first], inner, inner_offset)
+            .with_coupled(moving[first], moving[last], outer, outer_offset)
+            .with_coupled(moving[1], moving[first], inner, inner_offset)
             .build()
             .unwrap(),
         rules,

@@ -188,66 +188,72 @@ fn parameter_maps() {
     let (model, [elbow, wrist, weld], _) = arm();
     let map = || ParameterMap::builder(&model);
     names(
-        map().lock(weld, 0.0).build(),
+        map().with_locked(weld, 0.0).build(),
         &["`weld`", "fixed", "locked"],
     );
     names(
-        map().couple(weld, elbow, 1.0, 0.0).build(),
+        map().with_coupled(weld, elbow, 1.0, 0.0).build(),
         &["`weld`", "coupled"],
     );
     names(
-        map().couple(elbow, weld, 1.0, 0.0).build(),
+        map().with_coupled(elbow, weld, 1.0, 0.0).build(),
         &["`weld`", "followed"],
     );
-    names(map().only(&[weld], &[]).build(), &["`weld`", "freed"]);
-    let twice = map().lock(wrist, 0.1).lock(wrist, 0.1).build();
+    names(map().with_only(&[weld], &[]).build(), &["`weld`", "freed"]);
+    let twice = map()
+        .with_locked(wrist, 0.1)
+        .with_locked(wrist, 0.1)
+        .build();
     names(twice, &["`wrist`", "locked twice"]);
-    let coupled = map().couple(wrist, elbow, 1.0, 0.0);
-    let twice = coupled.clone().couple(wrist, elbow, 1.0, 0.0).build();
+    let coupled = map().with_coupled(wrist, elbow, 1.0, 0.0);
+    let twice = coupled.clone().with_coupled(wrist, elbow, 1.0, 0.0).build();
     names(twice, &["`wrist`", "coupled twice"]);
     // One of each is said in order, and what `only` holds may be moved afterwards.
-    assert!(coupled.lock(wrist, 0.1).build().is_ok());
+    assert!(coupled.with_locked(wrist, 0.1).build().is_ok());
     assert!(
         map()
-            .only(&[elbow], &[0.0; 2])
-            .lock(wrist, 0.1)
+            .with_only(&[elbow], &[0.0; 2])
+            .with_locked(wrist, 0.1)
             .build()
             .is_ok()
     );
-    names(map().lock(foreign_joint(), 0.0).build(), &["`arm`"]);
-    names(map().lock(wrist, 0.7).build(), &["`wrist`", "0.7", "0.5"]);
-    names(map().lock(wrist, NAN).build(), &["`wrist`", "NaN"]);
+    names(map().with_locked(foreign_joint(), 0.0).build(), &["`arm`"]);
     names(
-        map().couple(wrist, elbow, NAN, 0.0).build(),
+        map().with_locked(wrist, 0.7).build(),
+        &["`wrist`", "0.7", "0.5"],
+    );
+    names(map().with_locked(wrist, NAN).build(), &["`wrist`", "NaN"]);
+    names(
+        map().with_coupled(wrist, elbow, NAN, 0.0).build(),
         &["`wrist`", "ratio"],
     );
     names(
-        map().couple(wrist, elbow, 1.0, f64::INFINITY).build(),
+        map().with_coupled(wrist, elbow, 1.0, f64::INFINITY).build(),
         &["`wrist`", "offset"],
     );
     names(
-        map().couple(elbow, elbow, 1.0, 0.0).build(),
+        map().with_coupled(elbow, elbow, 1.0, 0.0).build(),
         &["`elbow`", "follows itself"],
     );
     names(
         map()
-            .couple(elbow, wrist, 1.0, 0.0)
-            .couple(wrist, elbow, 1.0, 0.0)
+            .with_coupled(elbow, wrist, 1.0, 0.0)
+            .with_coupled(wrist, elbow, 1.0, 0.0)
             .build(),
         &["follows itself"],
     );
     names(
-        map().couple(wrist, elbow, 1.0, 9.0).build(),
+        map().with_coupled(wrist, elbow, 1.0, 9.0).build(),
         &["`elbow`", "no value"],
     );
     names(
-        map().couple(wrist, elbow, 0.0, 9.0).build(),
+        map().with_coupled(wrist, elbow, 0.0, 9.0).build(),
         &["`elbow`", "no value"],
     );
     names(
         map()
-            .couple(wrist, elbow, 1.0, 0.0)
-            .lock(elbow, 1.5)
+            .with_coupled(wrist, elbow, 1.0, 0.0)
+            .with_locked(elbow, 1.5)
             .build(),
         &["`wrist`", "1.5"],
     );
@@ -271,7 +277,7 @@ fn problems() {
     };
     names(Problem::builder(&model).build(), &["no task", "`arm`"]);
     let locked = ParameterMap::builder(&model)
-        .only(&[], &[0.0; 2])
+        .with_only(&[], &[0.0; 2])
         .build()
         .unwrap();
     names(
@@ -335,7 +341,7 @@ fn problems() {
             &[name, "bounds"],
         );
     }
-    let coupled = ParameterMap::builder(&model).couple(wrist, elbow, 0.1, 0.1);
+    let coupled = ParameterMap::builder(&model).with_coupled(wrist, elbow, 0.1, 0.1);
     let coupled = coupled.build().unwrap();
     names(
         with(&|b| {

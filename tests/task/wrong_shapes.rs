@@ -200,8 +200,8 @@ fn ratios_that_overflow_along_a_chain_are_named() {
     let [a, b, c] = ["a", "b", "c"].map(&mut joint);
     let model = builder.build().unwrap();
     let map = ParameterMap::builder(&model)
-        .couple(b, a, 1e200, 0.0)
-        .couple(c, b, 1e200, 0.0)
+        .with_coupled(b, a, 1e200, 0.0)
+        .with_coupled(c, b, 1e200, 0.0)
         .build();
     assert!(
         matches!(map, Err(ModelError::NotFinite { ref joint, .. }) if joint == "c"),

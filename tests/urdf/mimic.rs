@@ -62,7 +62,7 @@ fn a_locked_leader_locks_its_followers() {
     let wide = (-100.0, 100.0);
     let robot = robot([wide; 3], (2.0, 0.0), (0.5, 1.0));
     let leader = robot.model().joint("a").unwrap();
-    let map = robot.parameters().lock(leader, 0.5).build().unwrap();
+    let map = robot.parameters().with_locked(leader, 0.5).build().unwrap();
     assert_eq!(map.variables(), 0);
     let mut q = [0.0; 3];
     map.expand(&[], &mut q).unwrap();

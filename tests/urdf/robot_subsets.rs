@@ -55,7 +55,7 @@ fn a_subset_moves_while_the_rest_stays_where_it_was_put() {
     let robot = Robot::read("models/kuka_iiwa14.urdf").unwrap();
     let rest = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7];
     let wrist = robot.joints(&["joint7", "joint5"]).unwrap();
-    let map = robot.parameters().only(&wrist, &rest).build().unwrap();
+    let map = robot.parameters().with_only(&wrist, &rest).build().unwrap();
     assert_eq!(map.variables(), 2);
     let mut q = [0.0; 7];
     map.expand(&[-0.5, -0.7], &mut q).unwrap();

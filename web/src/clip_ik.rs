@@ -101,24 +101,24 @@ impl Clip {
             Some(axis) => vector(&axis, "up")?.as_vec3(),
         };
         let rate = asked.number("keysPerSecond")?.unwrap_or(60.0);
-        let mut ik = ClipIk::new(armature).up(up).keys_per_second(rate);
+        let mut ik = ClipIk::new(armature).with_up(up).with_keys_per_second(rate);
         let bone = |name: &String| armature.bone(name).map_err(raise);
         let feet = asked.texts("plant")?.unwrap_or_default();
         let feet = feet.iter().map(bone).collect::<Result<Vec<_>, _>>()?;
         for &foot in &feet {
-            ik = ik.plant(foot);
+            ik = ik.with_planted(foot);
         }
         if let Some(reaches) = asked.get("reach") {
             let no = || JsError::new("reach must be a list");
             for one in given::list(&reaches).ok_or_else(no)? {
-                ik = ik.reach(reach(one, &bone, motion)?);
+                ik = ik.with_reach(reach(one, &bone, motion)?);
             }
         }
         if let Some(root) = asked.text("root")? {
-            ik = ik.root(bone(&root)?);
+            ik = ik.with_root(bone(&root)?);
         }
         if let Some(travel) = asked.get("travel") {
-            ik = ik.travel(match travel.as_string().as_deref() {
+            ik = ik.with_travel(match travel.as_string().as_deref() {
                 Some("feet") => ground_speed(armature, motion, &feet, up, rate).map_err(raise)?,
                 Some(word) => {
                     let message =
@@ -134,8 +134,8 @@ impl Clip {
                 crate::world::copied(&world, "ground")?,
                 up.as_dvec3().to_array(),
             );
-            ik = ik.ground(move |at| {
-                let top = world.top(at.to_array().into(), up.into());
+            ik = ik.with_ground(move |at| {
+                let top = world.top(at, up.into());
                 top.unwrap_or(0.0).max(0.0)
             });
         }
@@ -183,10 +183,10 @@ fn reach(
         }
     };
     if let Some([from, to]) = span {
-        reach = reach.over(from..=to);
+        reach = reach.with_span(from..=to);
     }
     if let Some(fade) = asked.number("fade")? {
-        reach = reach.fade(fade);
+        reach = reach.with_fade(fade);
     }
     Ok(reach)
 }

@@ -22,14 +22,14 @@ pub(crate) fn parameters(model: &Model, given: &Given) -> Result<Option<Paramete
     for (name, value) in locked {
         let (joint, what) = (own.joint(&name).map_err(raise)?, format!("locked.{name}"));
         builder = match own.joints()[joint.index()].kind {
-            JointKind::Ball => builder.lock_ball(joint, given::vector(&value, &what)?),
-            _ => builder.lock(joint, given::number(&value, &what)?),
+            JointKind::Ball => builder.with_locked_ball(joint, given::vector(&value, &what)?),
+            _ => builder.with_locked(joint, given::number(&value, &what)?),
         };
     }
     if let Some(names) = only {
         let free = names.iter().map(|name| own.joint(name));
         let free = free.collect::<Result<Vec<_>, _>>().map_err(raise)?;
-        builder = builder.only(&free, &held.unwrap_or_else(|| own.neutral()));
+        builder = builder.with_only(&free, &held.unwrap_or_else(|| own.neutral()));
     } else if held.is_some() {
         let message = "held says where the joints stand that `only` leaves out";
         return Err(JsError::new(message));

@@ -141,36 +141,30 @@ impl IkOptions {
             };
         }
         let up = self.up();
-        let mut ik = ClipIk::new(armature).up(up).keys_per_second(fps);
+        let mut ik = ClipIk::new(armature).with_up(up).with_keys_per_second(fps);
         if let Some(skeleton) = skeleton {
-            ik = ik.joints_of(skeleton);
+            ik = ik.with_joints_of(skeleton);
         }
         for (k, reach) in self.reach.iter().enumerate() {
-            ik = ik.reach(self.reach(k, reach, armature, clip.span().map(f64::from))?);
+            ik = ik.with_reach(self.reach(k, reach, armature, clip.span().map(f64::from))?);
         }
         let feet = self.plant.iter().map(|name| armature.bone(name));
         let feet = feet.collect::<Result<Vec<BoneId>, _>>()?;
         for &foot in &feet {
-            ik = ik.plant(foot);
+            ik = ik.with_planted(foot);
         }
         if let Some(root) = &self.root {
-            ik = ik.root(armature.bone(root)?);
+            ik = ik.with_root(armature.bone(root)?);
         }
         let travel = match self.travel {
             None => None,
             Some(Travel::By(by)) => Some(DVec3::from(by).as_vec3()),
             Some(Travel::AsFeet) => Some(ground_speed(armature, &clip, &feet, up, fps)?),
         };
-        ik = ik.travel(travel.unwrap_or(Vec3::ZERO));
+        ik = ik.with_travel(travel.unwrap_or(Vec3::ZERO));
         if let Some(file) = &self.ground {
-            let (world, up) = (
-                world_file::read(Some(file))?,
-                Vector3::from(up.as_dvec3().to_array()),
-            );
-            ik = ik.ground(move |at| {
-                let at = Vector3::from(at.to_array());
-                world.top(at, up).unwrap_or(0.0).max(0.0)
-            });
+            let (world, up) = (world_file::read(Some(file))?, Vector3::from(up));
+            ik = ik.with_ground(move |at| world.top(at, up).unwrap_or(0.0).max(0.0));
         }
         let edited = ik.solve(&clip)?;
         let report = IkReport::of_clip(&edited, armature, travel);
@@ -190,12 +184,12 @@ impl IkOptions {
         }
         let armature = Armature::of_skeleton(&rig.skeleton);
         let span = rig.clip.time_span().unwrap_or([0.0; 2]);
-        let mut ik = KeyframeIk::new(&rig.skeleton).moments_per_second(fps);
+        let mut ik = KeyframeIk::new(&rig.skeleton).with_moments_per_second(fps);
         for (k, reach) in self.reach.iter().enumerate() {
-            ik = ik.reach(self.reach(k, reach, &armature, span)?);
+            ik = ik.with_reach(self.reach(k, reach, &armature, span)?);
         }
         if let Some(root) = &self.root {
-            ik = ik.root(armature.bone(root)?);
+            ik = ik.with_root(armature.bone(root)?);
         }
         let edited = ik.solve(&rig.clip)?;
         let report = IkReport::of_keys(&edited, &rig.skeleton, &armature);
@@ -231,10 +225,10 @@ impl IkOptions {
             }
         };
         if let Some([from, to]) = span {
-            reach = reach.over(from..=to);
+            reach = reach.with_span(from..=to);
         }
         if let Some(fade) = self.fade {
-            reach = reach.fade(fade);
+            reach = reach.with_fade(fade);
         }
         Ok(reach)
     }

@@ -183,13 +183,13 @@ impl HeldJoints {
         already: &[JointId],
     ) -> ParameterMapBuilder<'m> {
         for &(joint, value) in self.locked.iter().filter(|(id, _)| !already.contains(id)) {
-            builder = builder.lock(joint, value);
+            builder = builder.with_locked(joint, value);
         }
         for &(joint, rotation) in self.turned.iter().filter(|(id, _)| !already.contains(id)) {
-            builder = builder.lock_ball(joint, rotation);
+            builder = builder.with_locked_ball(joint, rotation);
         }
         match &self.only {
-            Some((only, start)) => builder.only(only, start),
+            Some((only, start)) => builder.with_only(only, start),
             None => builder,
         }
     }

@@ -76,7 +76,7 @@ impl ProblemSetBuilder {
         }
         let mut map = ParameterMap::builder(&self.model);
         for mimic in &self.mimics {
-            map = map.couple(mimic.joint, mimic.master, mimic.ratio, mimic.offset);
+            map = map.with_coupled(mimic.joint, mimic.master, mimic.ratio, mimic.offset);
         }
         let map = map.build()?;
         let size = self.size.filter(|size| *size > 0.0 && size.is_finite());

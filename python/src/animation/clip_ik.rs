@@ -113,10 +113,10 @@ impl Asked<'_> {
             .map(|own| skeleton_of(own))
             .transpose()?;
         let mut ik = ClipIk::new(armature)
-            .up(up)
-            .keys_per_second(self.keys_per_second);
+            .with_up(up)
+            .with_keys_per_second(self.keys_per_second);
         if let Some(skeleton) = &skeleton {
-            ik = ik.joints_of(&skeleton.get().inner);
+            ik = ik.with_joints_of(&skeleton.get().inner);
         }
         let feet = self
             .plant
@@ -124,13 +124,13 @@ impl Asked<'_> {
             .map(bone)
             .collect::<PyResult<Vec<BoneId>>>()?;
         for &foot in &feet {
-            ik = ik.plant(foot);
+            ik = ik.with_planted(foot);
         }
         for given in &self.reach {
-            ik = ik.reach(reach(given, armature, motion)?);
+            ik = ik.with_reach(reach(given, armature, motion)?);
         }
         if let Some(root) = &self.root {
-            ik = ik.root(bone(root)?);
+            ik = ik.with_root(bone(root)?);
         }
         if let Some(travel) = &self.travel {
             let travel = match travel.extract::<String>().as_deref() {
@@ -146,7 +146,7 @@ impl Asked<'_> {
                 }
                 Err(_) => DVec3::from(arrays::array(travel, "travel")?).as_vec3(),
             };
-            ik = ik.travel(travel);
+            ik = ik.with_travel(travel);
         }
         let raised = Raised::default();
         if let Some(ground) = &self.ground {
@@ -166,14 +166,8 @@ fn on_ground<'a>(
     raised: &Raised,
 ) -> PyResult<ClipIk<'a>> {
     if let Ok(world) = ground.cast::<World>() {
-        let (world, up) = (
-            world.get().snapshot(),
-            Vector3::from(up.as_dvec3().to_array()),
-        );
-        return Ok(ik.ground(move |at| {
-            let at = Vector3::from(at.to_array());
-            world.top(at, up).unwrap_or(0.0).max(0.0)
-        }));
+        let (world, up) = (world.get().snapshot(), Vector3::from(up));
+        return Ok(ik.with_ground(move |at| world.top(at, up).unwrap_or(0.0).max(0.0)));
     }
     if !ground.is_callable() {
         return Err(invalid(
@@ -181,7 +175,7 @@ fn on_ground<'a>(
         ));
     }
     let (function, raised) = (ground.clone().unbind(), Arc::clone(raised));
-    Ok(ik.ground(move |at| {
+    Ok(ik.with_ground(move |at| {
         Python::attach(|py| {
             let height = function.call1(py, (at.x, at.y, at.z));
             height
@@ -231,10 +225,10 @@ fn reach(given: &Bound<'_, PyAny>, armature: &Bones, clip: &Motion) -> PyResult<
         }
     };
     if let Some((from, to)) = span {
-        reach = reach.over(RangeInclusive::new(from, to));
+        reach = reach.with_span(RangeInclusive::new(from, to));
     }
     if let Some(fade) = get("fade")?.extract::<Option<f64>>()? {
-        reach = reach.fade(fade);
+        reach = reach.with_fade(fade);
     }
     Ok(reach)
 }

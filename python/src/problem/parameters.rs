@@ -58,8 +58,8 @@ impl ParameterMap {
             let what = format!("the locked value of {name}");
             let id = joint(&name)?;
             builder = match own.joints()[id.index()].kind {
-                JointKind::Ball => builder.lock_ball(id, arrays::array(&value, &what)?),
-                _ => builder.lock(id, arrays::number(&value, &what)?),
+                JointKind::Ball => builder.with_locked_ball(id, arrays::array(&value, &what)?),
+                _ => builder.with_locked(id, arrays::number(&value, &what)?),
             };
         }
         for (name, follows) in items(couple, "couple")? {
@@ -67,10 +67,10 @@ impl ParameterMap {
                 invalid("couple must be a dict of (name of the master, ratio, offset)")
             })?;
             let master = own.joint(&master).or_raise()?;
-            builder = builder.couple(joint(&name)?, master, ratio, offset);
+            builder = builder.with_coupled(joint(&name)?, master, ratio, offset);
         }
         for (name, limits) in items(narrow, "narrow")? {
-            builder = builder.narrow(joint(&name)?, self::limits(&limits, "narrow")?);
+            builder = builder.with_narrowed(joint(&name)?, self::limits(&limits, "narrow")?);
         }
         if let Some(names) = &only {
             let free: Result<Vec<_>, _> = names.iter().map(|name| own.joint(name)).collect();
@@ -78,7 +78,7 @@ impl ParameterMap {
                 Some(at) => arrays::vector(at, "at")?.to_vec(),
                 None => own.neutral(),
             };
-            builder = builder.only(&free.or_raise()?, &q);
+            builder = builder.with_only(&free.or_raise()?, &q);
         } else if at.is_some() {
             return Err(invalid(
                 "at says where the joints that `only` leaves out are held",

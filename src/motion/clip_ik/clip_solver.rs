@@ -18,13 +18,18 @@ use crate::skeleton::{BoneId, Skeleton};
 use crate::spatial::Vector3;
 
 /// The height of a place in the model, along the axis up.
-type Height = Arc<dyn Fn(DVec3) -> f64 + Send + Sync>;
+type Height = Arc<dyn Fn(Vector3<f64>) -> f64 + Send + Sync>;
+
+/// In single precision, as clips are.
+pub(super) fn single(vector: impl Into<Vector3<f64>>) -> Vec3 {
+    DVec3::from(vector.into()).as_vec3()
+}
 
 /// Inverse kinematics over a clip.
 ///
-/// A bone [reaches](Self::reach) for a point or along a curve over a span; feet are [planted](Self::plant) where they hardly
+/// A bone [reaches](Self::with_reach) for a point or along a curve over a span; feet are [planted](Self::with_planted) where they hardly
 /// move. Each frame keeps as near to the clip as that allows. The root, and with it the whole character, moves only where
-/// a limb would be too short, and as little as it must; on a [ground](Self::ground) that is not level it goes up and down with
+/// a limb would be too short, and as little as it must; on a [ground](Self::with_ground) that is not level it goes up and down with
 /// the feet. What hangs on neither is as the clip has it.
 ///
 /// ```no_run
@@ -34,11 +39,11 @@ type Height = Arc<dyn Fn(DVec3) -> f64 + Send + Sync>;
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// let file = SceneFile::read("character.glb")?;
 /// let (scene, armature) = (file.scene(), &file.scene().armature);
-/// let hand = Reach::to(armature.bone("hand.r")?, [0.4, 1.2, 0.3])?.over(0.5..=1.5).fade(0.3);
+/// let hand = Reach::to(armature.bone("hand.r")?, [0.4, 1.2, 0.3])?.with_span(0.5..=1.5).with_fade(0.3);
 /// let edited = ClipIk::new(armature)
-///     .plant(armature.bone("foot.l")?)
-///     .plant(armature.bone("foot.r")?)
-///     .reach(hand)
+///     .with_planted(armature.bone("foot.l")?)
+///     .with_planted(armature.bone("foot.r")?)
+///     .with_reach(hand)
 ///     .solve(scene.clip("Walk")?)?;
 /// assert!(edited.stances.iter().all(|stance| stance.slide < 1e-3));
 /// # Ok(())
@@ -107,29 +112,31 @@ impl<'a> ClipIk<'a> {
     setters! {
         /// Bones turn about the joints of a skeleton, within its limits, and it is their tips that reach and stand: of the
         /// one that the armature [is of](Armature::of_skeleton), behind whose bones it may have others.
-        pub fn joints_of(mut self, skeleton: &'a Skeleton) { self.skeleton = Some(skeleton) }
+        pub fn with_joints_of(mut self, skeleton: &'a Skeleton) { self.skeleton = Some(skeleton) }
         /// Something to reach for.
-        pub fn reach(mut self, reach: Reach) { self.reaches.push(reach) }
+        pub fn with_reach(mut self, reach: Reach) { self.reaches.push(reach) }
         /// A bone, most often a foot or its toes, whose origin stands still where it hardly moves in the clip. It keeps how
         /// it is turned in the model.
-        pub fn plant(mut self, bone: BoneId) { self.planted.push(bone) }
+        pub fn with_planted(mut self, bone: BoneId) { self.planted.push(bone) }
         /// The bone that moves where limbs are too short, and below which bones turn. Unless set, the first from the top
         /// that carries all bones asked for and at which the armature branches; without one, all bones turn.
-        pub fn root(mut self, bone: BoneId) { self.root = Some(bone) }
+        pub fn with_root(mut self, bone: BoneId) { self.root = Some(bone) }
         /// Which way is up in the model: y unless set, as in glTF.
-        pub fn up(mut self, axis: Vec3) { self.up = axis }
+        pub fn with_up(mut self, axis: impl Into<Vector3<f64>>) { self.up = single(axis) }
         /// How many frames a second are solved, and keys made.
-        pub fn keys_per_second(mut self, rate: f64) { self.rate = rate }
+        pub fn with_keys_per_second(mut self, rate: f64) { self.rate = rate }
         /// When a foot stands, in the armature's unit of length. Unless set, as long as it moves by less than 0.28 lengths of
         /// its limb a second or half of its mean speed in the clip, and is no higher than an eighth of its limb over where
         /// it is lowest, for a tenth of a second.
-        pub fn detection(mut self, detection: ContactDetection) { self.detection = Some(detection) }
+        pub fn with_detection(mut self, detection: ContactDetection) { self.detection = Some(detection) }
         /// The clip walks on the spot, and the character travels by so much a second: the root carries it, and contacts are
         /// those on the way. [`ground_speed`](super::ground_speed) tells it from the feet.
-        pub fn travel(mut self, per_second: Vec3) { self.travel = per_second }
+        pub fn with_travel(mut self, per_second: impl Into<Vector3<f64>>) {
+            self.travel = single(per_second);
+        }
         /// How high the ground is at a place, in a model whose clip walks on a ground of height 0. Feet stand on it, and the
         /// root follows it.
-        pub fn ground(mut self, height: impl Fn(DVec3) -> f64 + Send + Sync + 'static) {
+        pub fn with_ground(mut self, height: impl Fn(Vector3<f64>) -> f64 + Send + Sync + 'static) {
             self.ground = Some(Arc::new(height));
         }
     }

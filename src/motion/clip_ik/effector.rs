@@ -8,6 +8,7 @@ use super::ClipIkError;
 use crate::animation::curve::KeyedCurve;
 use crate::motion::contact_detection::smooth;
 use crate::skeleton::BoneId;
+use crate::spatial::Vector3;
 
 /// A bone whose origin, of a rig's its tip, goes to a point, or along a curve, over a span of a clip.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,8 +27,8 @@ impl Reach {
     ///
     /// # Errors
     /// A point that is not finite.
-    pub fn to(bone: BoneId, point: impl Into<DVec3>) -> Result<Self, ClipIkError> {
-        let curve = KeyedCurve::step(vec![0.0], vec![point.into()])?;
+    pub fn to(bone: BoneId, point: impl Into<Vector3<f64>>) -> Result<Self, ClipIkError> {
+        let curve = KeyedCurve::step(vec![0.0], vec![DVec3::from(point.into())])?;
         Ok(Self::along(bone, curve))
     }
 
@@ -44,12 +45,12 @@ impl Reach {
 
     setters! {
         /// Only within these seconds of the clip.
-        pub fn over(mut self, seconds: RangeInclusive<f64>) {
+        pub fn with_span(mut self, seconds: RangeInclusive<f64>) {
             self.span = Some([*seconds.start(), *seconds.end()]);
         }
         /// Led there over the first so many seconds of the span, and back over the last: 0.2, or half of a shorter span,
         /// unless set. Where the clip itself begins or ends, nothing has to be led.
-        pub fn fade(mut self, seconds: f64) { self.fade_s = Some(seconds) }
+        pub fn with_fade(mut self, seconds: f64) { self.fade_s = Some(seconds) }
     }
 
     /// Its span within a clip's.

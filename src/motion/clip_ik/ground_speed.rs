@@ -3,10 +3,12 @@
 use glam::{DVec3, Vec3};
 
 use super::ClipIkError;
+use super::clip_solver::single;
 use super::posed_bones::PosedBones;
 use super::sampling::{limb_ways, sample_times};
 use crate::animation::{Armature, ChannelError, Clip};
 use crate::skeleton::BoneId;
+use crate::spatial::Vector3;
 
 /// A foot within this share of its range of heights from its lowest place is near the ground.
 const NEAR_GROUND: f64 = 0.2;
@@ -20,9 +22,10 @@ pub fn ground_speed(
     armature: &Armature,
     clip: &Clip,
     feet: &[BoneId],
-    up: Vec3,
+    up: impl Into<Vector3<f64>>,
     keys_per_second: f64,
 ) -> Result<Vec3, ClipIkError> {
+    let up = single(up);
     let axis = up.try_normalize();
     let up = axis
         .ok_or(ChannelError::BadUp { up: up.to_array() })?

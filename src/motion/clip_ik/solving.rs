@@ -8,7 +8,7 @@ use super::ClipIkError;
 use super::clip_solver::{ClipIk, ClipRequest};
 use super::edited::{EditedClip, Led, Stance};
 use super::frame_solver::FrameSolver;
-use super::planting::{Planted, plant};
+use super::planting::{Ground, Planted, plant};
 use super::posed_bones::PosedBones;
 use super::root::{self, Demand};
 use super::sampling::{LimbWay, Poses, limb_ways, sample_times};
@@ -105,13 +105,9 @@ pub(super) fn solve(
 /// Where a planted foot goes.
 fn foot(ik: &ClipIk<'_>, request: &ClipRequest, limb: &LimbWay, rate: f64) -> Planted {
     let way: Vec<Vector3<f64>> = limb.way.iter().map(|at| at.to_array().into()).collect();
-    let height = ik.ground.as_deref();
-    let ground = height.map(|height| move |at: Vector3<f64>| height(dvec(at)));
     let detection = ik.detection_of(&way, limb.longest(), rate);
-    match &ground {
-        Some(ground) => plant(&detection, &way, request.up, Some(ground), rate),
-        None => plant(&detection, &way, request.up, None, rate),
-    }
+    let ground = ik.ground.as_deref().map(|height| height as Ground<'_>);
+    plant(&detection, &way, request.up, ground, rate)
 }
 
 /// Where a bone that reaches should be.

@@ -139,10 +139,10 @@ impl Srdf {
             }
             let is_ball = model.joints()[joint.index()].kind.is_ball();
             builder = match (is_ball, q.get(at..)) {
-                (false, Some([value, ..])) => builder.lock(joint, *value),
-                (true, Some([w, x, y, z, ..])) => builder.lock_ball(joint, [*w, *x, *y, *z]),
+                (false, Some([value, ..])) => builder.with_locked(joint, *value),
+                (true, Some([w, x, y, z, ..])) => builder.with_locked_ball(joint, [*w, *x, *y, *z]),
                 // Too short: told when the map is built.
-                _ => builder.only(&[], q),
+                _ => builder.with_only(&[], q),
             };
         }
         builder
@@ -162,6 +162,6 @@ impl Srdf {
         let leads = |joint: &JointId| !followers.iter().any(|mimic| mimic.joint == *joint);
         let joints = self.group(group)?.joints.iter().copied().filter(leads);
         let joints: Vec<JointId> = joints.collect();
-        Ok(robot.parameters().only(&joints, q))
+        Ok(robot.parameters().with_only(&joints, q))
     }
 }

@@ -29,8 +29,8 @@ use crate::skeleton::{ANGLES_PER_BONE, BoneId, Skeleton};
 ///
 /// let rig = Rig::read("models/humanoid/humanoid.json")?;
 /// let hand = rig.skeleton.bone("right_hand")?;
-/// let reach = Reach::to(hand, [0.3, -0.25, 1.2])?.over(1.2..=2.8).fade(0.3);
-/// let edited = KeyframeIk::new(&rig.skeleton).reach(reach).solve(&rig.clip)?;
+/// let reach = Reach::to(hand, [0.3, -0.25, 1.2])?.with_span(1.2..=2.8).with_fade(0.3);
+/// let edited = KeyframeIk::new(&rig.skeleton).with_reach(reach).solve(&rig.clip)?;
 /// assert!(edited.keys_changed > 0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -76,12 +76,12 @@ impl<'a> KeyframeIk<'a> {
 
     setters! {
         /// Something to reach for.
-        pub fn reach(mut self, reach: Reach) { self.reaches.push(reach) }
+        pub fn with_reach(mut self, reach: Reach) { self.reaches.push(reach) }
         /// Only keys of bones below this one change. Unless set, the first from the top that carries all tips and at which
         /// the skeleton branches.
-        pub fn root(mut self, bone: BoneId) { self.root = Some(bone) }
+        pub fn with_root(mut self, bone: BoneId) { self.root = Some(bone) }
         /// How many moments a second count.
-        pub fn moments_per_second(mut self, rate: f64) { self.rate = rate }
+        pub fn with_moments_per_second(mut self, rate: f64) { self.rate = rate }
     }
 
     /// Solves for keys.
