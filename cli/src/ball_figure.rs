@@ -85,12 +85,12 @@ impl LoadedModel {
 
 /// From the configurations of a figure to poses of its armature.
 #[derive(Clone, Debug)]
-pub(crate) enum PoseBridge {
+pub(crate) enum FigurePosing {
     Angles(PoseAngles),
     Turns(Box<PoseTurns>),
 }
 
-impl PoseBridge {
+impl FigurePosing {
     /// For poses of an armature whose bones the figure's are; none for a robot.
     pub(crate) fn of(loaded: &LoadedModel, armature: &Armature) -> Option<Self> {
         let rig = loaded.rig.as_ref()?;

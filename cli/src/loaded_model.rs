@@ -11,7 +11,7 @@ use kinopt::robot::{Robot, Srdf};
 use kinopt::skeleton::{BallSkeleton, Skeleton};
 
 use crate::animated_armature::{AnimatedArmature, extension};
-use crate::ball_figure::PoseBridge;
+use crate::ball_figure::FigurePosing;
 use crate::failure::Outcome;
 use crate::model_options::ModelOptions;
 use crate::output;
@@ -74,7 +74,7 @@ pub(crate) struct LoadedScene {
 
 impl LoadedScene {
     /// The pose of a configuration of its figure.
-    pub(crate) fn pose(&self, bridge: &PoseBridge, q: &[f64]) -> Result<Pose, ReachError> {
+    pub(crate) fn pose(&self, bridge: &FigurePosing, q: &[f64]) -> Result<Pose, ReachError> {
         let mut pose = self.stands.clone();
         bridge.pose_of(q, &mut pose)?;
         Ok(pose)

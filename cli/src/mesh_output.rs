@@ -12,7 +12,7 @@ use kinopt::skeleton::{BallSkeleton, Skeleton};
 use kinopt::skinning::{MeshWeights, SkinWeights, SkinningMethod, single_precision_transform};
 
 use crate::animated_armature::extension;
-use crate::ball_figure::PoseBridge;
+use crate::ball_figure::FigurePosing;
 use crate::failure::{Failure, Outcome};
 use crate::loaded_model::{LoadedModel, LoadedScene};
 use crate::output;
@@ -89,7 +89,7 @@ pub(crate) enum Skin<'a> {
     },
     Scene {
         scene: &'a LoadedScene,
-        bridge: PoseBridge,
+        bridge: FigurePosing,
     },
 }
 
@@ -102,7 +102,7 @@ impl LoadedModel {
         let rig = self.rig.as_ref().ok_or_else(lacks)?;
         if let Some(scene) = self.scene.as_deref() {
             let own = with_meshes(Some(scene.file.scene()), (file, kind), choice)?;
-            let bridge = PoseBridge::of(self, &own.armature).ok_or_else(lacks)?;
+            let bridge = FigurePosing::of(self, &own.armature).ok_or_else(lacks)?;
             return Ok(Skin::Scene { scene, bridge });
         }
         let mesh = rig.mesh.as_ref().ok_or_else(lacks)?;

@@ -73,5 +73,7 @@ pub use budget::Budget;
 pub use error::HarnessError;
 pub use judge::{Judge, TaskError, Verdict};
 pub use problem_set::{Case, ProblemSet, ProblemSetBuilder};
-pub use results::{Course, Machine, ModelSummary, Provenance, Record, Results, Run, Setting};
+pub use results::{
+    ConvergenceHistory, Machine, ModelSummary, Provenance, Record, Results, Run, Setting,
+};
 pub use trace::Trace;

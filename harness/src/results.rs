@@ -21,7 +21,7 @@ pub struct Results {
     /// One for each solver and derivative route.
     pub runs: Vec<Run>,
     /// The way of each run through the chosen problem.
-    pub courses: Vec<Course>,
+    pub courses: Vec<ConvergenceHistory>,
     /// What one Jacobian costs by each route on chains of more and more bones.
     pub jacobian_cost: Vec<JacobianCost>,
 }
@@ -173,7 +173,7 @@ impl Record {
 
 /// The lowest cost so far by steps, all attempts one after the other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Course {
+pub struct ConvergenceHistory {
     /// The solver's name.
     pub solver: String,
     /// The derivative route, if it takes any.

@@ -21,10 +21,13 @@ use crate::robot::Robot;
 const PIECE: usize = 16;
 
 /// A loop as it is told: its name, "connect" or "weld", the frames' names, and where on them.
-pub(crate) type Told<'py> = (String, &'static str, [String; 2], Bound<'py, PyArray3<f64>>);
+pub(crate) type LoopParts<'py> = (String, &'static str, [String; 2], Bound<'py, PyArray3<f64>>);
 
 /// The loops of a model.
-pub(crate) fn told<'py>(py: Python<'py>, model: &kinopt::Model) -> PyResult<Vec<Told<'py>>> {
+pub(crate) fn loop_parts<'py>(
+    py: Python<'py>,
+    model: &kinopt::Model,
+) -> PyResult<Vec<LoopParts<'py>>> {
     let name = |id: FrameId| model.frames()[id.index()].name.clone();
     let loops = model.loops().iter().map(|closed| {
         let places = placement::to_arrays(py, &closed.frame_from_place)?;
@@ -80,7 +83,7 @@ impl NamedLoop {
     }
 
     /// What `new` takes.
-    pub(crate) fn pickled<'py>(&self, py: Python<'py>) -> PyResult<Told<'py>> {
+    pub(crate) fn pickled<'py>(&self, py: Python<'py>) -> PyResult<LoopParts<'py>> {
         let places = placement::to_arrays(py, &self.places)?;
         let frames = self.frames.clone();
         Ok((self.name.clone(), self.kind.name(), frames, places))

@@ -54,7 +54,7 @@ impl<'p> BoundedProblem<'p> {
     ///
     /// # Errors
     /// As [`start`](Self::start).
-    pub fn window(&self, q: &[f64]) -> Result<(DVector<f64>, DVector<f64>), SolveError> {
+    pub fn search_box(&self, q: &[f64]) -> Result<(DVector<f64>, DVector<f64>), SolveError> {
         let start = self.start(q)?;
         let (mut low, mut high) = (start.clone(), start);
         for k in 0..low.len() {
@@ -63,14 +63,14 @@ impl<'p> BoundedProblem<'p> {
         Ok((low, high))
     }
 
-    /// n + 1 corners for Nelder-Mead: the start, and one step of a tenth of the window along each
+    /// n + 1 corners for Nelder-Mead: the start, and one step of a tenth of the [box](Self::search_box) along each
     /// variable, towards the farther end.
     ///
     /// # Errors
     /// As [`start`](Self::start).
     pub fn simplex(&self, q: &[f64]) -> Result<Vec<DVector<f64>>, SolveError> {
         let start = self.start(q)?;
-        let (low, high) = self.window(q)?;
+        let (low, high) = self.search_box(q)?;
         let mut corners = vec![start.clone()];
         for k in 0..start.len() {
             let mut corner = start.clone();

@@ -1,10 +1,10 @@
 //! What is done where the first attempts at a question miss.
 
 use super::arm::Arm;
-use super::bounded_descent::Settling;
 use super::follower::LONG_STEP;
 use super::lanes_or_core::{QUICK, Query};
 use super::options::Search;
+use super::settling::Settling;
 use super::workspace::{ArmWorkspace, Errors};
 use crate::lanes;
 use crate::search::Found;

@@ -24,7 +24,6 @@ mod after_miss;
 #[allow(clippy::module_inception, reason = "it is the arm itself")]
 mod arm;
 mod batch;
-mod bounded_descent;
 mod branch;
 mod builder;
 mod configuration;
@@ -52,6 +51,7 @@ mod redundancy;
 mod retarget;
 mod serial_chain;
 mod servo;
+mod settling;
 mod substeps;
 mod toward_posture;
 mod track;

@@ -7,10 +7,10 @@
 //! nearest place and not on a long way there. A tick begins where the arm's [branch](super::branch) leads.
 
 use super::arm::Arm;
-use super::bounded_descent::Settling;
 use super::branch::Branch;
 use super::follower::{LONG_STEP, LONGEST_EASE};
 use super::pose_question::PoseQuestion;
+use super::settling::Settling;
 use super::workspace::{ArmWorkspace, Errors};
 use super::{ArmError, QueryError};
 use crate::bad_option::{AT_LEAST_0, BadOption, NOT_NEGATIVE};

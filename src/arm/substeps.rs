@@ -2,9 +2,9 @@
 
 use super::Reply;
 use super::arm::Arm;
-use super::bounded_descent::Settling;
 use super::branch::Branch;
 use super::follower::{LONG_STEP, LONGEST_EASE};
+use super::settling::Settling;
 use super::workspace::ArmWorkspace;
 use crate::ik::Solution;
 use crate::lanes::PoseSolver;

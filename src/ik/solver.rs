@@ -206,7 +206,7 @@ impl Solver {
             if strict && all && !found.reached && !touches && !found.termination.is_cut() {
                 ranked.solve_levels(search, &mut found);
             }
-            ranked.refine(search, &mut found);
+            ranked.descend_preferences(search, &mut found);
             if strict {
                 ranked.take_multipliers(&search.keeper.x, &search.keeper.residual);
             }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::compiled_task::{Block, CompiledTask};
 use super::frame_reach::anchor;
-use super::keep_clear::Asked;
+use super::keep_clear::ClearanceRequest;
 use super::{
     Derivatives, Preferences, Problem, ProblemError, Ranks, ReportNames, Tangent, Targets, TaskId,
 };
@@ -77,7 +77,7 @@ pub struct ProblemBuilder<'m> {
     tolerances: Vec<(Quantity, f64)>,
     derivatives: Derivatives,
     preferences: Preferences,
-    pub(super) clear_of: Option<Asked>,
+    pub(super) clear_of: Option<ClearanceRequest>,
 }
 
 impl<'m> ProblemBuilder<'m> {

@@ -82,7 +82,7 @@ impl Clone for Box<dyn AnyClearanceCheck> {
 
 /// What a builder was given to keep clear of.
 #[derive(Clone, Debug)]
-pub(super) struct Asked {
+pub(super) struct ClearanceRequest {
     configuration_len: usize,
     clearance: PendingTask,
     check: Box<dyn AnyClearanceCheck>,
@@ -123,7 +123,7 @@ impl ProblemBuilder<'_> {
     /// Not seen among the tasks: the goals are solved as if nothing were in the way, and where that touches something
     /// the checker's clearance joins the goals of the first level.
     pub fn keep_clear<C: KeepClear>(&mut self, of: &C) -> &mut Self {
-        self.clear_of = Some(Asked {
+        self.clear_of = Some(ClearanceRequest {
             configuration_len: of.configuration_len(),
             clearance: PendingTask::new(of.clearance()),
             check: Box::new(of.check()),
@@ -132,7 +132,7 @@ impl ProblemBuilder<'_> {
     }
 
     /// The problem with the clearance among its goals.
-    pub(super) fn fence(&self, asked: Asked) -> Result<Fence, ProblemError> {
+    pub(super) fn fence(&self, asked: ClearanceRequest) -> Result<Fence, ProblemError> {
         let (given, expected) = (asked.configuration_len, self.model.configuration_len());
         if given != expected {
             return Err(ProblemError::ForeignChecker {

@@ -102,14 +102,14 @@ pub struct Problem {
 }
 
 /// What goes into a problem.
-struct Asked<'a> {
+struct ProblemRequest<'a> {
     model: &'a Model,
     tasks: Tasks,
     options: Option<ProblemOptions>,
     holds: Option<kinopt::model::ParameterMap>,
 }
 
-impl Asked<'_> {
+impl ProblemRequest<'_> {
     fn problem(self, keep_clear: Option<&Fence<'_>>) -> Result<Problem, JsError> {
         const KNOWN: [&str; 6] = [
             "tolerance",
@@ -172,7 +172,7 @@ impl Problem {
         tasks: Tasks,
         options: Option<ProblemOptions>,
     ) -> Result<Self, JsError> {
-        let asked = Asked {
+        let asked = ProblemRequest {
             model,
             tasks,
             options,
@@ -193,7 +193,7 @@ impl Problem {
     ) -> Result<Self, JsError> {
         let own = &skeleton.inner;
         let holds = own.holds(&skeleton.bones_named(&dragged)?);
-        let asked = Asked {
+        let asked = ProblemRequest {
             model: &skeleton.model(),
             tasks,
             options,
@@ -229,7 +229,7 @@ impl Problem {
         options: Option<ProblemOptions>,
     ) -> Result<Self, JsError> {
         let checker = shapes.checker(world, margin)?;
-        let asked = Asked {
+        let asked = ProblemRequest {
             model,
             tasks,
             options,

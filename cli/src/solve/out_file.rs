@@ -7,7 +7,7 @@ use kinopt::io::bvh;
 use kinopt::skinning::SkinningMethod;
 
 use crate::animated_armature::extension;
-use crate::ball_figure::PoseBridge;
+use crate::ball_figure::FigurePosing;
 use crate::failure::Outcome;
 use crate::loaded_model::{Capture, LoadedModel, LoadedScene};
 use crate::mesh_output::{MeshFile, Skin};
@@ -24,8 +24,8 @@ pub(super) enum OutFile {
 /// What goes into the file, made ready before the search.
 pub(super) enum Written<'a> {
     Mesh(&'a MeshFile, Box<Skin<'a>>),
-    Capture(&'a Path, &'a Capture, PoseBridge),
-    Clip(&'a Path, &'a str, &'a LoadedScene, PoseBridge),
+    Capture(&'a Path, &'a Capture, FigurePosing),
+    Clip(&'a Path, &'a str, &'a LoadedScene, FigurePosing),
 }
 
 /// What `--into` adds to a file.
@@ -38,7 +38,7 @@ pub(super) fn added<'a>(
     loaded: &'a LoadedModel,
 ) -> Outcome<Written<'a>> {
     let scene = loaded.scene.as_deref();
-    let bridge = scene.and_then(|own| PoseBridge::of(loaded, &own.file.scene().armature));
+    let bridge = scene.and_then(|own| FigurePosing::of(loaded, &own.file.scene().armature));
     let both = scene.zip(bridge);
     let (scene, bridge) = both.ok_or_else(|| {
         usage!(
@@ -71,7 +71,7 @@ impl OutFile {
         weights: Option<WeightsChoice>,
     ) -> Outcome<Written<'a>> {
         let capture = loaded.capture.as_ref();
-        let bridge = capture.and_then(|own| PoseBridge::of(loaded, &own.armature));
+        let bridge = capture.and_then(|own| FigurePosing::of(loaded, &own.armature));
         match (self, capture, bridge) {
             (Self::Mesh(file), ..) => Ok(Written::Mesh(file, Box::new(loaded.skin(weights)?))),
             (Self::Capture(path), Some(capture), Some(bridge)) => {

@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let problem = seven_joint_arm::problem()?;
 
     let bounded = BoundedProblem::new(&problem);
-    let window = bounded.window(&seven_joint_arm::START)?;
+    let window = bounded.search_box(&seven_joint_arm::START)?;
     // Its own generator is seeded by the system: give it one that repeats.
     let swarm = ParticleSwarm::new(window, 60).with_rng_generator(StdRng::seed_from_u64(1));
     let run = Executor::new(bounded.clone(), swarm)

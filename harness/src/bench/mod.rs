@@ -11,8 +11,8 @@ use crate::clock;
 use crate::problem_set::SetProblem;
 use crate::route::route_name;
 use crate::{
-    Adapter, Budget, Course, HarnessError, Judge, ModelSummary, ProblemSet, Provenance, Question,
-    Results, Run, Setting,
+    Adapter, Budget, ConvergenceHistory, HarnessError, Judge, ModelSummary, ProblemSet, Provenance,
+    Question, Results, Run, Setting,
 };
 
 /// How far a bench has come; measured between two answers, so no time that is taken holds it.
@@ -212,7 +212,7 @@ impl Results {
         run.traced |= !judged.course.is_empty();
         run.records.push(judged.record);
         if chosen {
-            self.courses.push(Course {
+            self.courses.push(ConvergenceHistory {
                 solver: run.solver.clone(),
                 route: run.route.clone(),
                 points: judged.course,

@@ -109,7 +109,7 @@ impl ArgminAdapter {
             routes: &[],
             // argmin's own generator is seeded by the system.
             solve: within_bounds!(SWARM_STEPS, |bounded, start, seed| bounded
-                .window(start)
+                .search_box(start)
                 .map(|window| ParticleSwarm::new(window, PARTICLES)
                     .with_rng_generator(StdRng::seed_from_u64(seed)))),
         }

@@ -10,7 +10,7 @@ use pyo3::types::PyType;
 
 use super::bones_and_poses::{Armature, Pose, Poses, asked};
 use super::clip_builder::ClipBuilder;
-use super::clip_ik::{Asked, EditedClip};
+use super::clip_ik::{ClipIkRequest, EditedClip};
 use super::curve::{EulerCurve, KeyedCurve, RotationCurve, Values};
 use super::playback;
 use super::playhead::Passage;
@@ -314,7 +314,7 @@ impl Clip {
         travel: Option<Bound<'py, PyAny>>,
         skeleton: Option<Bound<'py, PyAny>>,
     ) -> PyResult<EditedClip> {
-        let asked = Asked {
+        let asked = ClipIkRequest {
             reach,
             plant,
             root,

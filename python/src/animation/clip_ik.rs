@@ -88,7 +88,7 @@ impl EditedClip {
 }
 
 /// What is asked over a clip.
-pub(super) struct Asked<'py> {
+pub(super) struct ClipIkRequest<'py> {
     pub(super) reach: Vec<Bound<'py, PyAny>>,
     pub(super) plant: Vec<String>,
     pub(super) root: Option<String>,
@@ -102,7 +102,7 @@ pub(super) struct Asked<'py> {
 /// A height of the ground that Python has a say in, and what it raised.
 type Raised = Arc<Mutex<Option<PyErr>>>;
 
-impl Asked<'_> {
+impl ClipIkRequest<'_> {
     pub(super) fn over(&self, py: Python<'_>, clip: &Clip) -> PyResult<EditedClip> {
         let (armature, motion) = (&clip.armature, &clip.inner);
         let bone = |name: &String| armature.bone(name).or_raise();
@@ -155,7 +155,7 @@ impl Asked<'_> {
         let edited = py.detach(|| ik.solve(motion));
         let late = raised.lock().unwrap_or_else(PoisonError::into_inner).take();
         late.map_or(Ok(()), Err)?;
-        told(py, edited.or_raise()?, armature)
+        edited_clip(py, edited.or_raise()?, armature)
     }
 }
 
@@ -240,7 +240,7 @@ fn skeleton_of<'py>(given: &Bound<'py, PyAny>) -> PyResult<Bound<'py, Skeleton>>
     }
 }
 
-fn told(py: Python<'_>, edited: Edited, armature: &Arc<Bones>) -> PyResult<EditedClip> {
+fn edited_clip(py: Python<'_>, edited: Edited, armature: &Arc<Bones>) -> PyResult<EditedClip> {
     let name = |bone: BoneId| armature.names()[bone.index()].clone();
     let stances = edited.stances.iter().map(|own| Stance {
         bone: name(own.bone),

@@ -16,7 +16,7 @@ pub(crate) use parts::{Frame, Joint};
 use crate::arrays;
 use crate::configuration::of_two;
 use crate::error::{OrRaise, invalid};
-use crate::loops::{self, Told};
+use crate::loops::{self, LoopParts};
 use crate::pickling;
 
 /// A tree of joints and the frames they carry, that nothing changes.
@@ -138,8 +138,8 @@ impl Model {
     /// The loops that every problem on the model closes: tuples of (name, "connect" or "weld", the two frames' names,
     /// where on them, shape (2, 4, 4): frame_from_place).
     #[getter]
-    pub(crate) fn loops<'py>(&self, py: Python<'py>) -> PyResult<Vec<Told<'py>>> {
-        loops::told(py, &self.inner)
+    pub(crate) fn loops<'py>(&self, py: Python<'py>) -> PyResult<Vec<LoopParts<'py>>> {
+        loops::loop_parts(py, &self.inner)
     }
 
     /// The unit of lengths: "m", or "units" where the model says nothing of its size in the world.

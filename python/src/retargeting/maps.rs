@@ -16,7 +16,7 @@ type Guessed = (
     Vec<String>,
 );
 
-fn told(mut guess: MapGuess, up: UpAxis) -> Guessed {
+fn guessed(mut guess: MapGuess, up: UpAxis) -> Guessed {
     if let Some(along) = guess.up.filter(|along| *along != up) {
         let (along, up) = (axis_name(along), axis_name(up));
         let note = format!("the body stands along {along}, but {up} is taken for upward");
@@ -33,7 +33,9 @@ pub(super) fn map_guessed(
 ) -> PyResult<Guessed> {
     let robot = target_of(target)?;
     let guess = BodyMap::guess(&capture.get().inner, robot.model());
-    guess.or_raise().map(|guess| told(guess, capture.get().up))
+    guess
+        .or_raise()
+        .map(|guess| guessed(guess, capture.get().up))
 }
 
 /// The map of a known skeleton.
@@ -46,7 +48,9 @@ pub(super) fn map_of_skeleton(
     let robot = target_of(target)?;
     let skeleton = KnownSkeleton::named(skeleton).or_raise()?;
     let guess = BodyMap::from_skeleton(&skeleton, &capture.get().inner, robot.model());
-    guess.or_raise().map(|guess| told(guess, capture.get().up))
+    guess
+        .or_raise()
+        .map(|guess| guessed(guess, capture.get().up))
 }
 
 /// A map given in JSON: the same with drives by names, where it has none of the target, and notes.
@@ -62,7 +66,7 @@ pub(super) fn map_completed(
     let guess = map
         .completed(&capture.get().inner, robot.model())
         .or_raise()?;
-    let (map, .., mut notes) = told(guess, capture.get().up);
+    let (map, .., mut notes) = guessed(guess, capture.get().up);
     if lacks {
         notes.insert(
             0,

@@ -12,7 +12,7 @@ use crate::arrays;
 use crate::error::OrRaise;
 
 /// What `kinopt.Retargeted` is made of: numbers and names in the order of its fields.
-type Told<'py> = (
+type MovementParts<'py> = (
     Bound<'py, PyArray2<f64>>,
     Vec<String>,
     Bound<'py, PyAny>,
@@ -35,7 +35,7 @@ pub(super) fn capture_retargeted<'py>(
     map: &str,
     whole: bool,
     options: Options,
-) -> PyResult<Told<'py>> {
+) -> PyResult<MovementParts<'py>> {
     let question = Question::read(capture, target, map, &options)?;
     let found = py.detach(|| {
         let retargeting = question.fitted()?;

@@ -20,7 +20,7 @@ use crate::arrays;
 use crate::collision::{CollisionModel, Taking};
 use crate::error::OrRaise;
 use crate::kinematics::jacobians;
-use crate::loops::{self, NamedLoop, Told};
+use crate::loops::{self, LoopParts, NamedLoop};
 use crate::masses::{centres, centres_jacobians};
 use crate::model::Model;
 use crate::pickling;
@@ -323,8 +323,8 @@ impl Robot {
 
     /// Loops of the model, of an MJCF file its `connect` and `weld`: see `Model.loops`.
     #[getter]
-    fn loops<'py>(&self, py: Python<'py>) -> PyResult<Vec<Told<'py>>> {
-        loops::told(py, &self.model)
+    fn loops<'py>(&self, py: Python<'py>) -> PyResult<Vec<LoopParts<'py>>> {
+        loops::loop_parts(py, &self.model)
     }
 
     /// Names of the joints that nothing drives: of an MJCF file with actuators those that none of them moves, by

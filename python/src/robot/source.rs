@@ -12,7 +12,7 @@ use pyo3::types::PyDict;
 
 use crate::arrays;
 use crate::error::{Kind, OrRaise, invalid, raise};
-use crate::loops::{NamedLoop, Told};
+use crate::loops::{LoopParts, NamedLoop};
 use crate::placement;
 
 /// What a robot is read from, and what was changed since.
@@ -104,7 +104,7 @@ impl Source {
         let tools: Vec<(String, String, Bound<'py, PyArray2<f64>>)> =
             tools.collect::<PyResult<_>>()?;
         let added = self.loops.added.iter().map(|own| own.pickled(py));
-        let added: Vec<Told<'py>> = added.collect::<PyResult<_>>()?;
+        let added: Vec<LoopParts<'py>> = added.collect::<PyResult<_>>()?;
         let room = PyDict::new(py);
         for (axis, range) in &self.base.room {
             room.set_item(axis, *range)?;

@@ -172,7 +172,7 @@ struct Questions {
 }
 
 /// What is asked: starts, targets by task, and how far joints may go.
-type Asked<'a, 'py> = (
+type BatchArrays<'a, 'py> = (
     &'a Bound<'py, PyAny>,
     Option<&'a Bound<'py, PyAny>>,
     Option<&'a Bound<'py, PyAny>>,
@@ -181,7 +181,7 @@ type Asked<'a, 'py> = (
 impl Questions {
     fn read(
         (given, problem): (&Problem, &Stated),
-        (starts, targets, max_move): Asked<'_, '_>,
+        (starts, targets, max_move): BatchArrays<'_, '_>,
     ) -> PyResult<Self> {
         let dof = problem.inner.configuration_len();
         let many_starts = arrays::axes(starts)? == 2;
@@ -259,7 +259,7 @@ impl Questions {
 pub(super) fn solve(
     engine: &Engine,
     problem: &Bound<'_, Problem>,
-    asked: Asked<'_, '_>,
+    asked: BatchArrays<'_, '_>,
     threads: Option<usize>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Solutions> {

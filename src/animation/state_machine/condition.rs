@@ -4,7 +4,7 @@ use super::definition::{
     ConditionDefinition, Interruption, ParameterDefault, TransitionDefinition,
 };
 use super::error::StateMachineProblem;
-use super::lookup::{Checked, Names, at, finite};
+use super::lookup::{Checked, MachineNames, at, finite};
 use crate::animation::Easing;
 
 #[derive(Clone, Debug)]
@@ -41,7 +41,7 @@ impl Transition {
     pub(super) fn new(
         path: &str,
         given: &TransitionDefinition,
-        names: &Names<'_>,
+        names: &MachineNames<'_>,
     ) -> Checked<Self> {
         let from = match &given.from {
             Some(from) => Some(names.state(|| format!("{path}.from"), from)?),
@@ -80,7 +80,7 @@ impl Transition {
 }
 
 impl Condition {
-    fn new(path: &str, given: &ConditionDefinition, names: &Names<'_>) -> Checked<Self> {
+    fn new(path: &str, given: &ConditionDefinition, names: &MachineNames<'_>) -> Checked<Self> {
         let place = || format!("{path}.parameter");
         let (parameter, default) = names.parameter(place, &given.parameter)?;
         for (key, bound) in [("above", given.above), ("below", given.below)] {

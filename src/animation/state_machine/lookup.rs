@@ -35,12 +35,12 @@ pub(super) fn find<'a>(
 }
 
 /// The names that transitions may use.
-pub(super) struct Names<'a> {
+pub(super) struct MachineNames<'a> {
     pub(super) parameters: &'a [(String, ParameterDefault)],
     pub(super) states: Vec<&'a str>,
 }
 
-impl Names<'_> {
+impl MachineNames<'_> {
     pub(super) fn state(&self, path: impl FnOnce() -> String, name: &str) -> Checked<usize> {
         find(path, "state", name, self.states.iter().copied())
     }

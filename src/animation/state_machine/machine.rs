@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::condition::Transition;
 use super::definition::{ParameterDefault, StateMachineDefinition};
 use super::error::StateMachineProblem;
-use super::lookup::{Checked, Names, at, finite};
+use super::lookup::{Checked, MachineNames, at, finite};
 use super::motion::Motion;
 use crate::animation::{Clip, Playback};
 
@@ -63,7 +63,7 @@ impl StateMachine {
         if states.is_empty() {
             return Err(at("states", StateMachineProblem::NoStates));
         }
-        let names = Names {
+        let names = MachineNames {
             parameters: &parameters,
             states: states.iter().map(|state| state.name.as_str()).collect(),
         };

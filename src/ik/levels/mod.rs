@@ -242,7 +242,7 @@ impl Ranked<'_, '_> {
     }
 
     /// Lets the preferences act within what the goals leave free, from where these came to.
-    pub(super) fn refine(&mut self, all: &mut Attempts, found: &mut Found) {
+    pub(super) fn descend_preferences(&mut self, all: &mut Attempts, found: &mut Found) {
         let problem = self.question.problem;
         let (levels, ranks) = (problem.ranks().levels(), problem.ranks().count());
         let (extent, kept) = (self.by.extent, &mut all.keeper);

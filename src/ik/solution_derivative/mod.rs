@@ -13,7 +13,7 @@ mod rows;
 mod singular;
 mod system;
 
-use self::place::{Asked, Place};
+use self::place::{Evaluator, Place};
 use self::singular::Flat;
 use self::system::System;
 use super::SolveError;
@@ -125,7 +125,7 @@ impl<'a> SolutionDerivative<'a> {
         let existence = match scratch {
             Some(scratch) => {
                 scratch.forget();
-                parts.settle(&mut Asked { question, scratch }, q)
+                parts.settle(&mut Evaluator { question, scratch }, q)
             }
             None => Existence::DoesNotExist(NoDerivative::NotFinite),
         };
@@ -214,7 +214,7 @@ impl<'a> SolutionDerivative<'a> {
 
 impl Parts {
     /// Goes to a solution and factors its system.
-    fn settle(&mut self, asked: &mut Asked<'_, '_>, q: &[f64]) -> Existence {
+    fn settle(&mut self, asked: &mut Evaluator<'_, '_>, q: &[f64]) -> Existence {
         let question = asked.question;
         let Self { place, system, .. } = self;
         place.go(asked, q);

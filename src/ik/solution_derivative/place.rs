@@ -13,12 +13,12 @@ use crate::solver::LeastSquares;
 const SHIFT: f64 = 1e-5;
 
 /// What is differentiated, and the memory to evaluate it.
-pub(super) struct Asked<'q, 's> {
+pub(super) struct Evaluator<'q, 's> {
     pub(super) question: Question<'q>,
     pub(super) scratch: &'s mut Scratch,
 }
 
-impl Asked<'_, '_> {
+impl Evaluator<'_, '_> {
     pub(super) fn evaluation(&mut self) -> Evaluation<'_> {
         Evaluation::of(Share::All, self.question, self.scratch)
     }
@@ -48,7 +48,7 @@ pub(super) struct Place {
 
 impl Place {
     /// Goes to a configuration, which is of the problem's shape and finite.
-    pub(super) fn go(&mut self, asked: &mut Asked<'_, '_>, q: &[f64]) {
+    pub(super) fn go(&mut self, asked: &mut Evaluator<'_, '_>, q: &[f64]) {
         let question = asked.question;
         let problem = question.problem();
         let (n, m) = (problem.variables(), problem.rows());
@@ -127,7 +127,7 @@ impl Place {
     }
 
     /// Adds what the rows' own bending does to a direction: Σ cᵢ ∇²rᵢ y, along the directions.
-    pub(super) fn add_bend(&mut self, asked: &mut Asked<'_, '_>, y: &[f64], bend: &mut [f64]) {
+    pub(super) fn add_bend(&mut self, asked: &mut Evaluator<'_, '_>, y: &[f64], bend: &mut [f64]) {
         let question = asked.question;
         let shift = self.shift(question, y);
         if !shift.is_finite() {

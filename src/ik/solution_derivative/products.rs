@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::place::Asked;
+use super::place::Evaluator;
 use super::system::inner;
 use super::{DerivativeError, Parts, SolutionDerivative};
 use crate::buffer::refill;
@@ -95,16 +95,19 @@ impl SolutionDerivative<'_> {
 }
 
 impl super::DerivativeWorkspace {
-    fn split<'s>(&'s mut self, question: Question<'s>) -> Option<(Asked<'s, 's>, &'s mut Parts)> {
+    fn split<'s>(
+        &'s mut self,
+        question: Question<'s>,
+    ) -> Option<(Evaluator<'s, 's>, &'s mut Parts)> {
         let scratch = self.scratch.as_mut()?;
-        Some((Asked { question, scratch }, &mut self.parts))
+        Some((Evaluator { question, scratch }, &mut self.parts))
     }
 }
 
 impl Parts {
     fn forward(
         &mut self,
-        asked: &mut Asked<'_, '_>,
+        asked: &mut Evaluator<'_, '_>,
         model: Option<&Model>,
         rates: &ParameterVector,
         v: &mut [f64],
@@ -122,7 +125,12 @@ impl Parts {
     }
 
     /// Writes the velocities for each number of a task's target, where the slope does not bend.
-    fn follow_target(&mut self, asked: &mut Asked<'_, '_>, task: usize, matrix: &mut DMatrix<f64>) {
+    fn follow_target(
+        &mut self,
+        asked: &mut Evaluator<'_, '_>,
+        task: usize,
+        matrix: &mut DMatrix<f64>,
+    ) {
         let question = asked.question;
         let Some(own) = question.problem().compiled_tasks().get(task) else {
             return;
@@ -145,7 +153,7 @@ impl Parts {
     /// parameters themselves too.
     fn follow(
         &mut self,
-        asked: &mut Asked<'_, '_>,
+        asked: &mut Evaluator<'_, '_>,
         rates: Option<(Option<&Model>, &ParameterVector)>,
         v: &mut [f64],
     ) {
@@ -198,7 +206,7 @@ impl Parts {
 
     fn reverse(
         &mut self,
-        asked: &mut Asked<'_, '_>,
+        asked: &mut Evaluator<'_, '_>,
         model: Option<&Model>,
         by_v: &[f64],
         gradient: &mut ParameterVector,
@@ -240,7 +248,7 @@ impl Parts {
     /// Adds how the slope of the Lagrangian along `step` changes with the parameters.
     pub(super) fn add_slopes_along(
         &mut self,
-        asked: &mut Asked<'_, '_>,
+        asked: &mut Evaluator<'_, '_>,
         gradient: &mut ParameterVector,
     ) {
         refill(&mut self.rows, self.place.r.len(), 0.0);
@@ -250,7 +258,7 @@ impl Parts {
     /// The same, and how the rows do, each times what `rows` says.
     fn add_slopes(
         &mut self,
-        asked: &mut Asked<'_, '_>,
+        asked: &mut Evaluator<'_, '_>,
         model: Option<&Model>,
         gradient: &mut ParameterVector,
     ) {

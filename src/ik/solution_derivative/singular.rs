@@ -1,7 +1,7 @@
 //! Places where a solution has no derivative though nothing is at a limit.
 
 use super::Parts;
-use super::place::{Asked, Place};
+use super::place::{Evaluator, Place};
 use super::system::System;
 use crate::buffer::refill;
 use crate::random::RandomStream;
@@ -24,7 +24,7 @@ pub(super) enum Flat {
 
 impl System {
     /// How many of the held rows depend on the others only here.
-    pub(super) fn lost_ranks(&mut self, asked: &mut Asked<'_, '_>, place: &mut Place) -> usize {
+    pub(super) fn lost_ranks(&mut self, asked: &mut Evaluator<'_, '_>, place: &mut Place) -> usize {
         let rank = self.rank();
         if rank >= place.roles.held.len() || self.nullity() == 0 {
             return 0;
@@ -66,7 +66,7 @@ impl Parts {
     }
 
     /// What the directions are in which the reduced cost is flat.
-    pub(super) fn flatness(&mut self, asked: &mut Asked<'_, '_>, flat: usize) -> Flat {
+    pub(super) fn flatness(&mut self, asked: &mut Evaluator<'_, '_>, flat: usize) -> Flat {
         if flat == 0 || self.place.roles.pulled.is_empty() {
             return Flat::Undecided;
         }
@@ -93,7 +93,7 @@ impl Parts {
     }
 
     /// A task whose rows vanish as soon as they are crossed, while nothing pushes against them.
-    pub(super) fn task_at_kink(&mut self, asked: &mut Asked<'_, '_>) -> Option<String> {
+    pub(super) fn task_at_kink(&mut self, asked: &mut Evaluator<'_, '_>) -> Option<String> {
         let question = asked.question;
         let Self {
             place,

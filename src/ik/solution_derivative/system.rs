@@ -11,7 +11,7 @@
 //! the null space Z of C, dy = −C⁺ ∂ₚr + Z dw, so that W is needed along Z alone (Nocedal & Wright 2006,
 //! section 16.2).
 
-use super::place::{Asked, Place};
+use super::place::{Evaluator, Place};
 use crate::buffer::refill;
 use crate::solver::{RowSpace, largest};
 
@@ -111,7 +111,11 @@ impl System {
 
     /// Takes the Hessian of the Lagrangian along the directions that the held rows leave free. Returns in how many of
     /// them nothing pulls.
-    pub(super) fn take_hessian(&mut self, asked: &mut Asked<'_, '_>, place: &mut Place) -> usize {
+    pub(super) fn take_hessian(
+        &mut self,
+        asked: &mut Evaluator<'_, '_>,
+        place: &mut Place,
+    ) -> usize {
         let (free, nullity) = (self.free, self.nullity());
         self.pulled.clear();
         self.null.clear();
@@ -217,7 +221,7 @@ impl System {
     /// Adds W y.
     pub(super) fn add_hessian(
         &self,
-        asked: &mut Asked<'_, '_>,
+        asked: &mut Evaluator<'_, '_>,
         place: &mut Place,
         (y, image): (&[f64], &mut [f64]),
     ) {

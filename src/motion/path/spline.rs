@@ -3,9 +3,12 @@
 //! Positions follow the cubic Hermite segments of a Catmull-Rom spline over key times (Catmull & Rom 1974): the tangent at a
 //! key is the way between its neighbours over the time between them, one-sided at the ends. Orientations turn evenly from key to key.
 
+use glam::DVec3;
+
 use super::{CartesianPath, PathError};
+use crate::animation::curve::Hermite;
 use crate::bad_option::{AT_LEAST_ONE, BadOption};
-use crate::spatial::{Placement, Quaternion, Vector3, rotation_exp};
+use crate::spatial::{Placement, Quaternion, rotation_exp};
 
 impl CartesianPath {
     /// A curve through keys (`base_from_tool`), in so many even steps from key to key, at least 1; the keys are among its points. How
@@ -46,23 +49,25 @@ impl CartesianPath {
         for k in 1..keys.len() {
             let (from, to) = (&keys[k - 1], &keys[k]);
             let length = time(k) - time(k - 1);
-            let segment = Segment {
-                ends: [from.translation, to.translation],
-                tangents: [tangent(k - 1) * length, tangent(k) * length],
+            let segment: Hermite<DVec3> = Hermite {
+                start: from.translation.into(),
+                leaving: (tangent(k - 1) * length).into(),
+                end: to.translation.into(),
+                arriving: (tangent(k) * length).into(),
             };
             let turn = Quaternion::from_matrix(&(from.rotation.transpose() * to.rotation)).log();
             for step in 1..=steps {
                 let share = step as f64 / steps as f64;
                 let point = Placement::new(
                     from.rotation * rotation_exp(turn * share),
-                    segment.at(share),
+                    segment.position(share).into(),
                 );
                 path.points.push(match step == steps {
                     true => *to,
                     false => point.made_rigid(),
                 });
                 let before = (step - 1) as f64 / steps as f64;
-                path.bulges.push(segment.bulge(before, share));
+                path.bulges.push(bulge(&segment, before, share));
                 if key_times.is_some() {
                     path.times.push(time(k - 1) + share * length);
                 }
@@ -72,31 +77,14 @@ impl CartesianPath {
     }
 }
 
-/// A cubic from end to end, with its tangents by the share of the way.
-struct Segment {
-    ends: [Vector3<f64>; 2],
-    tangents: [Vector3<f64>; 2],
-}
-
-impl Segment {
-    fn at(&self, t: f64) -> Vector3<f64> {
-        let ([p, q], [m, n]) = (self.ends, self.tangents);
-        let (t2, t3) = (t * t, t * t * t);
-        p * (2.0 * t3 - 3.0 * t2 + 1.0)
-            + m * (t3 - 2.0 * t2 + t)
-            + q * (3.0 * t2 - 2.0 * t3)
-            + n * (t3 - t2)
-    }
-
-    fn curvature(&self, t: f64) -> Vector3<f64> {
-        let ([p, q], [m, n]) = (self.ends, self.tangents);
-        (p - q) * (12.0 * t - 6.0) + m * (6.0 * t - 4.0) + n * (6.0 * t - 2.0)
-    }
-
-    /// How far the curve is at most from the straight way between two of its places: the second derivative is linear, so that it is
-    /// longest at an end, and a chord is off by an eighth of it times the squared length.
-    fn bulge(&self, from: f64, to: f64) -> f64 {
-        let longest = self.curvature(from).norm().max(self.curvature(to).norm());
-        0.125 * (to - from) * (to - from) * longest
-    }
+/// How far a curve is at most from the straight way between two of its places: the second derivative is linear, so that it is
+/// longest at an end, and a chord is off by an eighth of it times the squared length.
+fn bulge(curve: &Hermite<DVec3>, from: f64, to: f64) -> f64 {
+    let bend = |t: f64| {
+        (curve.start - curve.end) * (12.0 * t - 6.0)
+            + curve.leaving * (6.0 * t - 4.0)
+            + curve.arriving * (6.0 * t - 2.0)
+    };
+    let longest = bend(from).length().max(bend(to).length());
+    0.125 * (to - from) * (to - from) * longest
 }

@@ -1,7 +1,7 @@
 //! What feet keep over in each frame of a whole movement.
 
 use super::over_ground::{Footing, OverGround};
-use super::retargeting::told;
+use super::retargeting::as_map_error;
 use super::{RetargetError, Retargeting};
 use crate::kinematics::ForwardKinematics;
 use crate::model::FrameId;
@@ -23,9 +23,9 @@ impl Retargeting<'_> {
         let model = self.robot.model();
         let soles = &self.limbs.soles;
         let frames: Vec<FrameId> = soles.iter().map(|sole| sole.frame).collect();
-        let mut kinematics = ForwardKinematics::of_frames(model, &frames).map_err(told)?;
+        let mut kinematics = ForwardKinematics::of_frames(model, &frames).map_err(as_map_error)?;
         let frames = q.chunks_exact(model.configuration_len());
-        let placed = frames.map(|q| Ok(kinematics.place(q).map_err(told)?.to_vec()));
+        let placed = frames.map(|q| Ok(kinematics.place(q).map_err(as_map_error)?.to_vec()));
         let placed = placed.collect::<Result<Vec<_>, RetargetError>>()?;
         for (k, sole) in soles.iter().enumerate() {
             let spans = |limb: usize| {

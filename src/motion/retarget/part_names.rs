@@ -124,19 +124,19 @@ enum Side {
 
 /// What a name says: the side, and its other words as one.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Told {
+struct NameParts {
     side: Option<Side>,
     rest: String,
 }
 
 /// The place of each part among names: of several that tell of the same, the first.
 pub(super) fn parts_of<'a>(names: impl Iterator<Item = &'a str>) -> BTreeMap<BodyPart, usize> {
-    let told: Vec<Told> = names.map(tell).collect();
+    let told: Vec<NameParts> = names.map(name_parts).collect();
     let mut found: BTreeMap<BodyPart, usize> = BTreeMap::new();
     let mut look = |part: BodyPart, side: Option<Side>, called: &[&str]| {
         let free = |at: &usize| !found.values().any(|other| other == at);
         let first = called.iter().find_map(|word| {
-            let fits = |own: &Told| own.side == side && own.rest == *word;
+            let fits = |own: &NameParts| own.side == side && own.rest == *word;
             told.iter().position(fits).filter(free)
         });
         if let Some(at) = first {
@@ -160,7 +160,7 @@ pub(super) fn bare(name: &str) -> String {
     words(name).concat()
 }
 
-fn tell(name: &str) -> Told {
+fn name_parts(name: &str) -> NameParts {
     let mut side = None;
     let mut rest = String::new();
     for word in words(name) {
@@ -180,7 +180,7 @@ fn tell(name: &str) -> Told {
             }
         }
     }
-    Told { side, rest }
+    NameParts { side, rest }
 }
 
 /// Whether a word says nothing of a part, as the `Bip01` before all names of a file does.

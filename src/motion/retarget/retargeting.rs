@@ -238,7 +238,7 @@ impl<'r> Retargeting<'r> {
         let mut frames = self.driven();
         let driven = frames.len();
         frames.extend(self.limbs.soles.iter().map(|sole| sole.frame));
-        let mut kinematics = ForwardKinematics::of_frames(model, &frames).map_err(told)?;
+        let mut kinematics = ForwardKinematics::of_frames(model, &frames).map_err(as_map_error)?;
         let mut measures = Measures::new(driven);
         let mut stands = vec![false; driven];
         let can_stand = self
@@ -250,7 +250,7 @@ impl<'r> Retargeting<'r> {
         let can_stand: Vec<usize> = can_stand.map(|(limb, _)| limb).collect();
         let mut contacts = Vec::with_capacity(self.frames() * can_stand.len());
         for (frame, q) in q.chunks_exact(model.configuration_len()).enumerate() {
-            let placed = kinematics.place(q).map_err(told)?;
+            let placed = kinematics.place(q).map_err(as_map_error)?;
             self.stand(frame, &mut stands);
             let targets = self.targets(frame).unwrap_or_default();
             for (k, (limb, target)) in self.limbs.all.iter().zip(targets).enumerate() {
@@ -302,6 +302,6 @@ impl Retargeting<'_> {
     }
 }
 
-pub(super) fn told(error: KinematicsError) -> RetargetError {
+pub(super) fn as_map_error(error: KinematicsError) -> RetargetError {
     RetargetError::Map(error.to_string())
 }

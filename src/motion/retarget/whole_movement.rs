@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::contacts::Standing;
 use super::driven_point::DrivenPoint;
 use super::follower::posture;
-use super::retargeting::told;
+use super::retargeting::as_map_error;
 use super::{RetargetError, Retargeted, Retargeting};
 use crate::kinematics::ForwardKinematics;
 use crate::motion::clip::{MotionProblem, MotionSolver, RateCost};
@@ -113,7 +113,8 @@ impl Retargeting<'_> {
         let heaviest = self.limbs.heaviest();
         let weights = self.limbs.all.iter().map(|limb| limb.weight);
         let mut aims: Vec<_> = self.targets.iter().copied().zip(weights.cycle()).collect();
-        let mut kinematics = ForwardKinematics::of_frames(model, &self.driven()).map_err(told)?;
+        let mut kinematics =
+            ForwardKinematics::of_frames(model, &self.driven()).map_err(as_map_error)?;
         let lead = self.options.contacts.lead_frames(self.frame_rate);
         let mut stands = Vec::with_capacity(self.standing.len());
         for Standing { limb, span } in &self.standing {
@@ -121,7 +122,7 @@ impl Retargeting<'_> {
             let width = model.configuration_len();
             let placed = kinematics
                 .place(&q[middle * width..(middle + 1) * width])
-                .map_err(told)?;
+                .map_err(as_map_error)?;
             let place = placed[*limb].apply(self.limbs.all[*limb].offset);
             stands.push(place);
             // As it is led there and let go, so are its targets.

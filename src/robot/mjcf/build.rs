@@ -6,7 +6,7 @@ use super::attributes::Attributes;
 use super::body::Body;
 use super::equality::{self, Coupling};
 use super::joint::{JointElement, Kind};
-use super::names::{self, FreshNames, Names, WORLD};
+use super::names::{self, ElementNames, FreshNames, WORLD};
 use super::orientation::direction;
 use crate::model::{BallLimits, FrameId, JointId, Limits, Model, ModelBuilder};
 use crate::robot::xml::{Fault, Read, RobotFileError, clean_sin_cos};
@@ -16,7 +16,7 @@ use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
 /// A model as it grows, and what goes with it.
 pub(super) struct Build<'a> {
     pub(super) builder: ModelBuilder,
-    pub(super) names: Names<'a>,
+    pub(super) names: ElementNames<'a>,
     /// The configuration in which the file draws the robot: MuJoCo's `qpos0`.
     pub(super) drawn: Vec<f64>,
     pub(super) drives: Vec<Drive>,
@@ -29,7 +29,7 @@ impl<'a> Build<'a> {
     pub(super) fn new(name: &str) -> Self {
         Self {
             builder: Model::builder(name),
-            names: Names::default(),
+            names: ElementNames::default(),
             drawn: Vec::new(),
             drives: Vec::new(),
         }

@@ -2,7 +2,7 @@
 
 use super::attributes::Attributes;
 use super::defaults::Defaults;
-use super::names::Names;
+use super::names::ElementNames;
 use super::tree::Tag;
 use crate::model::{JointId, Limits, ModelBuilder};
 use crate::robot::Mimic;
@@ -31,7 +31,7 @@ pub(super) enum Coupling {
 }
 
 /// A relation between two joints, or the value of one.
-pub(super) fn coupling(equality: &Attributes<'_>, names: &Names<'_>) -> Read<Coupling> {
+pub(super) fn coupling(equality: &Attributes<'_>, names: &ElementNames<'_>) -> Read<Coupling> {
     let attribute = "joint1";
     let missing = || equality.fault(Fault::MissingAttribute { attribute });
     let first = equality.text(attribute).ok_or_else(missing)?;

@@ -2,7 +2,7 @@
 
 use super::attributes::Attributes;
 use super::body::Body;
-use super::names::{FreshNames, Names};
+use super::names::{ElementNames, FreshNames};
 use crate::kinematics::ForwardKinematics;
 use crate::model::{FrameId, Loop, LoopKind, Model};
 use crate::robot::xml::{Fault, Read, RobotFileError, rotation_of_wxyz};
@@ -12,7 +12,7 @@ use crate::spatial::{Placement, Vector3};
 pub(super) fn read_all(
     equalities: &[Attributes<'_>],
     bodies: &[Body<'_>],
-    names: &Names<'_>,
+    names: &ElementNames<'_>,
     model: &Model,
     drawn: &[f64],
     left_out: &mut Vec<RobotFileError>,
@@ -54,7 +54,7 @@ pub(super) fn read_all(
 }
 
 /// Bodies that a program moves from outside, and the sites on them: what is held to one is asked to go there.
-fn mocap_frames(bodies: &[Body<'_>], names: &Names<'_>) -> Vec<FrameId> {
+fn mocap_frames(bodies: &[Body<'_>], names: &ElementNames<'_>) -> Vec<FrameId> {
     let moved = bodies
         .iter()
         .filter(|body| body.tag.text("mocap") == Some("true"));
@@ -75,7 +75,7 @@ fn as_drawn(model: &Model, q: &[f64]) -> Vec<Placement<f64>> {
 fn joined(
     equality: &Attributes<'_>,
     kind: LoopKind,
-    names: &Names<'_>,
+    names: &ElementNames<'_>,
     drawn: &[Placement<f64>],
 ) -> Read<([FrameId; 2], [Placement<f64>; 2])> {
     let at = |frame: FrameId| {

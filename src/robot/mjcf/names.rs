@@ -22,13 +22,13 @@ pub(super) struct NamedJoint {
 
 /// What has a name in the file.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Names<'a> {
+pub(super) struct ElementNames<'a> {
     joints: HashMap<&'a str, NamedJoint>,
     bodies: HashMap<&'a str, FrameId>,
     sites: HashMap<&'a str, FrameId>,
 }
 
-impl<'a> Names<'a> {
+impl<'a> ElementNames<'a> {
     pub(super) fn add_joint(&mut self, element: &JointElement<'a>, id: JointId) {
         if let Some(name) = element.tag.text("name") {
             let joint = NamedJoint {

@@ -2,13 +2,13 @@
 
 use std::collections::HashSet;
 
-use super::names::Names;
+use super::names::ElementNames;
 use super::tree::Tag;
 use crate::model::JointId;
 use crate::robot::Robot;
 
 /// The moving joints that no actuator moves and that follow no other; none where there are no actuators.
-pub(super) fn joints(root: Tag<'_>, names: &Names<'_>, robot: &Robot) -> Vec<JointId> {
+pub(super) fn joints(root: Tag<'_>, names: &ElementNames<'_>, robot: &Robot) -> Vec<JointId> {
     let sections = |name| root.children_named(name);
     let actuators = sections("actuator").flat_map(|section| section.children());
     let actuators: Vec<Tag<'_>> = actuators.collect();

@@ -262,7 +262,7 @@ fn derivative_free_solvers_come_close_within_the_limits() {
             .unwrap();
         let nelder_mead = bounded.solution(&run).unwrap();
 
-        let window = bounded.window(&START).unwrap();
+        let window = bounded.search_box(&START).unwrap();
         let swarm = ParticleSwarm::new(window, 150).with_rng_generator(StdRng::seed_from_u64(3));
         let run = Executor::new(bounded.clone(), swarm)
             .configure(|state| state.max_iters(500).target_cost(1e-12))
