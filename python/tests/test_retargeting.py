@@ -316,6 +316,31 @@ def test_links_that_are_kept_clear_of_each_other_do_not_touch() -> None:
         kinopt.retarget(places, robot, MAP, keep_clear=-1.0)
 
 
+def test_a_robot_keeps_clear_of_a_world() -> None:
+    robot = kinopt.Robot.from_urdf(NAO, base_joint="free")
+    places = sway(6) * np.array([1.0, 1.5, 1.0])
+    plain = kinopt.retarget(places, robot, MAP, keep_clear=0.002)
+    # A pole where the head is without it.
+    head = kinopt.frame_placement(robot, "Head", plain.q[3])[:3, 3]
+    world = kinopt.World()
+    world.add_box("pole", (0.04, 0.04, 2.0), head + [0.08, 0, 0])
+    apart = kinopt.Problem(robot, [kinopt.tasks.Posture(robot.model.neutral())], world=world, margin=0.002)
+    assert any(apart.collisions(q) for q in plain.q)
+    for whole in [False, True]:
+        found = kinopt.retarget(places, robot, MAP, world=world, margin=0.002, whole=whole)
+        assert {pair.frame for pair in found.touching} == {k for k, q in enumerate(found.q) if apart.collisions(q)}
+        assert len(found.touching) == 0
+    follower = kinopt.RetargetFollower(places, robot, MAP, world=world, margin=0.002)
+    assert not apart.collisions(follower.step(places[0]))
+    with pytest.raises(InvalidValueError, match="give one of them"):
+        kinopt.retarget(places, robot, MAP, world=world, margin=0.1, keep_clear=0.1)
+    with pytest.raises(InvalidValueError, match=r"world must be a kinopt\.World"):
+        kinopt.retarget(places, robot, MAP, world="boxes.json")  # type: ignore[arg-type]
+    figure = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
+    with pytest.raises(InvalidValueError, match="a Robot with collision shapes"):
+        kinopt.retarget(STEPS, figure, world=world)
+
+
 STEPS = MODELS / "captures" / "steps.bvh"
 
 

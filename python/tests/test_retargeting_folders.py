@@ -61,13 +61,16 @@ def test_a_folder_goes_on_where_it_was(folder: Path, tmp_path: Path) -> None:
 
 def test_what_is_asked_is_asked_of_every_movement(folder: Path, tmp_path: Path) -> None:
     into = tmp_path / "into"
-    asked: dict[str, Any] = {"contact_speed": 0.3, "contact_height": 0.2, "acceleration": 1e-3, "keep_clear": 0.001}
+    asked: dict[str, Any] = {"contact_speed": 0.3, "contact_height": 0.2, "acceleration": 1e-3, "keep_clear": 0.001, "world": kinopt.World()}
     reports = retarget_folder(folder / "deeper", NAO, into, MAP, **asked)
     assert [report.error for report in reports] == [None]
     with np.load(into / "three.npz") as read:
         assert np.array_equal(read["q"], kinopt.retarget(sway(8), NAO, MAP, **asked).q)
     with pytest.raises(InvalidValueError, match="another question"):
         retarget_folder(folder / "deeper", NAO, into, MAP)
+    asked["world"].add_sphere("ball", 0.1, (3, 0, 0))
+    with pytest.raises(InvalidValueError, match=r"another question.*\(world\)"):
+        retarget_folder(folder / "deeper", NAO, into, MAP, **asked)
 
 
 def test_what_changed_of_a_map_is_another_question(folder: Path, tmp_path: Path) -> None:

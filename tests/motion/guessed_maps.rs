@@ -372,6 +372,10 @@ fn a_map_of_another_robot_is_completed_by_names_and_keeps_what_it_says() {
         assert_eq!(completed.map.up, Some(UpAxis::Y));
         assert_eq!(drives(&completed.map), drives(&guess.map));
         assert_eq!(completed.map.contacts, guess.map.contacts);
+        // That it was is told first, and then what the guess tells.
+        let lacking = "the map drives nothing of the target, so names tell what";
+        assert_eq!(completed.notes[0], lacking);
+        assert_eq!(completed.notes[1..], guess.notes[..]);
     }
     // Drives of its own stay as they are.
     let text =

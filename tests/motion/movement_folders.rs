@@ -121,6 +121,7 @@ fn what_is_another_question_is_told() {
         ("clip", |own| own.clip = Some("Walk")),
         ("skeleton", |own| own.skeleton = Some("cmu")),
         ("keep_clear", |own| own.keep_clear = Some(0.01)),
+        ("world", |own| own.world = Some("{}".to_owned())),
         ("acceleration", |own| own.options.acceleration = 1e-3),
         ("contact_speed", |own| own.options.contacts.speed = 0.2),
         ("contact_height", |own| own.options.contacts.height = 0.1),

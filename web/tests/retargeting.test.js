@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import test from "node:test";
-import { framePlacement, MotionCapture, retarget, RetargetFollower, Robot } from "kinopt";
+import { CollisionModel, framePlacement, MotionCapture, retarget, retargetClear, RetargetFollower, Robot, World } from "kinopt";
 import { model, text } from "./panda.js";
 
 const turns = "CHANNELS 3 Zrotation Xrotation Yrotation";
@@ -37,7 +37,9 @@ test("a person's movement on a NAO", () => {
     assert.ok(q.every((value, k) => lower[k % length] <= value && value <= upper[k % length]));
     assert.ok(found.meanError < 0.1, `${found.meanError} m`);
     // A map without drives is completed by names; one that says that nothing drives is none.
-    assert.deepEqual(retarget(robot, capture.clip, "{}").q, q);
+    const completed = retarget(robot, capture.clip, "{}");
+    assert.deepEqual(completed.q, q);
+    assert.deepEqual(completed.notes, ["the map drives nothing of the target, so names tell what", ...found.notes]);
     assert.throws(() => retarget(robot, capture.clip, '{"drives": {}}'), /drives no frame/);
     assert.throws(() => retarget(robot, capture.clip, undefined, { speed: 2 }), /speed.*fps/s);
 });
@@ -81,4 +83,26 @@ test("a map that is none is called the map", () => {
     const capture = MotionCapture.fromBytes(new TextEncoder().encode(person()), "sway.bvh");
     const robot = Robot.fromUrdf(text("aldebaran_nao.urdf"), "nao.urdf", { baseJoint: "free" });
     assert.throws(() => retarget(robot, capture.clip, "{"), /the map: EOF/);
+});
+
+test("a robot keeps clear of a world, whole and live, and what touches all the same is told", () => {
+    const capture = MotionCapture.fromBytes(new TextEncoder().encode(person()), "sway.bvh");
+    const robot = Robot.fromUrdf(text("aldebaran_nao.urdf"), "nao.urdf", { baseJoint: "free" });
+    const shapes = CollisionModel.ofRobot(robot);
+    const plain = retarget(robot, capture.clip, undefined, { fps: 10 });
+    assert.deepEqual([...plain.touching], []);
+    const far = new World();
+    far.addBox("far", [0.1, 0.1, 0.1], [5, 0, 0]);
+    const apart = retargetClear(robot, capture.clip, shapes, far, undefined, { fps: 10, margin: 0.001 });
+    assert.deepEqual([...apart.touching], []);
+    assert.ok(Math.abs(apart.meanError - plain.meanError) < 0.02 && apart.stride === plain.stride && plain.stride < 0.005);
+    // All around it there is no way out.
+    const wall = new World();
+    wall.addBox("wall", [9, 9, 9]);
+    assert.equal(retargetClear(robot, capture.clip, shapes, wall, undefined, { fps: 10 }).touching.length, plain.frames);
+    const follower = RetargetFollower.clear(robot, capture.clip, shapes, far, undefined, { fps: 10 });
+    const q = follower.step(capture.armature.places(capture.clip.sample(0)));
+    assert.ok(q.every((value, k) => robot.model.lower[k] <= value && value <= robot.model.upper[k]));
+    assert.throws(() => retargetClear(robot, capture.clip, shapes, far, undefined, { margin: -1 }), /margin/);
+    assert.throws(() => retarget(robot, capture.clip, undefined, { margin: 0 }), /margin.*fps/s);
 });

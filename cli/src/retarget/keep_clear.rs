@@ -1,7 +1,9 @@
-//! `--keep-clear`: a robot that does not touch itself.
+//! `--keep-clear`, `--world` and `--margin`: a robot that touches neither itself nor what stands about it.
+
+use std::path::PathBuf;
 
 use clap::Args;
-use kinopt::collision::Checker;
+use kinopt::collision::{Checker, World};
 use kinopt::counted;
 use kinopt::motion::retarget::Retargeted;
 use kinopt::motion::retarget::folder::FolderQuestion;
@@ -11,7 +13,7 @@ use crate::collision_options::{ShapeOptions, SphereOption};
 use crate::failure::Outcome;
 use crate::help_headings::COLLISIONS;
 use crate::number_list::not_negative;
-use crate::output;
+use crate::{output, world_file};
 
 /// Options about collisions.
 #[derive(Args, Clone, Debug)]
@@ -23,6 +25,18 @@ pub(super) struct KeepClearOptions {
     #[arg(long, value_name = "M", num_args = 0..=1, default_missing_value = "0", value_parser = not_negative, help_heading = COLLISIONS)]
     keep_clear: Option<f64>,
 
+    /// Keep the robot clear of the obstacles of a file in every frame, and of itself.
+    ///
+    /// Our JSON (`{"boxes": [{"name", "size", "position", "quaternion"}], "spheres": …}`), or a planning scene of MoveIt's (.yaml), in
+    /// metres where the robot goes: a person's boxes are as many times as large as `stride` in --json says. Feet stand on
+    /// obstacles as on the ground. Default: nothing is in the way.
+    #[arg(long, value_name = "FILE", help_heading = COLLISIONS)]
+    world: Option<PathBuf>,
+
+    /// How far all is to be apart at least, in metres; without --world of the robot's own links, as --keep-clear. Default: 0.
+    #[arg(long, value_name = "M", value_parser = not_negative, conflicts_with = "keep_clear", help_heading = COLLISIONS)]
+    margin: Option<f64>,
+
     #[command(flatten)]
     shapes: ShapeOptions,
 
@@ -30,32 +44,61 @@ pub(super) struct KeepClearOptions {
     spheres: SphereOption,
 }
 
-impl KeepClearOptions {
-    /// Says in a folder's question what is kept clear, and by which shapes unless by the usual ones.
+/// What is to be kept clear of, and in which world.
+#[derive(Clone, Debug)]
+pub(super) struct Clear {
+    pub(super) checker: Checker,
+    /// Whether obstacles are told of.
+    world: Option<World>,
+}
+
+impl Clear {
+    /// Says in a folder's question what is kept clear.
     pub(super) fn ask(&self, question: &mut FolderQuestion<'_>) {
-        question.keep_clear = self.keep_clear;
-        if self.keep_clear.is_some() {
-            question.more.extend(self.shapes.told());
-        }
+        question.keep_clear = Some(self.checker.margin());
+        question.world = self.world.as_ref().map(World::to_json);
+    }
+}
+
+impl KeepClearOptions {
+    /// By which shapes, unless by the usual ones.
+    pub(super) fn told_shapes(&self) -> Option<String> {
+        self.shapes.told()
+    }
+
+    /// The first of the options that was given.
+    fn given(&self) -> Option<&'static str> {
+        let given = [
+            (self.keep_clear.is_some(), "--keep-clear"),
+            (self.world.is_some(), "--world"),
+            (self.margin.is_some(), "--margin"),
+        ];
+        let mut given = given.into_iter();
+        given.find(|(given, _)| *given).map(|(_, name)| name)
     }
 
     /// What is to be kept clear of, if anything is.
     ///
     /// # Errors
-    /// A figure, and a robot without shapes.
-    pub(super) fn checker(&self, target: &Target) -> Outcome<Option<Checker>> {
-        let Some(margin) = self.keep_clear else {
+    /// A figure, a robot without shapes, and a file that is not there or damaged.
+    pub(super) fn clear(&self, target: &Target) -> Outcome<Option<Clear>> {
+        let Some(option) = self.given() else {
             return Ok(None);
         };
         if target.loaded.robot.is_none() {
             return Err(usage!(
-                "--keep-clear is for robots with collision shapes, and {} is a {}",
+                "{option} is for robots with collision shapes, and {} is a {}",
                 target.loaded.file,
                 target.loaded.kind()
             ));
         }
+        let world = world_file::read(self.world.as_deref())?;
         let checker = self.spheres.checker(self.shapes.model(&target.robot)?)?;
-        Ok(Some(checker.with_margin(margin)?))
+        let margin = self.margin.or(self.keep_clear).unwrap_or(0.0);
+        Ok(Some(Clear {
+            checker: checker.with_world(&world)?.with_margin(margin)?,
+            world: self.world.is_some().then_some(world),
+        }))
     }
 }
 

@@ -99,9 +99,6 @@ impl MapChoice {
             Some(lacking) => failure!("{lacking}, and of {file} {error}"),
             None => told(error),
         })?;
-        if let Some(lacking) = &lacking {
-            output::message(&format!("note: {lacking}, so names tell what"));
-        }
         if lacking.is_some() || self.given().is_none() {
             say_parts(file, &guess);
         }

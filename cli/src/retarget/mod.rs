@@ -11,14 +11,13 @@ mod target;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use kinopt::collision::Checker;
 use kinopt::counted;
 use kinopt::motion::retarget::folder::FolderQuestion;
 use kinopt::motion::retarget::{FootShapes, GivenUp, KnownSkeleton, RetargetOptions, Retargeting};
 use serde::Serialize;
 
 use self::contact_options::ContactOptions;
-use self::keep_clear::{KeepClearOptions, tell_touching};
+use self::keep_clear::{Clear, KeepClearOptions, tell_touching};
 use self::map_choice::{MapChoice, MapOptions};
 use self::movement_file::Format;
 use self::source::{SourceOptions, Up};
@@ -36,6 +35,8 @@ Examples:
                                                all frames as one: smooth; told is how still feet stand
   kinopt retarget walk.bvh g1.urdf --base-joint free --keep-clear 0.01 --out walk.npz
                                                no link nearer than 1 cm to another
+  kinopt retarget climb.npy g1.urdf --map g1.json --base-joint free --world boxes.json --out climb.npz
+                                               clear of boxes, and of itself
   kinopt retarget walk.bvh g1.urdf --print-map > map.json
                                                which joint would drive which frame, to be corrected
   kinopt retarget poses.npy g1.urdf --map smpl --base-joint free --out poses.csv
@@ -114,6 +115,8 @@ struct Clip {
     out: PathBuf,
     frames: usize,
     fps: f64,
+    /// How many times as large as the person's the steps are.
+    stride: f64,
     /// Metres, in the mean over all driven points and frames.
     mean_error: f64,
     /// Metres, at most.
@@ -163,7 +166,7 @@ fn of_given_up(own: GivenUp) -> LetGo {
 struct Job<'a> {
     arguments: &'a Arguments,
     target: Target,
-    checker: Option<Checker>,
+    clear: Option<Clear>,
     /// Of the feet: meshes that are not found are left out.
     shapes: FootShapes,
     map: MapChoice,
@@ -181,7 +184,7 @@ impl<'a> Job<'a> {
         let map = arguments.map.read(&arguments.target)?;
         Ok(Self {
             arguments,
-            checker: arguments.keep_clear.checker(&target)?,
+            clear: arguments.keep_clear.clear(&target)?,
             shapes: FootShapes::of_files(&target.robot),
             target,
             map,
@@ -199,7 +202,12 @@ impl<'a> Job<'a> {
     fn question(&self) -> FolderQuestion<'_> {
         let mut question = FolderQuestion::new(&self.target.robot, self.options());
         self.arguments.source_options.ask(&mut question);
-        self.arguments.keep_clear.ask(&mut question);
+        if let Some(clear) = &self.clear {
+            clear.ask(&mut question);
+            question
+                .more
+                .extend(self.arguments.keep_clear.told_shapes());
+        }
         question.map = self.map.given();
         question.skeleton = self.map.skeleton().map(KnownSkeleton::name);
         question.whole = self.arguments.whole;
@@ -221,10 +229,12 @@ impl<'a> Job<'a> {
         // What the command says comes first.
         map.up = Some(read.up);
         let fitted = Retargeting::new(robot, &map, &read.capture, self.options());
+        let mut stride = 1.0;
         let found = fitted.and_then(|retargeting| {
             self.target.tell_up(retargeting.model_stands_along());
-            let retargeting = match &self.checker {
-                Some(checker) => retargeting.keep_clear(checker),
+            stride = retargeting.stride();
+            let retargeting = match &self.clear {
+                Some(clear) => retargeting.keep_clear(&clear.checker),
                 None => retargeting,
             };
             match self.arguments.whole {
@@ -242,6 +252,7 @@ impl<'a> Job<'a> {
             out: out.to_owned(),
             frames: found.frames(),
             fps: found.frame_rate,
+            stride,
             mean_error: found.mean_error,
             slip: found.slip,
             sunk: found.sunk,

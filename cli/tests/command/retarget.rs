@@ -1,6 +1,9 @@
 //! Promise: `retarget` brings an array of places onto a robot, frame by frame or as a whole, and writes what humanoid
 //! learning reads; what is wrong with files and options is told, and nothing is written then.
 
+use kinopt::collision::{Checker, World};
+use kinopt::robot::{BaseJoint, Robot};
+
 use crate::forked_rig::*;
 
 const MAP: &str = r#"{"joints": ["hips", "left", "right"], "fps": 30,
@@ -120,6 +123,57 @@ fn a_robot_keeps_clear_of_itself_where_it_is_to() {
         assert_eq!(answer!("{asked} --keep-clear {margin}")["frames"], 4);
     }
     refused!("{asked} --keep-clear=-1" => 2, "keep-clear");
+}
+
+/// A head that would be in a pole, frame by frame and as a whole.
+#[test]
+fn a_robot_keeps_clear_of_a_world_where_it_is_to() {
+    let folder = Folder::new("retarget-world");
+    let map = folder.text("map.json", MAP);
+    let source = array(&folder, "sway.npy", &sway(6));
+    let robot = model("aldebaran_nao.urdf");
+    let out = folder.file("sway.json");
+    let asked = format!("retarget {source} {robot} --map {map} --base-joint free --out {out}");
+    let box_of = |name: &str, size: &str, x: f64| {
+        let text = format!(
+            r#"{{"boxes": [{{"name": "{name}", "size": {size}, "position": [{x}, 0, 0]}}]}}"#
+        );
+        folder.text(&format!("{name}.json"), text)
+    };
+    let world = box_of("pole", "[0.04, 0.04, 2]", 0.08);
+    let body = Robot::read(&robot).unwrap();
+    let body = body.with_base_joint(BaseJoint::FREE).unwrap();
+    let checker = Checker::of(&body).unwrap();
+    let checker = checker.with_world(&World::read(&world).unwrap()).unwrap();
+    let touches = || {
+        let written: serde_json::Value =
+            serde_json::from_str(&std::fs::read_to_string(&out).unwrap()).unwrap();
+        let frames = list(&written["q"]).iter().filter(|q| {
+            let q: Vec<f64> = list(q)
+                .iter()
+                .filter_map(serde_json::Value::as_f64)
+                .collect();
+            !checker.collisions(&q).unwrap().is_empty()
+        });
+        frames.count()
+    };
+    let told = answer!("{asked} --keep-clear");
+    assert!(told["stride"].as_f64().unwrap() < 1.0, "{told}");
+    assert!(touches() > 0);
+    for how in ["", "--margin 0.002 --whole", "--keep-clear 0.002"] {
+        let (_, told) = answer!(told "{asked} --world {world} {how}");
+        assert!(!told.contains("touches"), "{told}");
+        assert_eq!(touches(), 0, "{how}");
+    }
+    // In the middle of it there is no way out, which is told.
+    let world = box_of("rock", "[9, 9, 9]", 0.0);
+    let (_, told) = answer!(told "{asked} --world {world}");
+    says!(told => "touches all the same, first in frame 0");
+    refused!("{asked} --world {world} --margin 0.1 --keep-clear 0.1" => 2, "--margin");
+    refused!("{asked} --margin=-1" => 2, "margin");
+    refused!("{asked} --world none.json" => 1, "none.json");
+    let rig = model("humanoid/humanoid.json");
+    refused!("retarget {rig} {rig} --world {world} --out {out}" => 2, "--world is for robots");
 }
 
 #[test]

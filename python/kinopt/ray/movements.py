@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 import ray
 
+from .._kinopt import World
 from ..retargeting.folder import ClipReport, FolderJob, Pair, folder_job
 from ..retargeting.maps import MapLike
 from ..retargeting.targets import TargetLike
@@ -29,6 +30,8 @@ def retarget_files(
     contact_height: float | None = None,
     acceleration: float | None = None,
     keep_clear: float | None = None,
+    world: World | None = None,
+    margin: float | None = None,
     again: bool = False,
     workers: int | None = None,
     **options: Any,
@@ -54,6 +57,8 @@ def retarget_files(
         contact_height=contact_height,
         acceleration=acceleration,
         keep_clear=keep_clear,
+        world=world,
+        margin=margin,
     )
     begun = job.begin(again)
     many = workers or cores()

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
 from .. import progress as bars
+from .._kinopt import World
 from .._kinopt.retargeting import folder_begun
 from ..errors import InvalidValueError, KinoptError
 from .maps import MapLike, is_skeleton, read_map
@@ -114,6 +115,8 @@ def retarget_folder(
     contact_height: float | None = None,
     acceleration: float | None = None,
     keep_clear: float | None = None,
+    world: World | None = None,
+    margin: float | None = None,
     threads: int | None = None,
     again: bool = False,
     progress: bool | Callable[[int, int], None] = False,
@@ -143,6 +146,8 @@ def retarget_folder(
         contact_height=contact_height,
         acceleration=acceleration,
         keep_clear=keep_clear,
+        world=world,
+        margin=margin,
     )
     if threads is not None and threads < 1:
         raise InvalidValueError(f"threads is {threads}: at least 1, or None for all cores")

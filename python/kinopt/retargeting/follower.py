@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from numpy.typing import ArrayLike
 
+from .._kinopt import World
 from .._kinopt.retargeting import Live
 from ..types import Floats
 from .maps import MapLike
@@ -40,6 +41,8 @@ class RetargetFollower:
         contact_speed: float | None = None,
         contact_height: float | None = None,
         keep_clear: float | None = None,
+        world: World | None = None,
+        margin: float | None = None,
     ) -> None:
         own = asked(
             measured,
@@ -53,6 +56,8 @@ class RetargetFollower:
             contact_height=contact_height,
             acceleration=None,
             keep_clear=keep_clear,
+            world=world,
+            margin=margin,
         )
         self._live = Live(own.capture, own.target, json.dumps(own.map), own.options)
         self._map = own.map

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from .._kinopt import World
 from .._kinopt.retargeting import Capture, capture_retargeted
 from .maps import MapLike, completed, guess_map, is_skeleton, read_map
 from .movement import GivenUp, LimitMet, Retargeted, Touching
@@ -72,6 +73,8 @@ def retarget(
     contact_height: float | None = None,
     acceleration: float | None = None,
     keep_clear: float | None = None,
+    world: World | None = None,
+    margin: float | None = None,
 ) -> Retargeted:
     """Brings a person's movement onto a robot or a rig, within its limits of position and speed in every frame.
 
@@ -89,7 +92,8 @@ def retarget(
     what comes; with ``whole`` all are solved as one: smooth, and feet stand as still as frame by frame (``slip`` tells how still). ``contact_speed`` (m/s) and
     ``contact_height`` (metres over the ground) say when feet stand, ``acceleration`` what 1 rad/s² costs with ``whole``,
     in metres off a place. ``keep_clear``: by how many metres a ``Robot``'s links are kept apart in every frame, by the exact distances of its
-    collision shapes; ``touching`` tells of frames in which that cannot be. The GIL is released.
+    collision shapes; ``touching`` tells of frames in which that cannot be. ``world``: a ``World`` that it keeps clear of, and of itself, in
+    metres where the robot goes (a person's boxes are ``stride`` times as large there), by ``margin``; feet stand on obstacles as on the ground. The GIL is released.
 
     Raises ``UnknownNameError`` for names that the map has and the capture or the target has not, ``InvalidValueError`` for
     what is wrong with arrays, names and options, ``FileError`` and ``InvalidFileError`` of files.
@@ -106,6 +110,8 @@ def retarget(
         contact_height=contact_height,
         acceleration=acceleration,
         keep_clear=keep_clear,
+        world=world,
+        margin=margin,
     )
     q, names, contacts, standing, errors, driven, measured, limits, touching, given_up, stands_along = capture_retargeted(
         own.capture, own.target, json.dumps(own.map), whole, own.options

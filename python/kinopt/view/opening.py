@@ -152,19 +152,29 @@ def open_page(
     """The page of a model: see `python -m kinopt.view --help`. Raises as `open_model` and `World.read`, `UnknownNameError` for
     a frame to hold, `InvalidValueError` for a world around what has no shapes, and as `kinopt.retarget` for a movement."""
     path = Path(path)
+    if world is not None and not isinstance(world, kinopt.World):
+        world = kinopt.World.read(world)
     movement = None
     if retarget is not None:
         base_joint = base_joint or ("free" if path.suffix.lower() != ".json" else None)
     opened = open_model(path, base_joint)
     if retarget is not None:
+        around = world if isinstance(opened.thing, kinopt.Robot) else None
         movement = kinopt.retarget(
-            retarget, opened.thing, None if map is None else str(map), fps=fps, whole=whole, keep_clear=keep_clear
+            retarget,
+            opened.thing,
+            None if map is None else str(map),
+            fps=fps,
+            whole=whole,
+            keep_clear=keep_clear,
+            # A figure's movement keeps clear of nothing.
+            world=around,
+            margin=None if around is None or keep_clear is not None else margin,
         )
         opened.notes += movement.notes
         if movement.touching:
-            opened.notes.append(f"links touch in {len(movement.touching)} of {len(movement)} frames")
+            opened.notes.append(f"something touches in {len(movement.touching)} of {len(movement)} frames")
     if world is not None:
-        world = world if isinstance(world, kinopt.World) else kinopt.World.read(world)
         # Whether it goes with the model is known before a page opens.
         kinopt.Problem(opened.thing, world=world, margin=margin)
     scene = Scene(host=host, port=port, up=up or opened.up, title=path.name)

@@ -40,6 +40,7 @@ pub(super) fn folder_begun(
     let mut how = options.read(up.unwrap_or_default());
     how.shapes = foot_shapes_of(target);
     let map = map.map(|map| read_map(map, &robot)).transpose()?;
+    let world = options.world(target.py())?;
     let asked = FolderQuestion::new(&robot, how)
         .with_map(map.as_ref())
         .with_skeleton(skeleton)
@@ -48,7 +49,8 @@ pub(super) fn folder_begun(
         .with_up(up)
         .with_clip(reading.clip.as_deref())
         .with_whole(reading.whole)
-        .with_keep_clear(options.keep_clear());
+        .with_keep_clear(options.margin()?)
+        .with_world(world.map(|world| world.to_json()));
     let (source, into) = folders;
     let found = MovementFolder::find(&source, &into, "npz").or_raise()?;
     let begun = found.begin(&asked, again).map_err(|error| {

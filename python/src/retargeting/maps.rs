@@ -66,13 +66,7 @@ pub(super) fn map_completed(
     let guess = map
         .completed(&capture.get().inner, robot.model())
         .or_raise()?;
-    let (map, .., mut notes) = guessed(guess, capture.get().up);
-    if lacks {
-        notes.insert(
-            0,
-            "the map drives nothing of the target, so names tell what".to_owned(),
-        );
-    }
+    let (map, .., notes) = guessed(guess, capture.get().up);
     Ok((lacks.then_some(map), notes))
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use kinopt::collision::Checker;
+use kinopt::collision::{self, Checker};
 use kinopt::motion::retarget::{
     self, BodyMap, FootShapes, RetargetError, RetargetOptions, Retargeting, UpAxis,
 };
@@ -14,6 +14,7 @@ use super::figure_target::FigureTarget;
 use crate::error::{OrRaise, invalid};
 use crate::has_model::model_of;
 use crate::model::Model;
+use crate::world::World;
 
 /// What a movement is brought onto, as a robot: figures are put on a free base.
 pub(super) fn target_of(target: &Bound<'_, PyAny>) -> PyResult<Arc<Robot>> {
@@ -39,11 +40,33 @@ pub(super) struct Options {
     contact_height: Option<f64>,
     acceleration: Option<f64>,
     keep_clear: Option<f64>,
+    world: Option<Py<PyAny>>,
+    margin: Option<f64>,
 }
 
 impl Options {
-    pub(super) fn keep_clear(&self) -> Option<f64> {
-        self.keep_clear
+    /// By how many metres all is kept apart, if anything is; `margin` and `keep_clear` say the same.
+    pub(super) fn margin(&self) -> PyResult<Option<f64>> {
+        match (self.keep_clear, self.margin) {
+            (Some(_), Some(_)) => Err(invalid(
+                "keep_clear and margin both say how far links are kept apart: give one of them",
+            )),
+            (own, margin) => Ok(own.or(margin).or(self.world.is_some().then_some(0.0))),
+        }
+    }
+
+    /// The obstacles that are kept clear of, as they stand now.
+    pub(super) fn world(&self, py: Python<'_>) -> PyResult<Option<collision::World>> {
+        let Some(given) = &self.world else {
+            return Ok(None);
+        };
+        let given = given.bind(py);
+        match given.cast::<World>() {
+            Ok(world) => Ok(Some(world.get().snapshot())),
+            Err(_) => Err(invalid(format!(
+                "world must be a kinopt.World, not {given}"
+            ))),
+        }
     }
 
     pub(super) fn read(&self, up: UpAxis) -> RetargetOptions {
@@ -56,14 +79,17 @@ impl Options {
     }
 }
 
-/// What keeps a robot's links apart by so many metres, where they are to be.
+/// What keeps a robot's links apart from each other and from obstacles by so many metres, where they are to be.
 fn checker_of(target: &Bound<'_, PyAny>, options: &Options) -> PyResult<Option<Checker>> {
-    let Some(margin) = options.keep_clear else {
+    let Some(margin) = options.margin()? else {
         return Ok(None);
     };
     let robot = target.cast::<crate::robot::Robot>();
-    let robot = robot.map_err(|_| invalid("keep_clear is for a Robot with collision shapes"))?;
-    let checker = robot.get().checker()?;
+    let robot = robot.map_err(|_| {
+        invalid("keep_clear, world and margin are for a Robot with collision shapes")
+    })?;
+    let world = options.world(target.py())?.unwrap_or_default();
+    let checker = robot.get().checker()?.with_world(&world).or_raise()?;
     Ok(Some(checker.with_margin(margin).or_raise()?))
 }
 

@@ -30,7 +30,8 @@ pub struct MapGuess {
     pub body: Option<&'static str>,
     /// The axis along which the body stands, of y and z, where its parts tell.
     pub up: Option<UpAxis>,
-    /// What is to be looked at: parts that one of both has not by its names, and proportions that are no body's.
+    /// What is to be looked at: a map that drives nothing of the model, parts that one of both has not by its names, and proportions
+    /// that are no body's.
     pub notes: Vec<String>,
 }
 
@@ -44,6 +45,9 @@ fn parts_of_capture(capture: &Capture) -> (BTreeMap<BodyPart, usize>, Option<&'s
     };
     (parts, skeleton)
 }
+
+/// What is told of a map without drives.
+const LACKING: &str = "the map drives nothing of the target, so names tell what";
 
 impl BodyMap {
     /// Guesses which joint of a capture drives which frame of a model: by the [known](KnownSkeleton) skeletons and bodies
@@ -68,7 +72,13 @@ impl BodyMap {
                 contacts: self.contacts.or(guess.map.contacts),
                 ..self
             };
-            return Ok(MapGuess { map, ..guess });
+            let lacking = LACKING.to_owned();
+            let notes = std::iter::once(lacking).chain(guess.notes).collect();
+            return Ok(MapGuess {
+                map,
+                notes,
+                ..guess
+            });
         }
         let (mut parts, _) = parts_of_capture(capture);
         let drives = |joint: &String| self.drives.iter().any(|drive| drive.joint == *joint);

@@ -4,11 +4,12 @@ use kinopt::motion::retarget::{LiveFollower, UpAxis};
 use kinopt::spatial::Vector3;
 use wasm_bindgen::prelude::*;
 
-use super::{FollowerOptions, Mapped, OF_BOTH};
+use super::{ClearFollowerOptions, FollowerOptions, Mapped, OF_BOTH};
 use crate::clip::Clip;
 use crate::given::Given;
 use crate::raise;
 use crate::robot::Robot;
+use crate::world::{CollisionModel, World};
 
 /// Follows a person live: one frame's places in, that frame's configuration out, in a bounded number of steps.
 ///
@@ -37,16 +38,24 @@ impl RetargetFollower {
     ) -> Result<Self, JsError> {
         let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
         let options = Given::new(options, "option of a follower", &OF_BOTH)?;
-        let mapped = Mapped::new(robot, measured, map, &options)?;
-        let retargeting = mapped.fitted(robot)?;
-        Ok(Self {
-            inner: retargeting.live().map_err(raise)?,
-            stride: retargeting.stride(),
-            joints: mapped.capture.names().to_vec(),
-            map: mapped.map.to_json(),
-            up: mapped.map.up.unwrap_or(mapped.options.up),
-            notes: mapped.notes,
-        })
+        Self::of(robot, Mapped::new(robot, measured, map, &options)?)
+    }
+
+    /// One that touches nothing of a world, nor itself, as `retargetClear` has it.
+    pub fn clear(
+        robot: &Robot,
+        measured: &Clip,
+        shapes: &CollisionModel,
+        world: &World,
+        map: Option<String>,
+        options: Option<ClearFollowerOptions>,
+    ) -> Result<Self, JsError> {
+        let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
+        let known: Vec<&str> = OF_BOTH.into_iter().chain(["margin"]).collect();
+        let options = Given::new(options, "option of a follower", &known)?;
+        let mut mapped = Mapped::new(robot, measured, map, &options)?;
+        mapped.clear = Some(shapes.checker(world, options.number("margin")?)?);
+        Self::of(robot, mapped)
     }
 
     /// Goes on to the next frame: where the joints are, three numbers each, as `Armature.places` gives them. Returns the
@@ -109,5 +118,19 @@ impl RetargetFollower {
     #[wasm_bindgen(getter)]
     pub fn notes(&self) -> Vec<String> {
         self.notes.clone()
+    }
+}
+
+impl RetargetFollower {
+    fn of(robot: &Robot, mapped: Mapped) -> Result<Self, JsError> {
+        let retargeting = mapped.fitted(robot)?;
+        Ok(Self {
+            inner: retargeting.live().map_err(raise)?,
+            stride: retargeting.stride(),
+            joints: mapped.capture.names().to_vec(),
+            map: mapped.map.to_json(),
+            up: mapped.map.up.unwrap_or(mapped.options.up),
+            notes: mapped.notes,
+        })
     }
 }

@@ -3,6 +3,7 @@
 mod follower;
 mod movement;
 
+use kinopt::collision::Checker;
 use kinopt::model::UnknownName;
 use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting, UpAxis};
 use wasm_bindgen::prelude::*;
@@ -25,6 +26,11 @@ export interface FollowerOptions {
     contactHeight?: number;
 }
 
+export interface ClearFollowerOptions extends FollowerOptions {
+    /** How far all is to be apart at least, metres; 0 unless told. */
+    margin?: number;
+}
+
 export interface RetargetingOptions extends FollowerOptions {
     /** All frames as one problem, smooth and with feet that stand; frame after frame otherwise. */
     whole?: boolean;
@@ -32,6 +38,11 @@ export interface RetargetingOptions extends FollowerOptions {
     acceleration?: number;
     /** Of whole movements: hears how many frames are done, of how many. */
     progress?: (done: number, total: number) => void;
+}
+
+export interface ClearRetargetingOptions extends RetargetingOptions {
+    /** How far all is to be apart at least, metres; 0 unless told. */
+    margin?: number;
 }
 "#;
 
@@ -43,6 +54,12 @@ extern "C" {
     /// Options of a follower.
     #[wasm_bindgen(typescript_type = "FollowerOptions")]
     pub type FollowerOptions;
+    /// Options of a retargeting that keeps clear.
+    #[wasm_bindgen(typescript_type = "ClearRetargetingOptions")]
+    pub type ClearRetargetingOptions;
+    /// Options of a follower that keeps clear.
+    #[wasm_bindgen(typescript_type = "ClearFollowerOptions")]
+    pub type ClearFollowerOptions;
 }
 
 /// What both take.
@@ -54,6 +71,8 @@ struct Mapped {
     map: BodyMap,
     options: RetargetOptions,
     notes: Vec<String>,
+    /// What is kept clear of.
+    clear: Option<Checker>,
 }
 
 impl Mapped {
@@ -72,17 +91,16 @@ impl Mapped {
         };
         let fps = options.number("fps")?.unwrap_or(30.0);
         let capture = Capture::of_clip(clip.armature(), clip.inner(), fps).map_err(raise)?;
-        let map = match map {
+        let model = robot.inner.model();
+        let guess = match map {
             Some(map) => {
                 let map = BodyMap::from_json(&map, robot.inner.name());
                 let wrong = |error| raise(format_args!("the map: {error}"));
-                map.map_err(wrong)?
+                map.map_err(wrong)?.completed(&capture, model)
             }
-            None => BodyMap::default(),
+            None => BodyMap::guess(&capture, model),
         };
-        let guess = map
-            .completed(&capture, robot.inner.model())
-            .map_err(raise)?;
+        let guess = guess.map_err(raise)?;
         let up = told.or(guess.up).unwrap_or(UpAxis::Y);
         let mut how = RetargetOptions::default().with_up(up);
         let contacts = &mut how.contacts;
@@ -93,12 +111,18 @@ impl Mapped {
             map: guess.map,
             options: how,
             notes: guess.notes,
+            clear: None,
         })
     }
 
-    /// It fitted to the robot: limbs by their lengths, the ground, and what stands.
+    /// It fitted to the robot: limbs by their lengths, the ground, and what stands; clear of what there is to keep clear of.
     fn fitted<'r>(&self, robot: &'r Robot) -> Result<Retargeting<'r>, JsError> {
         let options = self.options.clone();
-        Retargeting::new(&robot.inner, &self.map, &self.capture, options).map_err(raise)
+        let fitted = Retargeting::new(&robot.inner, &self.map, &self.capture, options);
+        let fitted = fitted.map_err(raise)?;
+        Ok(match &self.clear {
+            Some(checker) => fitted.keep_clear(checker),
+            None => fitted,
+        })
     }
 }

@@ -4,17 +4,19 @@ use js_sys::Function;
 use kinopt::motion::retarget;
 use wasm_bindgen::prelude::*;
 
-use super::{Mapped, OF_BOTH, RetargetingOptions};
+use super::{ClearRetargetingOptions, Mapped, OF_BOTH, RetargetingOptions};
 use crate::clip::Clip;
 use crate::given::Given;
 use crate::raise;
 use crate::robot::Robot;
 use crate::view;
+use crate::world::{CollisionModel, World};
 
 /// A movement on a robot.
 #[wasm_bindgen]
 pub struct Retargeted {
     inner: retarget::Retargeted,
+    stride: f64,
     map: String,
     notes: Vec<String>,
 }
@@ -29,10 +31,40 @@ pub fn retarget(
     options: Option<RetargetingOptions>,
 ) -> Result<Retargeted, JsValue> {
     let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
+    solve(robot, clip, None, map, options)
+}
+
+/// The same for a robot that touches nothing of a world in any frame, nor itself, by the exact distances of its shapes. The world is in metres
+/// where the robot goes: a person's boxes are `stride` times as large there. Feet stand on obstacles as on the ground; `touching` has
+/// the frames in which something touches all the same.
+#[wasm_bindgen(js_name = retargetClear)]
+pub fn retarget_clear(
+    robot: &Robot,
+    clip: &Clip,
+    shapes: &CollisionModel,
+    world: &World,
+    map: Option<String>,
+    options: Option<ClearRetargetingOptions>,
+) -> Result<Retargeted, JsValue> {
+    let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
+    solve(robot, clip, Some((shapes, world)), map, options)
+}
+
+fn solve(
+    robot: &Robot,
+    clip: &Clip,
+    around: Option<(&CollisionModel, &World)>,
+    map: Option<String>,
+    options: JsValue,
+) -> Result<Retargeted, JsValue> {
     let own = ["whole", "acceleration", "progress"];
-    let known: Vec<&str> = OF_BOTH.into_iter().chain(own).collect();
+    let of_clear = around.is_some().then_some("margin");
+    let known: Vec<&str> = OF_BOTH.into_iter().chain(own).chain(of_clear).collect();
     let options = Given::new(options, "option of a retargeting", &known)?;
     let mut mapped = Mapped::new(robot, clip, map, &options)?;
+    if let Some((shapes, world)) = around {
+        mapped.clear = Some(shapes.checker(world, options.number("margin")?)?);
+    }
     if let Some(acceleration) = options.number("acceleration")? {
         mapped.options.acceleration = acceleration;
     }
@@ -44,7 +76,7 @@ pub fn retarget(
         }
     };
     let retargeting = mapped.fitted(robot)?;
-    let total = retargeting.frames();
+    let (total, stride) = (retargeting.frames(), retargeting.stride());
     let mut raised = None;
     let found = match options.switch("whole")?.unwrap_or(false) {
         false => retargeting.per_frame(),
@@ -60,6 +92,7 @@ pub fn retarget(
         Some(error) => Err(error),
         None => Ok(Retargeted {
             inner: found.map_err(raise)?,
+            stride,
             map: mapped.map.to_json(),
             notes: mapped.notes,
         }),
@@ -84,6 +117,19 @@ impl Retargeted {
     #[wasm_bindgen(getter)]
     pub fn fps(&self) -> f64 {
         self.inner.frame_rate
+    }
+
+    /// How many times as large as the person's its steps are, metres a unit of the capture.
+    #[wasm_bindgen(getter)]
+    pub fn stride(&self) -> f64 {
+        self.stride
+    }
+
+    /// The frames in which something touches all the same, where the robot is to keep clear.
+    #[wasm_bindgen(getter)]
+    pub fn touching(&self) -> Vec<u32> {
+        let touching = self.inner.touching.iter();
+        touching.map(|own| own.frame as u32).collect()
     }
 
     /// The map that it went by, as JSON.

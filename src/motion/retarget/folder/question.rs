@@ -32,6 +32,8 @@ pub struct FolderQuestion<'a> {
     pub whole: bool,
     /// By how many metres links are kept apart.
     pub keep_clear: Option<f64>,
+    /// The obstacles that are kept clear of, as `World::to_json` has them.
+    pub world: Option<String>,
     /// What else is asked, in words of whoever asks.
     pub more: Vec<String>,
 }
@@ -51,6 +53,7 @@ impl<'a> FolderQuestion<'a> {
             clip: None,
             whole: false,
             keep_clear: None,
+            world: None,
             more: Vec::new(),
         }
     }
@@ -72,6 +75,8 @@ impl<'a> FolderQuestion<'a> {
         pub fn with_whole(mut self, whole: bool) { self.whole = whole }
         /// With links kept apart by so many metres.
         pub fn with_keep_clear(mut self, metres: impl Into<Option<f64>>) { self.keep_clear = metres.into() }
+        /// Clear of obstacles, as `World::to_json` has them.
+        pub fn with_world(mut self, json: impl Into<Option<String>>) { self.world = json.into() }
     }
 
     /// The same text for the same question.
@@ -129,6 +134,7 @@ impl<'a> FolderQuestion<'a> {
             ("tolerance", json!(self.options.tolerance)),
             ("windows", json!([windows.frames, windows.ahead])),
             ("keep_clear", json!(self.keep_clear)),
+            ("world", json!(self.world.as_deref().map(digest))),
             ("more", json!(self.more)),
         ];
         let all = all.into_iter().map(|(key, value)| (key.to_owned(), value));
@@ -138,7 +144,7 @@ impl<'a> FolderQuestion<'a> {
     /// A digest of all that makes the target move as it does.
     fn of_target(&self) -> String {
         let (model, map) = (self.target.model(), self.target.map());
-        let mut digest = Digest(0xCBF2_9CE4_8422_2325);
+        let mut digest = Digest(BEGUN);
         let speeds = model.joint_ids().map(|id| self.target.velocity_limit(id));
         let speeds: Vec<Option<f64>> = speeds.collect();
         let shapes = self.options.shapes.clone();
@@ -168,6 +174,17 @@ fn as_value(map: &BodyMap) -> Value {
 fn finite(number: f64) -> Option<f64> {
     Some(number).filter(|number| number.is_finite())
 }
+
+/// What tells a long text from another.
+fn digest(text: &str) -> String {
+    let mut digest = Digest(BEGUN);
+    // It takes whatever is written.
+    let _ = digest.write_str(text);
+    format!("{:016x}", digest.0)
+}
+
+/// Where FNV-1a begins.
+const BEGUN: u64 = 0xCBF2_9CE4_8422_2325;
 
 /// FNV-1a over what is written to it.
 struct Digest(u64);
