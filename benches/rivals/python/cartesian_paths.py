@@ -74,9 +74,9 @@ class Judge:
         self.data = self.model.createData()
         self.base, self.tip = base, tip
         self.base_id, self.tip_id = (self.model.getFrameId(frame) for frame in (base, tip))
-        self.columns = [self.model.joints[self.model.getJointId(name)].idx_q for name in names]
-        self.speeds = self.model.velocityLimit[[self.model.joints[self.model.getJointId(name)].idx_v for name in names]]
-        self.slides = any("JointModelP" in self.model.joints[self.model.getJointId(name)].shortname() for name in names)
+        self.joints = [self.model.joints[self.model.getJointId(name)] for name in names]
+        self.speeds = self.model.velocityLimit[[joint.idx_v for joint in self.joints]]
+        self.slides = any("JointModelP" in joint.shortname() for joint in self.joints)
         self.jump = jump
 
     def at_rest(self, frame: str) -> pinocchio.SE3:
@@ -86,10 +86,28 @@ class Judge:
         pinocchio.framesForwardKinematics(self.model, self.data, pinocchio.neutral(self.model))
         return self.data.oMf[self.model.getFrameId(frame)].copy()
 
-    def tool(self, q: np.ndarray) -> np.ndarray:
+    def whole(self, q: np.ndarray) -> np.ndarray:
+        """Pinocchio's configuration, in which a joint without limits is a cosine and a sine."""
         whole = pinocchio.neutral(self.model)
-        whole[self.columns] = q
-        pinocchio.framesForwardKinematics(self.model, self.data, whole)
+        for value, joint in zip(q, self.joints):
+            own = [np.cos(value), np.sin(value)] if joint.nq == 2 else [value]
+            whole[joint.idx_q:joint.idx_q + joint.nq] = own
+        return whole
+
+    def angles(self, whole: np.ndarray, near: np.ndarray) -> np.ndarray:
+        """The joints of such a configuration, those without limits as many turns on as is nearest."""
+        q = np.array(near)
+        for index, joint in enumerate(self.joints):
+            own = whole[joint.idx_q:joint.idx_q + joint.nq]
+            if joint.nq == 2:
+                by = np.arctan2(own[1], own[0]) - near[index]
+                q[index] += by - 2 * np.pi * np.round(by / (2 * np.pi))
+            else:
+                q[index] = own[0]
+        return q
+
+    def tool(self, q: np.ndarray) -> np.ndarray:
+        pinocchio.framesForwardKinematics(self.model, self.data, self.whole(q))
         return self.data.oMf[self.base_id].actInv(self.data.oMf[self.tip_id]).homogeneous
 
     def line(self, name: str, asked: Asked, q: np.ndarray, seconds: float) -> str:
@@ -167,13 +185,11 @@ def by_optik(urdf: str, base: str, tip: str, asked: Asked, start: np.ndarray) ->
 
 def by_pink(judge: Judge, asked: Asked, start: np.ndarray) -> tuple[np.ndarray, float]:
     """Differential steps at each point until it is met or they do not help; the base is taken to stand at the origin."""
-    whole = pinocchio.neutral(judge.model)
-    whole[judge.columns] = start
-    configuration = pink.Configuration(judge.model, judge.data, whole)
+    configuration = pink.Configuration(judge.model, judge.data, judge.whole(start))
     task = FrameTask(judge.tip, position_cost=1.0, orientation_cost=1.0)
     pinocchio.framesForwardKinematics(judge.model, judge.data, pinocchio.neutral(judge.model))
     world_from_base = judge.data.oMf[judge.base_id].copy()
-    rows = []
+    rows, q = [], start
     begun = time.process_time()
     for point in asked.points:
         task.set_target(world_from_base * pinocchio.SE3(point))
@@ -186,7 +202,8 @@ def by_pink(judge: Judge, asked: Asked, start: np.ndarray) -> tuple[np.ndarray, 
             except pink.exceptions.PinkError:
                 break
             configuration.integrate_inplace(velocity, 1.0)
-        rows.append(configuration.q[judge.columns].copy())
+        q = judge.angles(configuration.q, q)
+        rows.append(q)
     return np.array(rows), time.process_time() - begun
 
 
