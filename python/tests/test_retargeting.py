@@ -321,7 +321,7 @@ def test_a_robot_keeps_clear_of_a_world() -> None:
     places = sway(6) * np.array([1.0, 1.5, 1.0])
     plain = kinopt.retarget(places, robot, MAP, keep_clear=0.002)
     # A pole where the head is without it.
-    head = kinopt.frame_placement(robot, "Head", plain.q[3])[:3, 3]
+    head = kinopt.frame_placement(robot, "head", plain.q[3])[:3, 3]
     world = kinopt.World()
     world.add_box("pole", (0.04, 0.04, 2.0), head + [0.08, 0, 0])
     apart = kinopt.Problem(robot, [kinopt.tasks.Posture(robot.model.neutral())], world=world, margin=0.002)

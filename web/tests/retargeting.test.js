@@ -96,10 +96,9 @@ test("a robot keeps clear of a world, whole and live, and what touches all the s
     const apart = retargetClear(robot, capture.clip, shapes, far, undefined, { fps: 10, margin: 0.001 });
     assert.deepEqual([...apart.touching], []);
     assert.ok(Math.abs(apart.meanError - plain.meanError) < 0.02 && apart.stride === plain.stride && plain.stride < 0.005);
-    // All around it there is no way out.
-    const wall = new World();
-    wall.addBox("wall", [9, 9, 9]);
-    assert.equal(retargetClear(robot, capture.clip, shapes, wall, undefined, { fps: 10 }).touching.length, plain.frames);
+    // From what it holds itself there is no way.
+    const held = World.fromJson('{"boxes": [{"name": "crate", "size": [1, 1, 1], "attached": "torso"}]}');
+    assert.equal(retargetClear(robot, capture.clip, shapes, held, undefined, { fps: 10 }).touching.length, plain.frames);
     const follower = RetargetFollower.clear(robot, capture.clip, shapes, far, undefined, { fps: 10 });
     const q = follower.step(capture.armature.places(capture.clip.sample(0)));
     assert.ok(q.every((value, k) => robot.model.lower[k] <= value && value <= robot.model.upper[k]));

@@ -134,13 +134,9 @@ fn a_robot_keeps_clear_of_a_world_where_it_is_to() {
     let robot = model("aldebaran_nao.urdf");
     let out = folder.file("sway.json");
     let asked = format!("retarget {source} {robot} --map {map} --base-joint free --out {out}");
-    let box_of = |name: &str, size: &str, x: f64| {
-        let text = format!(
-            r#"{{"boxes": [{{"name": "{name}", "size": {size}, "position": [{x}, 0, 0]}}]}}"#
-        );
-        folder.text(&format!("{name}.json"), text)
-    };
-    let world = box_of("pole", "[0.04, 0.04, 2]", 0.08);
+    let pole =
+        r#"{"boxes": [{"name": "pole", "size": [0.04, 0.04, 2], "position": [0.08, 0, 0]}]}"#;
+    let world = folder.text("pole.json", pole);
     let body = Robot::read(&robot).unwrap();
     let body = body.with_base_joint(BaseJoint::FREE).unwrap();
     let checker = Checker::of(&body).unwrap();
@@ -165,8 +161,9 @@ fn a_robot_keeps_clear_of_a_world_where_it_is_to() {
         assert!(!told.contains("touches"), "{told}");
         assert_eq!(touches(), 0, "{how}");
     }
-    // In the middle of it there is no way out, which is told.
-    let world = box_of("rock", "[9, 9, 9]", 0.0);
+    // From what it holds itself there is no way, which is told.
+    let held = r#"{"boxes": [{"name": "crate", "size": [1, 1, 1], "attached": "torso"}]}"#;
+    let world = folder.text("crate.json", held);
     let (_, told) = answer!(told "{asked} --world {world}");
     says!(told => "touches all the same, first in frame 0");
     refused!("{asked} --world {world} --margin 0.1 --keep-clear 0.1" => 2, "--margin");
