@@ -178,6 +178,13 @@ impl PoseAngles {
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let (poses, count) = asked(pose)?;
         let angles = self.skeleton.angles();
+        if let Some(odd) = poses.iter().find(|pose| pose.bones() * 3 != angles) {
+            return Err(invalid(format!(
+                "a pose of {} bones for a skeleton of {}",
+                odd.bones(),
+                self.skeleton.bones().len()
+            )));
+        }
         let shape: Vec<usize> = count.into_iter().chain([angles]).collect();
         let array = arrays::room_of::<f64>(py, out, &shape)?;
         arrays::fill(&array, |room| {

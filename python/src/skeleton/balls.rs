@@ -296,6 +296,13 @@ impl BallSkeleton {
         pose: &Bound<'py, Pose>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let pose = pose.get().now();
+        if pose.bones() != self.armature.bones() {
+            return Err(invalid(format!(
+                "the pose has {} bones, the skeleton {}",
+                pose.bones(),
+                self.armature.bones()
+            )));
+        }
         let mut q = Vec::new();
         self.bridge.configuration_of(&pose, &mut q).or_raise()?;
         Ok(arrays::list(py, &q))

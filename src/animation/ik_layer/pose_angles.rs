@@ -46,6 +46,11 @@ pub(crate) fn bone_angles(rotation: DQuat, limits: &[Limits; 3]) -> [f64; 3] {
     if second_is_better { b } else { a }
 }
 
+/// Refuses a pose without all bones of a skeleton; behind them it may have others, as a scene's does.
+pub(super) fn has_bones(pose: &Pose, bones: usize) -> Result<(), SizeMismatch> {
+    SizeMismatch::check("bones in the pose", pose.bones().min(bones), bones)
+}
+
 /// A skeleton's rest rotations, to go from angles to local rotations and back.
 #[derive(Clone, Debug)]
 pub struct PoseAngles {
@@ -69,13 +74,13 @@ impl PoseAngles {
     /// room for all bones of the skeleton.
     ///
     /// # Errors
-    /// A pose of another number of bones.
+    /// A pose of fewer bones.
     pub fn angles_of(
         &self,
         pose: &Pose,
         q: &mut (impl Buffer<f64> + ?Sized),
     ) -> Result<(), SizeMismatch> {
-        SizeMismatch::check("bones in the pose", pose.bones(), self.rest.len())?;
+        has_bones(pose, self.rest.len())?;
         let q = q.sized(ANGLES_PER_BONE * self.rest.len());
         let bones = self.rest.iter().zip(&self.limits).zip(pose.rotations());
         for (angles, ((rest, limits), rotation)) in q.chunks_exact_mut(ANGLES_PER_BONE).zip(bones) {
@@ -88,9 +93,9 @@ impl PoseAngles {
     /// Writes the local rotations of stacked angles (radians, shape 3 × bones) into a pose.
     ///
     /// # Errors
-    /// A pose of another number of bones; another number of angles, or one that is not finite. The pose stays.
+    /// A pose of fewer bones; another number of angles, or one that is not finite. The pose stays.
     pub fn pose_of(&self, q: &[f64], pose: &mut Pose) -> Result<(), ReachError> {
-        SizeMismatch::check("bones in the pose", pose.bones(), self.rest.len())?;
+        has_bones(pose, self.rest.len())?;
         let angles = ANGLES_PER_BONE * self.rest.len();
         ModelError::check_numbers("angles of this skeleton", q, angles)?;
         for index in 0..self.rest.len() {

@@ -3,6 +3,7 @@
 use glam::{DAffine3, DQuat, DVec3, Vec3A};
 
 use super::ReachError;
+use super::pose_angles::has_bones;
 use crate::animation::{Armature, Pose};
 use crate::skeleton::{BallSkeleton, BoneId};
 use crate::{Buffer, SizeMismatch};
@@ -73,13 +74,13 @@ impl PoseTurns {
     /// free root is. A `Vec` gets room for all of it.
     ///
     /// # Errors
-    /// A pose of another number of bones.
+    /// A pose of fewer bones.
     pub fn configuration_of(
         &self,
         pose: &Pose,
         q: &mut (impl Buffer<f64> + ?Sized),
     ) -> Result<(), SizeMismatch> {
-        SizeMismatch::check("bones in the pose", pose.bones(), self.rest.len())?;
+        has_bones(pose, self.rest.len())?;
         let model = self.figure.model();
         let q = q.sized(model.configuration_len());
         let bones = self.rest.iter().zip(pose.rotations()).enumerate();
@@ -121,10 +122,10 @@ impl PoseTurns {
     /// Writes the local rotations of a configuration into a pose, and where it has a free root.
     ///
     /// # Errors
-    /// A pose of another number of bones; a configuration of another length, not finite or with a quaternion of
+    /// A pose of fewer bones; a configuration of another length, not finite or with a quaternion of
     /// length zero. The pose stays.
     pub fn pose_of(&self, q: &[f64], pose: &mut Pose) -> Result<(), ReachError> {
-        SizeMismatch::check("bones in the pose", pose.bones(), self.rest.len())?;
+        has_bones(pose, self.rest.len())?;
         self.figure.model().check_configuration(q)?;
         for (index, rest) in self.rest.iter().enumerate() {
             let bone = BoneId::new(index);
