@@ -4,7 +4,10 @@
 
 use std::error::Error;
 
-use kinopt::animation::{Armature, BoneMask, EulerClip, Playback, Pose, PoseAngles, PoseTurns};
+use kinopt::animation::{
+    Armature, ArmatureBone, BoneMask, EulerClip, LocalTransform, Playback, Pose, PoseAngles,
+    PoseTurns,
+};
 use kinopt::arm::{Arm, Base};
 use kinopt::collision::{CollisionModel, MeshUse};
 use kinopt::kinematics::{ForwardKinematics, Jacobian, frame_jacobian};
@@ -225,6 +228,16 @@ fn poses_and_masks() {
             .pose_of(&[0.0; 6], &mut other.rest().clone())
             .is_err()
     );
+    // As a scene's, which has bones of its own behind a rig's.
+    let named = |bone: usize| ArmatureBone {
+        name: format!("bone {bone}"),
+        parent: None,
+        rest: LocalTransform::IDENTITY,
+    };
+    let more = Armature::new((0..3).map(named).collect(), Vec::new()).unwrap();
+    let mut more = more.rest().clone();
+    assert!(bridge.pose_of(&[0.0; 6], &mut more).is_ok());
+    assert!(bridge.angles_of(&more, &mut Vec::new()).is_ok());
     let balls = BallSkeleton::new(skeleton, &Cones::new(), SkeletonRoot::Fixed).unwrap();
     let turns = PoseTurns::new(&armature, &balls);
     assert!(
