@@ -25,8 +25,12 @@ const RAISES: usize = 12;
 const LEVEL: f64 = 1e-6;
 /// The share of a negligible error to which a damped tick goes on.
 const LAST_DIGITS: f64 = 1e-3;
-/// How far down the slope of a level place is looked, radians.
+/// How far down from a level place is looked, radians.
 const PROBE: f64 = 1e-4;
+/// What bends an arm that is so straight leaves its tool, as a share of the longest column: by far more than a level place is bent.
+const BLUNT: f64 = 1e-3;
+/// A slope of this share of the error's own scale is rounding, and says nothing of a side.
+const STRAIGHT: f64 = 1e-12;
 /// Newton's steps for one box.
 const NEWTON: usize = 24;
 
@@ -145,8 +149,9 @@ impl ArmWorkspace {
         })
     }
 
-    /// Whether the level place is a ridge: a stretched arm whose target has come back within reach. A
-    /// place a little down the slope is written into `trial`: the elbow's side is kept.
+    /// Whether the level place is a ridge: a stretched arm whose target has come back within reach. A place a little down from it is
+    /// written into `trial`. What bends the arm there leaves the tool in first order, as else the tool would go aside by more
+    /// than it comes nearer: down the slope, to the elbow's side, or where there is none by any joint, to either.
     fn falls_beyond(
         &mut self,
         x: &[f64],
@@ -154,28 +159,43 @@ impl ArmWorkspace {
         before: f64,
         anchor: f64,
     ) -> bool {
+        let mut way = std::mem::take(&mut self.wanted);
+        let longest = self.longest_column();
+        let mut steepest = 0.0_f64;
+        for (i, way) in way.iter_mut().enumerate() {
+            *way = -self.column(i).dot(residual);
+            steepest = steepest.max(way.abs());
+        }
+        let bent = steepest > STRAIGHT * longest * residual.norm();
+        let ways = if bent { 1 } else { way.len() };
+        let falls = (0..ways).any(|joint| {
+            if !bent {
+                way.fill(0.0);
+                way[joint] = 1.0;
+            }
+            self.project_to_null(x, &way, BLUNT * longest);
+            [PROBE, -PROBE]
+                .into_iter()
+                .any(|probe| self.falls_along_projected(x, probe, before, anchor))
+        });
+        self.wanted = way;
+        falls
+    }
+
+    /// Whether a place so far along the projected motion is lower, the joint that moves furthest counted; it is in `trial` then.
+    fn falls_along_projected(&mut self, x: &[f64], probe: f64, before: f64, anchor: f64) -> bool {
+        let furthest = self.projected.iter().map(|by| by.abs());
+        let furthest = furthest.fold(0.0, f64::max);
+        if furthest == 0.0 {
+            return false;
+        }
         let mut trial = std::mem::take(&mut self.trial);
-        let mut longest = 0.0_f64;
-        for (i, column) in self.jacobian.column_iter().enumerate() {
-            let scale = self.scale[i];
-            trial[i] = -column.dot(residual) / (scale * scale);
-            let held = x[i] <= self.question.lower[i] && trial[i] < 0.0
-                || x[i] >= self.question.upper[i] && trial[i] > 0.0;
-            if held {
-                trial[i] = 0.0;
-            }
-            longest = longest.max((trial[i] * scale).abs());
+        for (i, trial) in trial.iter_mut().enumerate() {
+            let by = self.projected[i] / self.scale[i] * (probe / furthest);
+            *trial = self.question.clamp(i, x[i] + by);
         }
-        if longest > 0.0 {
-            for (i, trial) in trial.iter_mut().enumerate() {
-                let moved = x[i] + *trial * (PROBE / longest);
-                *trial = self.question.clamp(i, moved);
-            }
-        }
-        let falls = longest > 0.0 && {
-            let error = Vector6::from(self.residual(&trial)).norm();
-            self.anchored_cost(&trial, error, anchor) < before
-        };
+        let error = Vector6::from(self.residual(&trial)).norm();
+        let falls = self.anchored_cost(&trial, error, anchor) < before;
         self.trial = trial;
         falls
     }

@@ -8,6 +8,7 @@ mod freedom;
 mod huge_numbers;
 mod jacobian;
 
+mod jumps;
 mod lines_out_of_reach;
 mod misses;
 mod near_misses;

@@ -3,8 +3,10 @@
 //! where it was, and rests where its target rests. `KINOPT_CASES` asks for more lines of each robot.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::arm::{Arm, HeldBy, Servo, ServoStatus};
-use kinopt::spatial::Placement;
+use kinopt::arm::{Arm, Goal, HeldBy, Servo, ServoStatus};
+use kinopt::model::{Limits, Model};
+use kinopt::robot::Robot;
+use kinopt::spatial::{Placement, Vector3};
 use support::arms::{Random, distance, robot, within_limits};
 use support::lines::{Line, ROBOTS, lines, robots};
 use support::sample::cases;
@@ -140,6 +142,79 @@ fn jerky_targets() {
 }
 
 /// A joint at its limit and one at its speed are told apart.
+/// The price on moving fades where a target rests, so that an arm which is stretched out towards one hardly out of its reach is soon at the
+/// nearest place, as far off as the target is beyond it.
+#[test]
+fn it_does_not_creep_to_the_nearest_place() {
+    let arm = arm("universal_ur5e");
+    let start = [0.3, -1.2, 1e-3, -1.0, 0.5, 0.2];
+    let first = arm.base_from_tool(&start).unwrap();
+    let way = first.translation * (1.0 / first.translation.norm());
+    for over in [1e-5, 3e-5, 1e-4] {
+        let target = Placement::new(first.rotation, first.translation + way * over);
+        let mut servo = arm.servo(&start, TICK).unwrap();
+        let mut ticks = 0;
+        let (mut status, mut error) = (ServoStatus::Settling, f64::INFINITY);
+        while status != ServoStatus::Nearest && ticks < 200 {
+            let step = servo.step(target).unwrap();
+            (status, error) = (step.status, step.position_error);
+            ticks += 1;
+        }
+        assert!(ticks <= 25, "{over}: {ticks} ticks");
+        assert!(error < over, "{over}: {error}");
+    }
+}
+
+/// Stretched out, straight or bent by less than a servo can tell, it comes to a target within its reach, bent to the side that it is bent to;
+/// it said that it stood at the nearest place, for ever.
+#[test]
+fn a_stretched_arm_bends_to_a_target_that_it_can_reach() {
+    let mut builder = Model::builder("planar");
+    let here = Placement::identity();
+    let [x, _, z] = Vector3::UNITS;
+    let link = Placement::translation(x);
+    let turns = Limits::new(-3.0, 3.0);
+    builder.frame("base", None, here);
+    let shoulder = builder.revolute("shoulder", None, here, z, turns);
+    let elbow = builder.revolute("elbow", Some(shoulder), link, z, turns);
+    let hand = builder.revolute("hand", Some(elbow), link, z, turns);
+    builder.frame("tool", Some(hand), here);
+    let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
+    let arm = Arm::builder(&robot, "base", "tool").with_atlas(false);
+    let arm = arm.build().unwrap();
+    for goal in [Goal::pose(), Goal::position()] {
+        let arm = arm.with_goal(goal).unwrap();
+        for bend in [0.0, 1e-10, 1e-8, -1e-8, 1e-6, -1e-6, 1e-4] {
+            let start = [-0.5 * bend, bend, -0.5 * bend];
+            for nearer in [1e-3, 0.1, 0.8] {
+                let target = Placement::translation(x * (2.0 - nearer));
+                let mut servo = arm.servo(&start, TICK).unwrap();
+                let mut ticks = 0;
+                while tick(&arm, &mut servo, &target).0 != ServoStatus::OnTarget {
+                    ticks += 1;
+                    assert!(ticks < 100, "{bend} {nearer}: {:?}", servo.q());
+                }
+                assert!(
+                    servo.q()[1] * bend >= 0.0,
+                    "{bend} {nearer}: {:?}",
+                    servo.q()
+                );
+            }
+            // Beyond its reach it stays as straight as it is.
+            let target = Placement::translation(x * 2.1);
+            let mut servo = arm.servo(&start, TICK).unwrap();
+            for _ in 0..50 {
+                tick(&arm, &mut servo, &target);
+            }
+            assert!(
+                servo.q().iter().all(|q| q.abs() < 5e-3),
+                "{bend}: {:?}",
+                servo.q()
+            );
+        }
+    }
+}
+
 #[test]
 fn what_holds_it_is_told() {
     let arm = arm("franka_panda");

@@ -448,3 +448,39 @@ fn an_angle_that_is_locked_counts_as_the_clip_has_it() {
     let told = edited.led[0].miss;
     assert!(off < 0.02 && (told - off).abs() < 1e-9, "{told} {off}");
 }
+
+/// A last key that comes to its limit is known to, as any other is: the others do what is left to do.
+#[test]
+fn the_others_know_of_a_last_key_at_its_limit() {
+    let rig = rig();
+    let skeleton = &rig.skeleton;
+    let forearm = skeleton.bone(BENT).unwrap();
+    let limits = skeleton.bones()[forearm.index()].limits[1];
+    let clip = bent(&rig, limits.lower + 0.3, |_| None);
+    // The elbow would bend backwards at the end, where nothing above it helps.
+    let beyond = bent(&rig, limits.lower + 0.3, |k| {
+        (k == 15).then_some(limits.lower - 0.5)
+    });
+    let root = skeleton.bone("right_upper_arm").unwrap();
+    let ik = KeyframeIk::new(skeleton).root(root);
+    let edited = ik.reach(way(&rig, &beyond, SPAN)).solve(&clip).unwrap();
+    assert!(bends(&rig, &edited.clip)[15] >= limits.lower);
+    let cost = |of: &EulerClip| {
+        let hand = skeleton.bone(HAND).unwrap();
+        let moments = (0..=108).map(|k| SPAN[0] + (SPAN[1] - SPAN[0]) * f64::from(k) / 108.0);
+        let off = moments.map(|time| {
+            let [own, wanted] = [of, &beyond].map(|clip| tip(skeleton, clip, hand, time));
+            own.distance_squared(wanted)
+        });
+        off.sum::<f64>()
+    };
+    let least = cost(&edited.clip);
+    for (key, by) in [(13, 0.01), (13, -0.01), (14, 0.01), (14, -0.01)] {
+        let mut tracks = edited.clip.tracks().to_vec();
+        for track in tracks.iter_mut().filter(|track| track.bone == forearm) {
+            track.keys[key].angles[1] += by;
+        }
+        let other = cost(&EulerClip::new(tracks).unwrap());
+        assert!(other > least - 1e-6, "key {key} by {by}: {other} {least}");
+    }
+}

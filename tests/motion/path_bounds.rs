@@ -234,3 +234,46 @@ fn a_slide_on_a_turning_joint_counts_with_its_turn() {
         "{farthest} {told:?}"
     );
 }
+
+/// Room along the tool's own axis turns with the target: a tool that is within it at both ends of a step, on either side of the middle,
+/// goes straight and stands out between, by the turned line's distance from its own.
+#[test]
+fn a_room_that_turns_with_the_target_is_left_between_its_points() {
+    let mut builder = Model::builder("table");
+    let here = Placement::identity();
+    let [x, y, z] = Vector3::UNITS;
+    let slide = Limits::new(-2.0, 2.0);
+    builder.frame("base", None, here);
+    let along = builder.prismatic("along", None, here, x, slide);
+    let across = builder.prismatic("across", Some(along), here, y, slide);
+    let hand = builder.revolute("hand", Some(across), here, z, Limits::new(-3.0, 3.0));
+    builder.frame("tool", Some(hand), here);
+    let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
+    let goal = Goal::within([0.4, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let arm = Arm::builder(&robot, "base", "tool").with_atlas(false);
+    let arm = arm.build().unwrap().with_goal(goal).unwrap();
+    for turn in [0.3_f64, 0.6] {
+        let (sin, cos) = turn.sin_cos();
+        let (start, end) = ([0.4, 0.0, 0.0], [-0.4 * cos, -0.4 * sin, turn]);
+        let turned = Matrix3::identity().rotated_about_z((sin, cos));
+        let points = vec![here, Placement::new(turned, Vector3::zero())];
+        let path = CartesianPath::new(points).unwrap();
+        let solver = PathSolver::new(&arm).with_max_step(10.0);
+        let solver = solver.with_start(&start).with_end(&end);
+        let solution = solver.solve(&path).unwrap();
+        assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
+        let off = |share: f64| {
+            let [x, y] = [0, 1].map(|k| start[k] + share * (end[k] - start[k]));
+            let (sin, cos) = (turn * share).sin_cos();
+            let along = (cos * x + sin * y).abs() - 0.4;
+            along.max(0.0).hypot(cos * y - sin * x)
+        };
+        let most = (0..=1000).map(|k| off(f64::from(k) / 1000.0));
+        let most = most.fold(0.0, f64::max);
+        let told = solution.largest_deviation.metres;
+        assert!(
+            most > 0.01 && most <= told && told < 1.05 * most + 1e-6,
+            "{most} {told}"
+        );
+    }
+}

@@ -4,6 +4,7 @@
 use std::f64::consts::TAU;
 
 use kinopt::Arm;
+use kinopt::model::{Limits, Model};
 use kinopt::motion::path::{CartesianPath, Course, PathError, PathSolution, PathSolver};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
@@ -257,5 +258,111 @@ fn a_joint_without_limits_goes_round_and_round() {
         let gone = rows[99][5] - rows[0][5];
         assert!((gone.abs() - 0.99 * TAU).abs() < 1e-3, "{gone}");
         assert!(longest(&rows[99][..5], &rows[0][..5]) < 1e-3);
+    }
+}
+
+/// A spline along evenly spaced keys of a line is the line, evenly gone from its first to its last point.
+#[test]
+fn a_spline_of_a_line_is_even_to_its_ends() {
+    for keys in [2, 3, 5] {
+        let at = |x: f64| Placement::translation(Vector3::new(x, 2.0 * x, -x));
+        let line: Vec<_> = (0..keys).map(|k| at(f64::from(k))).collect();
+        let path = CartesianPath::spline(line, None, 4).unwrap();
+        assert_eq!(path.points().len() as i32, 4 * (keys - 1) + 1);
+        for (k, point) in path.points().iter().enumerate() {
+            let wanted = at(k as f64 / 4.0).translation;
+            assert!((point.translation - wanted).norm() < 1e-12, "{keys}: {k}");
+        }
+    }
+}
+
+/// Three links in a plane, the last a short hand; the shoulder's limits.
+fn planar(shoulder: Limits) -> Arm {
+    let mut builder = Model::builder("planar");
+    let here = Placement::identity();
+    let [x, _, z] = Vector3::UNITS;
+    let link = Placement::translation(x);
+    let turns = Limits::new(-3.0, 3.0);
+    builder.frame("base", None, here);
+    let shoulder = builder.revolute("shoulder", None, here, z, shoulder);
+    let elbow = builder.revolute("elbow", Some(shoulder), link, z, turns);
+    let hand = builder.revolute("hand", Some(elbow), link, z, turns);
+    builder.frame("tool", Some(hand), here);
+    let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
+    let arm = Arm::builder(&robot, "base", "tool").with_atlas(false);
+    arm.build().unwrap()
+}
+
+/// One elbow comes to its limit just before the tool is changed, within less than branches are compared after; the other comes to one
+/// after that. So the first tool goes by the other elbow, and after the change of tools the elbow changes once.
+#[test]
+fn what_the_first_tool_cannot_end_with_is_not_begun() {
+    let wide = planar(Limits::new(-3.0, 3.0));
+    // The wrist at 1.2 m, seen from the shoulder at an angle; the elbow bends to one side by twice what the shoulder is off.
+    let off = 0.6_f64.acos();
+    let up = |angle: f64| [angle + off, -2.0 * off, off - angle];
+    let down = |angle: f64| [angle - off, 2.0 * off, -off - angle];
+    let at = |angle: f64| wide.base_from_tool(&up(angle)).unwrap();
+    let both = wide.base_from_tool(&down(0.3)).unwrap();
+    assert!((both.translation - at(0.3).translation).norm() < 1e-12);
+    let arm = planar(Limits::new(-off - 0.05, off + 0.004));
+    let other = arm.with_tool(Placement::identity()).unwrap();
+    let first = (0..10).map(|k| at(0.001 * f64::from(k)));
+    let second = (0..30).map(|k| at(0.001 - 0.02 * f64::from(k)));
+    let points: Vec<_> = first.chain(second).collect();
+    let tools = (0..40).map(|k| usize::from(k >= 10));
+    let path = CartesianPath::new(points).unwrap();
+    let path = path.with_tools(tools.collect::<Vec<_>>()).unwrap();
+    let solver = PathSolver::new(&arm).with_tools([&other]);
+    let solution = solver.solve(&path).unwrap();
+    assert!(solution.missed.is_empty(), "{:?}", solution.missed);
+    assert_eq!(solution.reconfigurations.len(), 1);
+    let rows: Vec<&[f64]> = solution.rows().collect();
+    assert!(rows[..10].iter().all(|q| q[1] > 0.0) && rows[39][1] < 0.0);
+}
+
+/// A rail without ends, in millimetres: where a cyclic path closes, a slide is where it was, and no 2π of it are taken for a turn.
+#[test]
+fn a_slide_without_limits_does_not_go_round() {
+    let mut builder = Model::builder("rail");
+    let here = Placement::identity();
+    let [x, _, z] = Vector3::UNITS;
+    let link = Placement::translation(x * 1000.0);
+    let turns = Limits::new(-3.0, 3.0);
+    builder.frame("base", None, here);
+    let rail = builder.prismatic("rail", None, here, x, Limits::UNBOUNDED);
+    let shoulder = builder.revolute("shoulder", Some(rail), here, z, turns);
+    let elbow = builder.revolute("elbow", Some(shoulder), link, z, turns);
+    let hand = builder.revolute("hand", Some(elbow), link, z, turns);
+    builder.frame("tool", Some(hand), here);
+    let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
+    let arm = Arm::builder(&robot, "base", "tool").with_atlas(false);
+    let arm = arm.with_position_tolerance(1e-3).build().unwrap();
+    for radius in [20.0, 100.0, 300.0] {
+        let begin = arm.base_from_tool(&[0.0, 0.5, 1.2, -0.9]).unwrap();
+        let points = (0..60).map(|k| {
+            let (sin, cos) = (TAU * f64::from(k) / 60.0).sin_cos();
+            let by = Vector3::new(radius * sin, radius * (1.0 - cos), 0.0);
+            Placement::new(begin.rotation, begin.translation + by)
+        });
+        let path = CartesianPath::new(points.collect::<Vec<_>>()).unwrap();
+        let path = path.with_course(Course::Cyclic);
+        let solution = PathSolver::new(&arm).solve(&path).unwrap();
+        assert!(
+            solution.is_whole(),
+            "{radius}: {:?}",
+            solution.reconfigurations
+        );
+        let rows: Vec<&[f64]> = solution.rows().collect();
+        let longest = |rail: bool, from: &[f64], to: &[f64]| match rail {
+            true => (from[0] - to[0]).abs(),
+            false => longest(&from[1..], &to[1..]),
+        };
+        for rail in [true, false] {
+            let steps = rows.windows(2).map(|pair| longest(rail, pair[0], pair[1]));
+            let most = steps.fold(0.0, f64::max);
+            let last = longest(rail, rows[rows.len() - 1], rows[0]);
+            assert!(last <= 2.0 * most + 1e-9, "{radius}: {last} {most}");
+        }
     }
 }

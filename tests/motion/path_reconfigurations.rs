@@ -1,6 +1,6 @@
 //! Promise: a path has as few reconfigurations as it must, at the places that are told, and is short.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use kinopt::Arm;
 use kinopt::arm::Base;
@@ -170,4 +170,50 @@ fn coarse_paths_stay_on_their_branch() {
     assert!(solution.is_whole());
     // The joints' own way from corner to corner is off the straight one by millimetres, and that is told.
     assert!(solution.largest_deviation.metres > 1e-3);
+}
+
+/// The tool turns about its axis beyond what the last joint's limits leave from where it would begin, so that this begins a turn back; and
+/// what comes after a change of tools goes on from where the joint then is, not from a turn away.
+#[test]
+fn after_a_break_a_joint_goes_on_from_the_nearest_turn() {
+    let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
+    let same = arm.with_tool(Placement::identity()).unwrap();
+    let start = [0.3, -1.2, 1.4, -1.6, -1.5, -5.28];
+    let begin = arm.base_from_tool(&start).unwrap();
+    let turned = |angle: f64| {
+        let rotation = begin.rotation * rotation_exp(Vector3::new(0.0, 0.0, angle));
+        Placement::new(rotation, begin.translation)
+    };
+    let up = (0..=88).map(|k| 0.1 * f64::from(k));
+    let down = (1..=56).map(|k| 8.8 - 0.1 * f64::from(k));
+    let angles: Vec<f64> = up.chain(down).collect();
+    let mut points: Vec<_> = angles.iter().map(|angle| turned(*angle)).collect();
+    // The other tool begins where the arm has turned about its base.
+    let elsewhere = [1.5, -1.2, 1.4, -1.6, -1.5, -2.08];
+    points.extend([arm.base_from_tool(&elsewhere).unwrap(); 10]);
+    let changes = points.len() - 10;
+    let tools: Vec<usize> = (0..points.len())
+        .map(|k| usize::from(k >= changes))
+        .collect();
+    let path = CartesianPath::new(points)
+        .unwrap()
+        .with_tools(tools)
+        .unwrap();
+    let solver = PathSolver::new(&arm).with_tools([&same]).with_start(&start);
+    let solution = solver.solve(&path).unwrap();
+    assert!(solution.missed.is_empty(), "{:?}", solution.missed);
+    let rows: Vec<&[f64]> = solution.rows().collect();
+    for (row, pair) in rows.windows(2).enumerate() {
+        let moved: Vec<f64> = pair[0]
+            .iter()
+            .zip(pair[1])
+            .map(|(a, b)| (a - b).abs())
+            .collect();
+        assert!(moved[5] < PI + 0.1, "{row}: {moved:?}");
+        assert!(
+            row + 1 == changes || moved.iter().all(|moved| *moved < 0.2),
+            "{row}: {moved:?}"
+        );
+    }
+    assert!(rows[changes - 1][5] < -PI / 2.0);
 }

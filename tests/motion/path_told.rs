@@ -118,3 +118,31 @@ fn a_path_is_not_entered_where_more_of_it_is_missed() {
     missed.sort_unstable();
     assert_eq!(missed, far);
 }
+
+/// The tool stays while what it hangs on is to come past a ball to the other side of it, which the steps around could share: they would
+/// come through the ball, so the leap is told, and no point is where it touches.
+#[test]
+fn a_leap_over_an_obstacle_is_not_shared_by_steps_through_it() {
+    let body = r#"<link name="a"><collision><origin xyz="0 0.2 0"/><geometry><sphere radius="0.05"/></geometry></collision></link>"#;
+    let robot = Robot::parse(&TWICE.replace(r#"<link name="a"/>"#, body), "twice.urdf").unwrap();
+    let (from, to) = ([0.1, 0.5, 0.0, 0.5], [0.5, 0.1, 0.0, 0.5]);
+    let alone = Arm::new(&robot, "base", "tool").unwrap();
+    let stand = alone.base_from_tool(&from).unwrap();
+    let path = CartesianPath::new(vec![stand; 33]).unwrap();
+    let shared = PathSolver::new(&alone).with_start(&from).with_end(&to);
+    assert!(shared.solve(&path).unwrap().is_whole());
+    let mut world = World::new();
+    world
+        .add_sphere("ball", 0.05, Vector3::new(0.3, 0.2, 0.0))
+        .unwrap();
+    let checker = Checker::new(CollisionModel::of(&robot).unwrap());
+    let checker = checker.with_world(&world).unwrap();
+    let arm = alone.with_checker(&checker, &[0.0; 4]).unwrap();
+    let solver = PathSolver::new(&arm).with_start(&from).with_end(&to);
+    let solution = solver.solve(&path).unwrap();
+    assert_eq!(solution.reconfigurations.len(), 1);
+    assert!(solution.missed.is_empty(), "{:?}", solution.missed);
+    for q in solution.rows() {
+        assert!(arm.collisions(q).unwrap().is_empty(), "{q:?}");
+    }
+}

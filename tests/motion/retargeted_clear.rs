@@ -148,3 +148,22 @@ fn what_touches_from_the_first_frame_is_told_of_or_let_go() {
     assert_eq!(found.touching.len(), touching(&checker, &found));
     assert_eq!(found.touching.len(), 0, "{:?}", found.touching.first());
 }
+
+/// A smooth movement keeps clear from the first in the frames around those that came near to something frame by frame, so that what it is
+/// found to touch then is mended at once.
+#[test]
+fn a_smooth_movement_is_soon_clear() {
+    let robot = nao();
+    let checker = checker(&robot);
+    let map = BodyMap::from_json(MAP, "").unwrap();
+    for share in [0.85, 0.95] {
+        let capture = clasp(&robot, share);
+        let fitted = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
+        let mut rounds = 0;
+        let found = fitted
+            .keep_clear(&checker)
+            .whole_with_progress(&mut |done| rounds += usize::from(done == FRAMES));
+        assert!(found.unwrap().touching.is_empty());
+        assert!(rounds <= 2, "{share}: solved {rounds} times");
+    }
+}

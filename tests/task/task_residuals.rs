@@ -6,7 +6,7 @@ use kinopt::model::{Limits, Model};
 use kinopt::problem::{Evaluation, Question};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Distance, LookAt, Point, Posture, Quantity, Smoothness, Task};
+use kinopt::task::{Distance, Gaze, LookAt, Point, Posture, Quantity, Residual, Smoothness, Task};
 use nalgebra as na;
 use support::planar_arm;
 use support::random::Random;
@@ -161,4 +161,33 @@ fn what_is_said_last_counts() {
     assert!(
         !problem.is_reached(&residual).unwrap() && problem.is_reached(&[1.4, 0.0, 0.0]).unwrap()
     );
+}
+
+/// However narrow a cone is, a gaze that is beyond it is off by the angle beyond.
+#[test]
+fn a_gaze_is_off_by_the_angle_beyond_its_cone() {
+    let model = planar_arm(&[1.0], None);
+    let tip = model.frame("tip").unwrap();
+    for half_angle in [1e-3, 0.05, 0.2, 0.7, 1.5] {
+        for beyond in [-0.6 * half_angle, -1e-4, 1e-5, 0.02, 0.5, 1.2] {
+            let angle: f64 = half_angle + beyond;
+            let axis = [1.0, 0.0, 0.0];
+            let along = Gaze::along(tip, axis, [angle.cos(), angle.sin(), 0.0], half_angle);
+            let at = Gaze::at(
+                tip,
+                axis,
+                [2.0 * angle.cos(), 0.0, 2.0 * angle.sin()],
+                half_angle,
+            );
+            for gaze in [along, at] {
+                let mut off = [f64::NAN];
+                gaze.evaluate(&[Placement::identity()], &[], &mut off);
+                let wanted = beyond.max(0.0);
+                assert!(
+                    (off[0] - wanted).abs() < 1e-12,
+                    "{half_angle} {beyond}: {off:?}"
+                );
+            }
+        }
+    }
 }

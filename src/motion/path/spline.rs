@@ -88,3 +88,36 @@ fn bulge(curve: &Hermite<DVec3>, from: f64, to: f64) -> f64 {
     let longest = bend(from).length().max(bend(to).length());
     0.125 * (to - from) * (to - from) * longest
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Segment;
+    use crate::spatial::Vector3;
+
+    /// An S bends nowhere in its middle and most at its ends: either half is bounded by its outer end.
+    #[test]
+    fn no_place_is_farther_from_its_chord_than_the_bulge() {
+        let tangent = Vector3::new(1.0, 1.0, 0.0);
+        let segment = Segment {
+            ends: [Vector3::zero(), Vector3::UNITS[0]],
+            tangents: [tangent; 2],
+        };
+        for (from, to) in [
+            (0.0, 0.5),
+            (0.5, 1.0),
+            (0.25, 0.75),
+            (0.0, 1.0),
+            (0.5, 0.75),
+        ] {
+            let at = |share: f64| segment.at(from + share * (to - from));
+            let off = |share: f64| (at(share) - at(0.0) * (1.0 - share) - at(1.0) * share).norm();
+            let most = (0..=100).map(|k| off(f64::from(k) / 100.0));
+            let most = most.fold(0.0, f64::max);
+            let bulge = segment.bulge(from, to);
+            assert!(
+                most <= bulge && bulge < 8.0 * most,
+                "{from} {to}: {most} {bulge}"
+            );
+        }
+    }
+}
