@@ -462,8 +462,11 @@ fn the_others_know_of_a_last_key_at_its_limit() {
         (k == 15).then_some(limits.lower - 0.5)
     });
     let root = skeleton.bone("right_upper_arm").unwrap();
-    let ik = KeyframeIk::new(skeleton).root(root);
-    let edited = ik.reach(way(&rig, &beyond, SPAN)).solve(&clip).unwrap();
+    let ik = KeyframeIk::new(skeleton).with_root(root);
+    let edited = ik
+        .with_reach(way(&rig, &beyond, SPAN))
+        .solve(&clip)
+        .unwrap();
     assert!(bends(&rig, &edited.clip)[15] >= limits.lower);
     let cost = |of: &EulerClip| {
         let hand = skeleton.bone(HAND).unwrap();

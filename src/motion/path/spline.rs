@@ -91,16 +91,19 @@ fn bulge(curve: &Hermite<DVec3>, from: f64, to: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::Segment;
-    use crate::spatial::Vector3;
+    use glam::DVec3;
+
+    use super::{Hermite, bulge};
 
     /// An S bends nowhere in its middle and most at its ends: either half is bounded by its outer end.
     #[test]
     fn no_place_is_farther_from_its_chord_than_the_bulge() {
-        let tangent = Vector3::new(1.0, 1.0, 0.0);
-        let segment = Segment {
-            ends: [Vector3::zero(), Vector3::UNITS[0]],
-            tangents: [tangent; 2],
+        let tangent = DVec3::new(1.0, 1.0, 0.0);
+        let curve = Hermite {
+            start: DVec3::ZERO,
+            end: DVec3::X,
+            leaving: tangent,
+            arriving: tangent,
         };
         for (from, to) in [
             (0.0, 0.5),
@@ -109,14 +112,14 @@ mod tests {
             (0.0, 1.0),
             (0.5, 0.75),
         ] {
-            let at = |share: f64| segment.at(from + share * (to - from));
-            let off = |share: f64| (at(share) - at(0.0) * (1.0 - share) - at(1.0) * share).norm();
+            let at = |share: f64| curve.position(from + share * (to - from));
+            let off = |share: f64| (at(share) - at(0.0).lerp(at(1.0), share)).length();
             let most = (0..=100).map(|k| off(f64::from(k) / 100.0));
             let most = most.fold(0.0, f64::max);
-            let bulge = segment.bulge(from, to);
+            let told = bulge(&curve, from, to);
             assert!(
-                most <= bulge && bulge < 8.0 * most,
-                "{from} {to}: {most} {bulge}"
+                most <= told && told < 8.0 * most,
+                "{from} {to}: {most} {told}"
             );
         }
     }
