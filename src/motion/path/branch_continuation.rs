@@ -5,6 +5,7 @@
 
 use super::knots::{NEAR, between};
 use super::layers::{Growth, Layer};
+use super::sorted::Sorted;
 use crate::arm::{Ends, QueryError};
 use crate::spatial::Placement;
 
@@ -31,6 +32,9 @@ pub(super) struct Carrier {
     came: Vec<Option<bool>>,
     free: Vec<bool>,
     failed: Vec<usize>,
+    /// What is known where they come to.
+    known: Sorted,
+    end: Vec<f32>,
 }
 
 impl Carrier {
@@ -62,22 +66,32 @@ impl Carrier {
         self.follow(growth, q, (from, to), moving)?;
         self.motions.clear();
         let begun = layers[to].count(n);
+        let (known, asked) = (&layers[to].q, &layers[from].q);
+        self.known
+            .take(known, asked, &growth.merging, &growth.turns);
         for place in 0..self.came.len() {
             let Some(in_parts) = self.came[place] else {
                 continue;
             };
             let q = &self.ends.q[place * n..(place + 1) * n];
-            let known = growth.find(&layers[to], q);
+            self.end.clear();
+            self.end.extend(q.iter().map(|q| *q as f32));
+            let known = growth.find_sorted(&layers[to], &self.known, &self.end);
             let own = match known {
                 Some(own) => own,
                 None if layers[to].count(n) < most => {
                     layers[to].take_folded(q, &growth.turns);
+                    let own = layers[to].count(n) - 1;
+                    self.known.insert(&layers[to].q[own * n..], own);
                     let stand = &self.stand[place * n..(place + 1) * n];
                     let motion = q.iter().zip(stand).map(|(a, b)| a - b);
                     self.motions.extend(motion);
-                    layers[to].count(n) - 1
+                    own
                 }
-                None => continue,
+                None => {
+                    layers[to].full = true;
+                    continue;
+                }
             };
             if in_parts || known.is_some() {
                 match to > from {

@@ -3,6 +3,7 @@
 //! than it may; any others are joined by a reconfiguration.
 
 use super::layers::{Growth, Layer};
+use super::sorted::Sorted;
 use super::turns::Turns;
 
 /// What it costs to come to a configuration: reconfigurations first.
@@ -133,6 +134,9 @@ impl Step<'_> {
     fn best_to(&self, own: usize, q: &[f32]) -> (Cost, u16) {
         let mut best = (NEVER, 0);
         for place in self.sorted.near(q, self.limits) {
+            if order(&self.costs[place], &best.0).is_ge() {
+                continue;
+            }
             let moves = self.row(place).iter().zip(q).zip(self.limits);
             let difference = |joint, from, to| self.turns.difference(joint, from, to).abs();
             if (moves.enumerate()).all(|(joint, ((a, b), most))| difference(joint, *b, *a) <= *most)
@@ -169,7 +173,7 @@ impl Step<'_> {
             false => cost.0.saturating_add(1),
         };
         // Its length is worth knowing only then.
-        if reconfigurations > best.0.0 {
+        if reconfigurations > best.0.0 || reconfigurations == best.0.0 && cost.1 >= best.0.1 {
             return;
         }
         let length = cost.1 + f64::from(self.length(self.row(place), q));
@@ -201,48 +205,4 @@ impl Step<'_> {
 
 fn order(a: &Cost, b: &Cost) -> std::cmp::Ordering {
     a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
-}
-
-/// The configurations before a station by the joint in which they lie furthest apart, so that few are looked at: one whose whole turns
-/// count, if there is one.
-struct Sorted {
-    joint: Option<usize>,
-    /// That joint's values, rising, and whose they are.
-    values: Vec<f32>,
-    places: Vec<usize>,
-}
-
-impl Sorted {
-    fn of(from: &[f32], limits: &[f32], turns: &Turns) -> Self {
-        let n = limits.len();
-        let spread = |joint: usize| {
-            let values = from.iter().skip(joint).step_by(n);
-            let (low, high) = values.fold((f32::MAX, f32::MIN), |(low, high), value| {
-                (low.min(*value), high.max(*value))
-            });
-            (high - low) / limits[joint]
-        };
-        let joints = (0..n).filter(|joint| !turns.is_left_out(*joint));
-        let joint = joints.max_by(|a, b| spread(*a).total_cmp(&spread(*b)));
-        let mut places: Vec<usize> = (0..from.len() / n).collect();
-        let value = |place: &usize| joint.map_or(0.0, |joint| from[place * n + joint]);
-        places.sort_by(|a, b| value(a).total_cmp(&value(b)));
-        Self {
-            joint,
-            values: places.iter().map(value).collect(),
-            places,
-        }
-    }
-
-    /// Those of which that joint is near.
-    fn near(&self, q: &[f32], limits: &[f32]) -> impl Iterator<Item = usize> {
-        // A little more, for what rounding leaves out.
-        let (value, most) = match self.joint {
-            Some(joint) => (q[joint], 1.001 * limits[joint]),
-            None => (0.0, 0.0),
-        };
-        let first = self.values.partition_point(|other| *other < value - most);
-        let last = self.values.partition_point(|other| *other <= value + most);
-        self.places[first..last.max(first)].iter().copied()
-    }
 }

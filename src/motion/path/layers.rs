@@ -8,6 +8,7 @@ use std::f64::consts::TAU;
 use super::PathError;
 use super::branch_continuation::{Carrier, FEW};
 use super::knots::Knots;
+use super::sorted::Sorted;
 use super::step_bounds::StepBounds;
 use super::tools::Tools;
 use super::turns::Turns;
@@ -34,6 +35,8 @@ pub(super) struct Layer {
     pub(super) q: Vec<f32>,
     /// The configuration of the last station that each was followed from (or to) in parts, or whose like it was taken for; empty where none was.
     pub(super) links: Vec<u16>,
+    /// Whether there was no room for more.
+    pub(super) full: bool,
     /// Whether none was found that reaches the target and is free; then the nearest that was found is here.
     pub(super) missed: bool,
 }
@@ -46,6 +49,8 @@ pub(super) struct Growth<'a> {
     pub(super) bounds: &'a StepBounds,
     /// Most configurations of a station, of which a quarter is for those that are carried back.
     pub(super) most: usize,
+    /// Where fewer than this are carried on, more are looked for.
+    pub(super) looked_for: usize,
     /// Where the path begins and ends, if that is given.
     pub(super) start: Option<&'a [f64]>,
     pub(super) end: Option<&'a [f64]>,
@@ -83,6 +88,7 @@ impl<'a> Growth<'a> {
             knots,
             bounds,
             most,
+            looked_for: most / 2,
             start: None,
             end: None,
             middle: middle.collect(),
@@ -115,8 +121,9 @@ impl<'a> Growth<'a> {
             carrier.carry(self, &mut layers, (to - 1, to), 0)?;
             let layer = &mut layers[to];
             carried[to] = layer.count(self.width());
+            let room_left = !layer.full;
             self.turn_over(layer, stations[to], &mut room)?;
-            if to % LOOKS == 0 && carried[to] < self.most / 2 || carried[to] == 0 {
+            if to % LOOKS == 0 && room_left && carried[to] < self.looked_for || carried[to] == 0 {
                 let first = 1 + ATTEMPTS * (to / LOOKS) as u32 % 128;
                 self.look(layer, stations[to], ATTEMPTS, first, &mut room)?;
             }
@@ -166,13 +173,22 @@ impl<'a> Growth<'a> {
 
     /// The place of a configuration of a layer that is as good as this one.
     pub(super) fn find(&self, layer: &Layer, q: &[f64]) -> Option<usize> {
-        let near = |other: &[f32]| {
-            let mut moves = other.iter().zip(q).zip(&self.merging).enumerate();
-            moves.all(|(joint, ((a, b), most))| {
-                self.turns.difference(joint, *b as f32, *a).abs() <= *most
-            })
-        };
-        layer.q.chunks_exact(q.len()).position(near)
+        let mut known = layer.q.chunks_exact(q.len());
+        known.position(|known| self.is_as_good(known, q.iter().map(|q| *q as f32)))
+    }
+
+    /// The same where those of the layer are sorted.
+    pub(super) fn find_sorted(&self, layer: &Layer, sorted: &Sorted, q: &[f32]) -> Option<usize> {
+        let n = q.len();
+        let known = |place: usize| &layer.q[place * n..(place + 1) * n];
+        let near = sorted.near(q, &self.merging);
+        let good = near.filter(|place| self.is_as_good(known(*place), q.iter().copied()));
+        good.min()
+    }
+
+    fn is_as_good(&self, known: &[f32], q: impl Iterator<Item = f32>) -> bool {
+        let mut moves = known.iter().zip(q).zip(&self.merging).enumerate();
+        moves.all(|(joint, ((a, b), most))| self.turns.difference(joint, b, *a).abs() <= *most)
     }
 
     /// Looks for configurations at a station by attempts of its own.
@@ -219,7 +235,11 @@ impl<'a> Growth<'a> {
         let n = self.width();
         self.note_free(knot, &room.reached, by_shapes, &mut room.free)?;
         for (q, free) in room.reached.chunks_exact(n).zip(&room.free) {
-            if *free && layer.count(n) < most && self.find(layer, q).is_none() {
+            if layer.count(n) >= most {
+                layer.full = true;
+                break;
+            }
+            if *free && self.find(layer, q).is_none() {
                 layer.take_folded(q, &self.turns);
             }
         }

@@ -43,6 +43,7 @@ mod report;
 mod shorten;
 mod solution;
 mod solver;
+mod sorted;
 mod spline;
 mod step_bounds;
 mod timing;

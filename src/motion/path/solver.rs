@@ -16,6 +16,8 @@ use crate::arm::Arm;
 
 /// Configurations that are known of a station at most, at first and at last, and bytes of all.
 const FEW_SAMPLES: usize = 64;
+/// The first of an arm with one joint to spare.
+const FEW_OF_ONE: usize = 96;
 const SAMPLES: usize = 256;
 const MEMORY: usize = 200_000_000;
 /// Rounds of shortening.
@@ -151,10 +153,12 @@ impl<'a> PathSolver<'a> {
         let bounds = self.bounds();
         let weights = self.weights();
         let all = self.most(knots);
-        // Of a self-motion of two dimensions and more there are always as many as asked: few are enough for most paths, and all
-        // are looked at where a way through few leaves a branch.
-        let few = match self.tools.own().spare_joints() {
-            0 | 1 => all,
+        // Of a self-motion there may be as many as asked: few are enough for most paths, and all are looked at where a way through few
+        // leaves a branch.
+        let spare = self.tools.own().spare_joints();
+        let few = match spare {
+            0 => all,
+            1 => FEW_OF_ONE.min(all),
             _ => FEW_SAMPLES.min(all),
         };
         let mut best: Option<Way> = None;
@@ -163,17 +167,24 @@ impl<'a> PathSolver<'a> {
             growth.start = self.start.as_deref();
             growth.end = self.end.as_deref();
             growth.turns = turns.clone();
+            if spare < 2 {
+                // As many as with all.
+                growth.looked_for = all / 2;
+            }
             let layers = growth.layers()?;
+            // Where there was room for all, more would be the same.
+            let is_all = spare < 2 && !layers.iter().any(|layer| layer.full);
+            let last = most == all || is_all;
             let between = Between::default();
             let chosen = fewest_reconfigurations(&growth, &layers, &weights, between, &[]);
-            if chosen.cost.0 > 0 && most < all {
+            if chosen.cost.0 > 0 && !last {
                 continue;
             }
             let way = self.along(&growth, &layers, (chosen, between))?;
             if best.as_ref().is_none_or(|best| way.rank() < best.rank()) {
                 best = Some(way);
             }
-            if most == all || best.as_ref().is_some_and(|best| best.rank() == (0, 0)) {
+            if last || best.as_ref().is_some_and(|best| best.rank() == (0, 0)) {
                 break;
             }
         }
