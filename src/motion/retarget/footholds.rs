@@ -6,28 +6,44 @@ use super::{RetargetError, Retargeting};
 use crate::kinematics::ForwardKinematics;
 use crate::model::FrameId;
 use crate::motion::clip::MotionProblemBuilder;
+use crate::spatial::Placement;
 
 /// What a metre below the ground costs in a whole movement, for the most that any place counts: as much as one off what is held.
 const OVER: f64 = 200.0;
 /// What is held may be deeper than it came by so much, metres: where it stands it is on the edge, at which costs are not smooth.
 const SLACK: f64 = 2e-4;
+/// … but what is held is no deeper in the ground than this before, however it came.
+const DEEPEST: f64 = 4e-4;
+
+/// Where a foot is deeper than this in what it is kept over, metres, what each ball is kept over is raised by as much as it is deep.
+const SUNK: f64 = 9e-4;
+
+/// What each sole does in each frame.
+#[derive(Clone, Debug)]
+pub(super) struct Footholds {
+    soles: Vec<Vec<Footing>>,
+    /// By how much what each ball of each sole is kept over is raised, frame after frame, metres.
+    raised: Vec<Vec<f64>>,
+}
 
 impl Retargeting<'_> {
-    /// Keeps the soles over the ground, and as they stand in a movement frame by frame where all their limbs do: over what they
-    /// stand on there too, as a foot that is held at its ankle alone is tipped by a leg that can do no more.
-    pub(super) fn keep_feet_over_ground(
-        &self,
-        q: &[f64],
-        motion: &mut MotionProblemBuilder<'_>,
-    ) -> Result<(), RetargetError> {
+    /// Where the soles are in all frames.
+    fn placed_soles(&self, q: &[f64]) -> Result<Vec<Vec<Placement<f64>>>, RetargetError> {
         let model = self.robot.model();
-        let soles = &self.limbs.soles;
-        let frames: Vec<FrameId> = soles.iter().map(|sole| sole.frame).collect();
+        let soles = self.limbs.soles.iter().map(|sole| sole.frame);
+        let frames: Vec<FrameId> = soles.collect();
         let mut kinematics = ForwardKinematics::of_frames(model, &frames).map_err(as_map_error)?;
         let frames = q.chunks_exact(model.configuration_len());
         let placed = frames.map(|q| Ok(kinematics.place(q).map_err(as_map_error)?.to_vec()));
-        let placed = placed.collect::<Result<Vec<_>, RetargetError>>()?;
-        for (k, sole) in soles.iter().enumerate() {
+        placed.collect()
+    }
+
+    /// Keeps the soles over the ground, and as they stand in a movement frame by frame where all their limbs do: over what they
+    /// stand on there too, as a foot that is held at its ankle alone is tipped by a leg that can do no more.
+    pub(super) fn footholds(&self, q: &[f64]) -> Result<Footholds, RetargetError> {
+        let placed = self.placed_soles(q)?;
+        let mut soles = Vec::with_capacity(self.limbs.soles.len());
+        for (k, sole) in self.limbs.soles.iter().enumerate() {
             let spans = |limb: usize| {
                 let own = self.standing.iter().filter(move |own| own.limb == limb);
                 own.map(|own| own.span.clone())
@@ -39,7 +55,7 @@ impl Retargeting<'_> {
                     // As low as it came: what holds still is not lifted.
                     let heights = placed[span.clone()].iter();
                     let heights = heights.map(|placed| own.height(&placed[k]));
-                    let lowest = heights.fold(f64::INFINITY, f64::min);
+                    let lowest = heights.fold(f64::INFINITY, f64::min).max(-DEEPEST);
                     for frame in span {
                         on_ground[frame][ball] = lowest;
                         standing[frame] += 1;
@@ -67,9 +83,60 @@ impl Retargeting<'_> {
                 });
                 held = Some(tilts);
             }
+            soles.push(footings);
+        }
+        let balls = self.limbs.soles.iter().map(|sole| sole.balls.len());
+        Ok(Footholds {
+            raised: balls
+                .map(|balls| vec![0.0; balls * self.frames()])
+                .collect(),
+            soles,
+        })
+    }
+
+    /// Raises what feet are kept over where they are in it, as the spring that it is gives way to what presses on them: an augmented
+    /// Lagrangian's step. Whether one was deep.
+    pub(super) fn raise_footholds(
+        &self,
+        q: &[f64],
+        footholds: &mut Footholds,
+    ) -> Result<bool, RetargetError> {
+        let placed = self.placed_soles(q)?;
+        let mut deepest: f64 = 0.0;
+        let Footholds { soles, raised } = footholds;
+        for (k, (sole, (footings, raised))) in self
+            .limbs
+            .soles
+            .iter()
+            .zip(soles.iter_mut().zip(raised))
+            .enumerate()
+        {
+            let frames = footings
+                .iter_mut()
+                .zip(raised.chunks_exact_mut(sole.balls.len()));
+            for ((footing, raised), placed) in frames.zip(&placed) {
+                let balls = sole.balls.iter().zip(footing.heights_mut()).zip(raised);
+                for (((ball, _), height), raised) in balls {
+                    let deep = (*height - *raised - ball.height(&placed[k])).max(-*raised);
+                    deepest = deepest.max(deep);
+                    *height += deep;
+                    *raised += deep;
+                }
+            }
+        }
+        Ok(deepest > SUNK)
+    }
+
+    /// Has a movement keep its soles over these.
+    pub(super) fn keep_feet_over_ground(
+        &self,
+        footholds: &Footholds,
+        motion: &mut MotionProblemBuilder<'_>,
+    ) {
+        for (sole, footings) in self.limbs.soles.iter().zip(&footholds.soles) {
             let task = motion.add(OverGround::new(sole, OVER, self.limbs.heaviest()));
+            let footings = footings.clone();
             motion.follow(task, move |frame, own| own.set(&footings[frame]));
         }
-        Ok(())
     }
 }

@@ -42,6 +42,15 @@ pub(super) enum Footing {
     },
 }
 
+impl Footing {
+    /// What each ball is kept over, if it is over anything.
+    pub(super) fn heights_mut(&mut self) -> &mut [f64] {
+        match self {
+            Self::Over { heights, .. } | Self::Held { heights, .. } => heights,
+        }
+    }
+}
+
 impl OverGround {
     /// `heaviest`: the most that any place counts.
     pub(super) fn new(sole: &Sole, over: f64, heaviest: f64) -> Self {

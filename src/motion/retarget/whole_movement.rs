@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::contacts::Standing;
 use super::driven_point::DrivenPoint;
 use super::follower::posture;
+use super::footholds::Footholds;
 use super::retargeting::as_map_error;
 use super::{RetargetError, Retargeted, Retargeting};
 use crate::kinematics::ForwardKinematics;
@@ -18,6 +19,8 @@ const HELD: f64 = 200.0;
 const MOST_ITERATIONS: usize = 40;
 /// So often a whole movement is solved that comes to touch something.
 const CLEAR_ROUNDS: usize = 3;
+/// … and so often again where feet are in what they are kept over.
+const PUSHES: usize = 3;
 
 impl Retargeting<'_> {
     /// Solves the whole movement: smooth, as each frame knows what comes, and what stands held where frame by frame it came down.
@@ -41,7 +44,14 @@ impl Retargeting<'_> {
         // What a movement frame by frame keeps clear of, a smooth one may come to touch elsewhere.
         for _ in 0..CLEAR_ROUNDS {
             self.widen(&mut near);
-            q = self.smooth(&q, &aims, &near, progress)?;
+            let mut footholds = self.footholds(&q)?;
+            q = self.smooth(&q, &aims, &footholds, &near, progress)?;
+            for _ in 0..PUSHES {
+                if !self.raise_footholds(&q, &mut footholds)? {
+                    break;
+                }
+                q = self.smooth(&q, &aims, &footholds, &near, &mut |_| ())?;
+            }
             let touching = self.touching(&q);
             if touching.is_empty() {
                 break;
@@ -66,6 +76,7 @@ impl Retargeting<'_> {
         &self,
         start: &[f64],
         aims: &Arc<[(Vector3<f64>, f64)]>,
+        footholds: &Footholds,
         near: &[bool],
         progress: &mut dyn FnMut(usize),
     ) -> Result<Vec<f64>, RetargetError> {
@@ -89,7 +100,7 @@ impl Retargeting<'_> {
             });
         }
         motion.add(posture(model));
-        self.keep_feet_over_ground(start, &mut motion)?;
+        self.keep_feet_over_ground(footholds, &mut motion);
         if let Some(obstacles) = self.obstacles.as_ref().filter(|_| near.contains(&true)) {
             obstacles.add_to_motion(&mut motion, near.into());
         }
