@@ -91,6 +91,13 @@ impl From<std::io::Error> for ReadProblem {
     }
 }
 
+impl ReadProblem {
+    /// Well formed, but not valid.
+    pub(crate) fn invalid(error: impl std::error::Error + Send + Sync + 'static) -> Self {
+        Self::Invalid(Arc::new(error))
+    }
+}
+
 impl WriteError {
     pub(crate) fn new(path: &Path, problem: std::io::Error) -> Self {
         Self {

@@ -25,12 +25,12 @@ use crate::skinning::WeightsError;
 
 impl From<MeshError> for ReadProblem {
     fn from(error: MeshError) -> Self {
-        Self::Invalid(std::sync::Arc::new(error))
+        Self::invalid(error)
     }
 }
 
 impl From<WeightsError> for ReadProblem {
     fn from(error: WeightsError) -> Self {
-        Self::Invalid(std::sync::Arc::new(error))
+        Self::invalid(error)
     }
 }

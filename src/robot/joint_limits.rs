@@ -69,13 +69,7 @@ impl Robot {
             joint.rate("acceleration", &mut drive.acceleration)?;
             narrowed.extend(joint.positions()?.map(|limits| (id, limits)));
         }
-        let invalid = |error| {
-            ReadError::new(
-                file,
-                Place::File,
-                ReadProblem::Invalid(std::sync::Arc::new(error)),
-            )
-        };
+        let invalid = |error| ReadError::new(file, Place::File, ReadProblem::invalid(error));
         self.narrowed(&narrowed).map_err(invalid)
     }
 }

@@ -4,10 +4,9 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, Goal, HeldBy, Servo, ServoStatus};
-use kinopt::model::{Limits, Model};
-use kinopt::robot::Robot;
+use kinopt::model::Limits;
 use kinopt::spatial::{Placement, Vector3};
-use support::arms::{Random, distance, robot, within_limits};
+use support::arms::{Random, distance, planar_with_hand, robot, within_limits};
 use support::lines::{Line, ROBOTS, lines, robots};
 use support::sample::cases;
 
@@ -169,19 +168,8 @@ fn it_does_not_creep_to_the_nearest_place() {
 /// it said that it stood at the nearest place, for ever.
 #[test]
 fn a_stretched_arm_bends_to_a_target_that_it_can_reach() {
-    let mut builder = Model::builder("planar");
-    let here = Placement::identity();
-    let [x, _, z] = Vector3::UNITS;
-    let link = Placement::translation(x);
-    let turns = Limits::new(-3.0, 3.0);
-    builder.frame("base", None, here);
-    let shoulder = builder.revolute("shoulder", None, here, z, turns);
-    let elbow = builder.revolute("elbow", Some(shoulder), link, z, turns);
-    let hand = builder.revolute("hand", Some(elbow), link, z, turns);
-    builder.frame("tool", Some(hand), here);
-    let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
-    let arm = Arm::builder(&robot, "base", "tool").with_atlas(false);
-    let arm = arm.build().unwrap();
+    let arm = planar_with_hand(Limits::new(-3.0, 3.0));
+    let x = Vector3::UNITS[0];
     for goal in [Goal::pose(), Goal::position()] {
         let arm = arm.with_goal(goal).unwrap();
         for bend in [0.0, 1e-10, 1e-8, -1e-8, 1e-6, -1e-6, 1e-4] {

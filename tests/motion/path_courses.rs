@@ -4,11 +4,11 @@
 use std::f64::consts::TAU;
 
 use kinopt::Arm;
-use kinopt::model::{Limits, Model};
+use kinopt::model::Limits;
 use kinopt::motion::path::{CartesianPath, Course, PathError, PathSolution, PathSolver};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
-use support::arms::robot;
+use support::arms::{planar_with_hand, robot};
 
 fn circle(begin: &Placement<f64>, radius: f64, points: u32) -> Vec<Placement<f64>> {
     let point = |k: u32| {
@@ -276,28 +276,11 @@ fn a_spline_of_a_line_is_even_to_its_ends() {
     }
 }
 
-/// Three links in a plane, the last a short hand; the shoulder's limits.
-fn planar(shoulder: Limits) -> Arm {
-    let mut builder = Model::builder("planar");
-    let here = Placement::identity();
-    let [x, _, z] = Vector3::UNITS;
-    let link = Placement::translation(x);
-    let turns = Limits::new(-3.0, 3.0);
-    builder.frame("base", None, here);
-    let shoulder = builder.revolute("shoulder", None, here, z, shoulder);
-    let elbow = builder.revolute("elbow", Some(shoulder), link, z, turns);
-    let hand = builder.revolute("hand", Some(elbow), link, z, turns);
-    builder.frame("tool", Some(hand), here);
-    let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
-    let arm = Arm::builder(&robot, "base", "tool").with_atlas(false);
-    arm.build().unwrap()
-}
-
 /// One elbow comes to its limit just before the tool is changed, within less than branches are compared after; the other comes to one
 /// after that. So the first tool goes by the other elbow, and after the change of tools the elbow changes once.
 #[test]
 fn what_the_first_tool_cannot_end_with_is_not_begun() {
-    let wide = planar(Limits::new(-3.0, 3.0));
+    let wide = planar_with_hand(Limits::new(-3.0, 3.0));
     // The wrist at 1.2 m, seen from the shoulder at an angle; the elbow bends to one side by twice what the shoulder is off.
     let off = 0.6_f64.acos();
     let up = |angle: f64| [angle + off, -2.0 * off, off - angle];
@@ -305,7 +288,7 @@ fn what_the_first_tool_cannot_end_with_is_not_begun() {
     let at = |angle: f64| wide.base_from_tool(&up(angle)).unwrap();
     let both = wide.base_from_tool(&down(0.3)).unwrap();
     assert!((both.translation - at(0.3).translation).norm() < 1e-12);
-    let arm = planar(Limits::new(-off - 0.05, off + 0.004));
+    let arm = planar_with_hand(Limits::new(-off - 0.05, off + 0.004));
     let other = arm.with_tool(Placement::identity()).unwrap();
     let first = (0..10).map(|k| at(0.001 * f64::from(k)));
     let second = (0..30).map(|k| at(0.001 - 0.02 * f64::from(k)));

@@ -1,7 +1,7 @@
 //! Arms for tests, and forward kinematics by nalgebra, joint by joint from the model's numbers.
 
 use kinopt::arm::Arm;
-use kinopt::model::{JointKind, Model};
+use kinopt::model::{JointKind, Limits, Model};
 use kinopt::robot::Robot;
 use kinopt::spatial::Placement;
 use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
@@ -100,4 +100,21 @@ pub fn distance(a: &[f64], b: &[f64]) -> f64 {
         .map(|(a, b)| (a - b) * (a - b))
         .sum::<f64>()
         .sqrt()
+}
+
+/// Two links of a metre in a plane and a hand that turns, from the shoulder's limits.
+pub fn planar_with_hand(shoulder: Limits) -> Arm {
+    let mut builder = Model::builder("planar");
+    let here = Placement::identity();
+    let [x, _, z] = kinopt::spatial::Vector3::UNITS;
+    let link = Placement::translation(x);
+    let turns = Limits::new(-3.0, 3.0);
+    builder.frame("base", None, here);
+    let shoulder = builder.revolute("shoulder", None, here, z, shoulder);
+    let elbow = builder.revolute("elbow", Some(shoulder), link, z, turns);
+    let hand = builder.revolute("hand", Some(elbow), link, z, turns);
+    builder.frame("tool", Some(hand), here);
+    let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
+    let arm = Arm::builder(&robot, "base", "tool").with_atlas(false);
+    arm.build().unwrap()
 }

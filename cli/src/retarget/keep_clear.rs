@@ -9,6 +9,7 @@ use kinopt::motion::retarget::Retargeted;
 use kinopt::motion::retarget::folder::FolderQuestion;
 
 use super::target::Target;
+use crate::choices::first_given;
 use crate::collision_options::{ShapeOptions, SphereOption};
 use crate::failure::Outcome;
 use crate::help_headings::COLLISIONS;
@@ -48,7 +49,7 @@ pub(super) struct KeepClearOptions {
 #[derive(Clone, Debug)]
 pub(super) struct Clear {
     pub(super) checker: Checker,
-    /// Whether obstacles are told of.
+    /// The obstacles of a file, if one was given.
     world: Option<World>,
 }
 
@@ -68,13 +69,11 @@ impl KeepClearOptions {
 
     /// The first of the options that was given.
     fn given(&self) -> Option<&'static str> {
-        let given = [
-            (self.keep_clear.is_some(), "--keep-clear"),
-            (self.world.is_some(), "--world"),
-            (self.margin.is_some(), "--margin"),
-        ];
-        let mut given = given.into_iter();
-        given.find(|(given, _)| *given).map(|(_, name)| name)
+        first_given([
+            ("--keep-clear", self.keep_clear.is_some()),
+            ("--world", self.world.is_some()),
+            ("--margin", self.margin.is_some()),
+        ])
     }
 
     /// What is to be kept clear of, if anything is.

@@ -22,6 +22,7 @@ use self::map_choice::{MapChoice, MapOptions};
 use self::movement_file::Format;
 use self::source::{SourceOptions, Up};
 use self::target::Target;
+use crate::choices::first_given;
 use crate::failure::Outcome;
 use crate::help_headings::OUTPUT;
 use crate::model_options::ModelOptions;
@@ -306,16 +307,14 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     if folder {
         return folder::run(arguments, out, json);
     }
-    for (given, option) in [
-        (arguments.format.is_some(), "--format"),
-        (arguments.again, "--again"),
-    ] {
-        if given {
-            return Err(usage!(
-                "{option} is for folders; {} is none",
-                arguments.source.display()
-            ));
-        }
+    if let Some(option) = first_given([
+        ("--format", arguments.format.is_some()),
+        ("--again", arguments.again),
+    ]) {
+        return Err(usage!(
+            "{option} is for folders; {} is none",
+            arguments.source.display()
+        ));
     }
     let clip = Job::new(arguments, Format::of(out)?)?.run(&arguments.source, out)?;
     output::result(json, || &clip, || clip.told())

@@ -7,6 +7,7 @@ use kinopt::arm::Arm;
 use kinopt::collision::{Checker, CollisionModel};
 use kinopt::robot::{Robot, Srdf};
 
+use crate::choices::first_given;
 use crate::collision_options::{ShapeOptions, SphereOption};
 use crate::failure::Outcome;
 use crate::help_headings::{COLLISIONS, TARGETS};
@@ -42,13 +43,11 @@ pub(crate) struct ObstacleArguments {
 impl ObstacleArguments {
     /// The first of the options that was given.
     pub(super) fn given(&self) -> Option<&'static str> {
-        let given = [
-            (self.world.is_some(), "--world"),
-            (self.margin.is_some(), "--margin"),
-            (self.spheres.is_given(), "--sphere-model"),
-        ];
-        let mut given = given.into_iter();
-        given.find(|(given, _)| *given).map(|(_, name)| name)
+        first_given([
+            ("--world", self.world.is_some()),
+            ("--margin", self.margin.is_some()),
+            ("--sphere-model", self.spheres.is_given()),
+        ])
     }
 
     /// What is to be kept clear of, if anything is: a robot by its collision shapes, a figure by capsules along its bones.

@@ -51,9 +51,6 @@ impl SphereModel {
                 return Err(ReadError::of_file(file, problem));
             }
         };
-        let invalid = |error: Box<dyn std::error::Error + Send + Sync>| {
-            ReadError::new(file, Place::File, ReadProblem::Invalid(error.into()))
-        };
         let mut groups = Vec::new();
         let mut overhang: f64 = 0.0;
         for (name, spheres) in named {
@@ -61,7 +58,7 @@ impl SphereModel {
                 continue;
             }
             let found = model.model().frame(&name);
-            let link = found.map_err(|error| invalid(error.into()))?;
+            let link = found.map_err(|error| invalid(file, error))?;
             let objects: Vec<_> = model.objects_of(link).collect();
             let solid = Solid::new(objects.iter().copied());
             let mut uncovered = 0.0;
@@ -112,12 +109,9 @@ fn pairs(model: &CollisionModel, groups: &[SphereGroup]) -> Vec<[usize; 2]> {
 fn of_urdf(text: &str, file: &str) -> Result<NamedSpheres, ReadError> {
     use crate::collision::Ball;
 
-    let invalid = |error: Box<dyn std::error::Error + Send + Sync>| {
-        ReadError::new(file, Place::File, ReadProblem::Invalid(error.into()))
-    };
     let robot = crate::robot::Robot::reader().lenient().parse(text, file);
-    let robot = robot.map_err(|error| invalid(error.into()))?;
-    let model = CollisionModel::of(&robot).map_err(|error| invalid(error.into()))?;
+    let robot = robot.map_err(|error| invalid(file, error))?;
+    let model = CollisionModel::of(&robot).map_err(|error| invalid(file, error))?;
     let mut named: NamedSpheres = Vec::new();
     for &link in model.links() {
         let name = model.name_of(link);
@@ -133,4 +127,8 @@ fn of_urdf(text: &str, file: &str) -> Result<NamedSpheres, ReadError> {
         named.push((name.to_owned(), spheres));
     }
     Ok(named)
+}
+
+fn invalid(file: &str, error: impl std::error::Error + Send + Sync + 'static) -> ReadError {
+    ReadError::new(file, Place::File, ReadProblem::invalid(error))
 }

@@ -143,11 +143,7 @@ impl Reader<'_> {
     }
 
     fn invalid(&self, place: Place, error: WorldError) -> ReadError {
-        ReadError::new(
-            self.file,
-            place,
-            ReadProblem::Invalid(std::sync::Arc::new(error)),
-        )
+        ReadError::new(self.file, place, ReadProblem::invalid(error))
     }
 }
 

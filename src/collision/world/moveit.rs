@@ -52,6 +52,14 @@ impl Scene<'_> {
         ReadError::malformed(self.file, Place::Line(at.line), problem)
     }
 
+    fn invalid(
+        &self,
+        at: &Node<'_>,
+        error: impl std::error::Error + Send + Sync + 'static,
+    ) -> ReadError {
+        ReadError::new(self.file, Place::Line(at.line), ReadProblem::invalid(error))
+    }
+
     fn named<'n, 't>(&self, node: &'n Node<'t>, key: &str) -> FromFile<&'n Node<'t>> {
         node.get(key)
             .ok_or_else(|| self.fail(node, &format!("has no `{key}`")))
@@ -148,10 +156,7 @@ impl Scene<'_> {
                 Some(link) => self.world.attach(&own, link, at),
                 None => Ok(()),
             });
-            placed.map_err(|error| {
-                let problem = ReadProblem::Invalid(std::sync::Arc::new(error));
-                ReadError::new(self.file, Place::Line(primitive.line), problem)
-            })?;
+            placed.map_err(|error| self.invalid(primitive, error))?;
         }
         Ok(())
     }
@@ -175,9 +180,6 @@ impl Scene<'_> {
                 return Err(self.fail(primitive, &problem));
             }
         };
-        shape.map_err(|error| {
-            let problem = ReadProblem::Invalid(std::sync::Arc::new(error));
-            ReadError::new(self.file, Place::Line(measures.line), problem)
-        })
+        shape.map_err(|error| self.invalid(measures, error))
     }
 }

@@ -214,16 +214,16 @@ impl<'a> SolutionDerivative<'a> {
 
 impl Parts {
     /// Goes to a solution and factors its system.
-    fn settle(&mut self, asked: &mut Evaluator<'_, '_>, q: &[f64]) -> Existence {
-        let question = asked.question;
+    fn settle(&mut self, evaluator: &mut Evaluator<'_, '_>, q: &[f64]) -> Existence {
+        let question = evaluator.question;
         let Self { place, system, .. } = self;
-        place.go(asked, q);
+        place.go(evaluator, q);
         if !place.is_finite() {
             return Existence::DoesNotExist(NoDerivative::NotFinite);
         }
         let limits = system.take_limits(question, place);
-        let lost = system.lost_ranks(asked, place);
-        let flat = system.take_hessian(asked, place);
+        let lost = system.lost_ranks(evaluator, place);
+        let flat = system.take_hessian(evaluator, place);
         let left = self.distance_left();
         if left > NEAR {
             return Existence::DoesNotExist(NoDerivative::NotStationary { distance: left });
@@ -234,14 +234,14 @@ impl Parts {
         if let Some(weak) = limits.weak {
             return Existence::DoesNotExist(weak);
         }
-        if let Some(task) = self.task_at_kink(asked) {
+        if let Some(task) = self.task_at_kink(evaluator) {
             return Existence::DoesNotExist(NoDerivative::AtKink { task });
         }
         let directions = match self.place.roles.pulled.is_empty() {
             true => limits.undecided,
             false => flat,
         };
-        match self.flatness(asked, flat) {
+        match self.flatness(evaluator, flat) {
             Flat::Singular => Existence::DoesNotExist(NoDerivative::Singular { directions }),
             Flat::Undecided if directions > 0 => Existence::ShortestOfMany { directions },
             Flat::Undecided => Existence::Unique,

@@ -48,8 +48,8 @@ pub(super) struct Place {
 
 impl Place {
     /// Goes to a configuration, which is of the problem's shape and finite.
-    pub(super) fn go(&mut self, asked: &mut Evaluator<'_, '_>, q: &[f64]) {
-        let question = asked.question;
+    pub(super) fn go(&mut self, evaluator: &mut Evaluator<'_, '_>, q: &[f64]) {
+        let question = evaluator.question;
         let problem = question.problem();
         let (n, m) = (problem.variables(), problem.rows());
         for (vector, len) in [
@@ -67,11 +67,11 @@ impl Place {
         problem.parameters().gather(q, &mut self.x);
         question.space().project(&mut self.x);
         list_bounds(question, &mut self.x, &mut self.bounds);
-        let mut evaluation = asked.evaluation();
+        let mut evaluation = evaluator.evaluation();
         evaluation.residual(&self.x, &mut self.r);
         evaluation.analytic_jacobian(&self.x, &mut self.jacobian);
         self.roles.take(question, &self.r);
-        asked.scratch.q().clone_into(&mut self.q);
+        evaluator.scratch.q().clone_into(&mut self.q);
     }
 
     /// Where it is, for what knows how variables move the model.
@@ -127,15 +127,20 @@ impl Place {
     }
 
     /// Adds what the rows' own bending does to a direction: Σ cᵢ ∇²rᵢ y, along the directions.
-    pub(super) fn add_bend(&mut self, asked: &mut Evaluator<'_, '_>, y: &[f64], bend: &mut [f64]) {
-        let question = asked.question;
+    pub(super) fn add_bend(
+        &mut self,
+        evaluator: &mut Evaluator<'_, '_>,
+        y: &[f64],
+        bend: &mut [f64],
+    ) {
+        let question = evaluator.question;
         let shift = self.shift(question, y);
         if !shift.is_finite() {
             return;
         }
         for share in [shift, -shift] {
             self.moved(y, share);
-            let mut evaluation = asked.evaluation();
+            let mut evaluation = evaluator.evaluation();
             evaluation.reverse_gradient(&self.shifted, &self.counts, &mut self.slope);
             self.directions.reduce(1, &self.slope, &mut self.reduced);
             for (bend, slope) in bend.iter_mut().zip(&self.reduced) {

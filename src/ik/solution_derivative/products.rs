@@ -22,8 +22,8 @@ impl SolutionDerivative<'_> {
     ) -> Result<(), DerivativeError> {
         self.check(v.len(), rates)?;
         let (question, model) = (self.question, self.model);
-        if let Some((mut asked, parts)) = self.memory.split(question) {
-            parts.forward(&mut asked, model, rates, v);
+        if let Some((mut evaluator, parts)) = self.memory.split(question) {
+            parts.forward(&mut evaluator, model, rates, v);
         }
         Ok(())
     }
@@ -41,8 +41,8 @@ impl SolutionDerivative<'_> {
         self.check(slope.len(), gradient)?;
         gradient.clear();
         let (question, model) = (self.question, self.model);
-        if let Some((mut asked, parts)) = self.memory.split(question) {
-            parts.reverse(&mut asked, model, slope, gradient);
+        if let Some((mut evaluator, parts)) = self.memory.split(question) {
+            parts.reverse(&mut evaluator, model, slope, gradient);
         }
         Ok(())
     }
@@ -63,10 +63,10 @@ impl SolutionDerivative<'_> {
         let columns = self.question.residual(task).target_len();
         let mut matrix = DMatrix::zeros(self.degrees_of_freedom(), columns);
         let question = self.question;
-        if let Some((mut asked, parts)) = self.memory.split(question)
+        if let Some((mut evaluator, parts)) = self.memory.split(question)
             && !parts.slope_bends()
         {
-            parts.follow_target(&mut asked, task, &mut matrix);
+            parts.follow_target(&mut evaluator, task, &mut matrix);
             return Ok(matrix);
         }
         let mut rates = ParameterVector::new(problem);
@@ -107,16 +107,16 @@ impl super::DerivativeWorkspace {
 impl Parts {
     fn forward(
         &mut self,
-        asked: &mut Evaluator<'_, '_>,
+        evaluator: &mut Evaluator<'_, '_>,
         model: Option<&Model>,
         rates: &ParameterVector,
         v: &mut [f64],
     ) {
         refill(&mut self.rows, self.place.r.len(), 0.0);
-        let mut evaluation = asked.evaluation();
+        let mut evaluation = evaluator.evaluation();
         let (x, parameters) = (&self.place.x, &mut self.parameters);
         evaluation.rows_by_parameters(x, rates, model, parameters, &mut self.rows);
-        self.follow(asked, Some((model, rates)), v);
+        self.follow(evaluator, Some((model, rates)), v);
     }
 
     /// Whether parameters change the slope of what pulls by more than its rows.
@@ -127,16 +127,16 @@ impl Parts {
     /// Writes the velocities for each number of a task's target, where the slope does not bend.
     fn follow_target(
         &mut self,
-        asked: &mut Evaluator<'_, '_>,
+        evaluator: &mut Evaluator<'_, '_>,
         task: usize,
         matrix: &mut DMatrix<f64>,
     ) {
-        let question = asked.question;
+        let question = evaluator.question;
         let Some(own) = question.problem().compiled_tasks().get(task) else {
             return;
         };
         let mut columns = std::mem::take(&mut self.columns);
-        let mut evaluation = asked.evaluation();
+        let mut evaluation = evaluator.evaluation();
         let place = &self.place;
         evaluation.rows_by_target(&place.x, task, &mut self.parameters, &mut columns);
         let count = own.rows.len().max(1);
@@ -144,7 +144,7 @@ impl Parts {
             refill(&mut self.rows, self.place.r.len(), 0.0);
             self.rows[own.rows.clone()].copy_from_slice(column);
             let mut v = matrix.column_mut(k);
-            self.follow(asked, None, v.as_mut_slice());
+            self.follow(evaluator, None, v.as_mut_slice());
         }
         self.columns = columns;
     }
@@ -153,11 +153,11 @@ impl Parts {
     /// parameters themselves too.
     fn follow(
         &mut self,
-        asked: &mut Evaluator<'_, '_>,
+        evaluator: &mut Evaluator<'_, '_>,
         rates: Option<(Option<&Model>, &ParameterVector)>,
         v: &mut [f64],
     ) {
-        let question = asked.question;
+        let question = evaluator.question;
         let bends = self.slope_bends();
         let Self {
             place,
@@ -178,7 +178,7 @@ impl Parts {
                 *slope = pulled.map(|&row| column[row] * rows[row]).sum();
             }
             if step.iter().any(|step| *step != 0.0) {
-                system.add_hessian(asked, place, (step, slope));
+                system.add_hessian(evaluator, place, (step, slope));
             }
             if let Some((model, rates)) = rates.filter(|_| bends) {
                 for k in 0..system.nullity() {
@@ -187,7 +187,7 @@ impl Parts {
                     let mut bend = 0.0;
                     for share in [shift, -shift] {
                         let at = place.moved(&direction, share).to_vec();
-                        let mut evaluation = asked.evaluation();
+                        let mut evaluation = evaluator.evaluation();
                         evaluation.rows_by_parameters(&at, rates, model, parameters, rows);
                         bend += inner(&place.counts, rows) / (2.0 * share);
                     }
@@ -206,12 +206,12 @@ impl Parts {
 
     fn reverse(
         &mut self,
-        asked: &mut Evaluator<'_, '_>,
+        evaluator: &mut Evaluator<'_, '_>,
         model: Option<&Model>,
         by_v: &[f64],
         gradient: &mut ParameterVector,
     ) {
-        let question = asked.question;
+        let question = evaluator.question;
         let Self {
             place,
             system,
@@ -234,7 +234,7 @@ impl Parts {
         if !place.roles.held.is_empty() {
             refill(image, step.len(), 0.0);
             if step.iter().any(|step| *step != 0.0) {
-                system.add_hessian(asked, place, (step, image));
+                system.add_hessian(evaluator, place, (step, image));
             }
             // With `step` the adjoint's negative: −(g − W a) = −(g + W step).
             for (slope, image) in slope.iter_mut().zip(&*image) {
@@ -242,27 +242,27 @@ impl Parts {
             }
             system.push_held(place, slope, rows);
         }
-        self.add_slopes(asked, model, gradient);
+        self.add_slopes(evaluator, model, gradient);
     }
 
     /// Adds how the slope of the Lagrangian along `step` changes with the parameters.
     pub(super) fn add_slopes_along(
         &mut self,
-        asked: &mut Evaluator<'_, '_>,
+        evaluator: &mut Evaluator<'_, '_>,
         gradient: &mut ParameterVector,
     ) {
         refill(&mut self.rows, self.place.r.len(), 0.0);
-        self.add_slopes(asked, None, gradient);
+        self.add_slopes(evaluator, None, gradient);
     }
 
     /// The same, and how the rows do, each times what `rows` says.
     fn add_slopes(
         &mut self,
-        asked: &mut Evaluator<'_, '_>,
+        evaluator: &mut Evaluator<'_, '_>,
         model: Option<&Model>,
         gradient: &mut ParameterVector,
     ) {
-        let question = asked.question;
+        let question = evaluator.question;
         let Self {
             place,
             system,
@@ -278,7 +278,7 @@ impl Parts {
                 .map(|(k, step)| step * place.along[k * m + row])
                 .sum::<f64>();
         }
-        let mut evaluation = asked.evaluation();
+        let mut evaluation = evaluator.evaluation();
         let counts = (&**rows, 1.0);
         evaluation.add_parameter_slopes(&place.x, counts, model, parameters, gradient);
         let shift = place.shift(question, step);
@@ -287,7 +287,7 @@ impl Parts {
         }
         for share in [shift, -shift] {
             let at = place.moved(step, share).to_vec();
-            let mut evaluation = asked.evaluation();
+            let mut evaluation = evaluator.evaluation();
             let counts = (&*place.counts, 0.5 / share);
             evaluation.add_parameter_slopes(&at, counts, model, parameters, gradient);
         }

@@ -24,7 +24,11 @@ pub(super) enum Flat {
 
 impl System {
     /// How many of the held rows depend on the others only here.
-    pub(super) fn lost_ranks(&mut self, asked: &mut Evaluator<'_, '_>, place: &mut Place) -> usize {
+    pub(super) fn lost_ranks(
+        &mut self,
+        evaluator: &mut Evaluator<'_, '_>,
+        place: &mut Place,
+    ) -> usize {
         let rank = self.rank();
         if rank >= place.roles.held.len() || self.nullity() == 0 {
             return 0;
@@ -36,7 +40,7 @@ impl System {
         let here = place.along.clone();
         let mut jacobian = std::mem::take(&mut place.jacobian);
         let there = &mut jacobian.clone();
-        asked.evaluation().analytic_jacobian(&at, there);
+        evaluator.evaluation().analytic_jacobian(&at, there);
         let rows = there.nrows();
         place
             .directions
@@ -66,7 +70,7 @@ impl Parts {
     }
 
     /// What the directions are in which the reduced cost is flat.
-    pub(super) fn flatness(&mut self, asked: &mut Evaluator<'_, '_>, flat: usize) -> Flat {
+    pub(super) fn flatness(&mut self, evaluator: &mut Evaluator<'_, '_>, flat: usize) -> Flat {
         if flat == 0 || self.place.roles.pulled.is_empty() {
             return Flat::Undecided;
         }
@@ -74,7 +78,7 @@ impl Parts {
         let mut along = |parts: &mut Self, y: &[f64]| {
             y.clone_into(&mut parts.step);
             gradient.clear();
-            parts.add_slopes_along(asked, &mut gradient);
+            parts.add_slopes_along(evaluator, &mut gradient);
             largest(gradient.targets())
         };
         let all =
@@ -93,8 +97,8 @@ impl Parts {
     }
 
     /// A task whose rows vanish as soon as they are crossed, while nothing pushes against them.
-    pub(super) fn task_at_kink(&mut self, asked: &mut Evaluator<'_, '_>) -> Option<String> {
-        let question = asked.question;
+    pub(super) fn task_at_kink(&mut self, evaluator: &mut Evaluator<'_, '_>) -> Option<String> {
+        let question = evaluator.question;
         let Self {
             place,
             system,
@@ -116,7 +120,7 @@ impl Parts {
         system.restore(place, rows, step);
         place.moved(step, 1.0);
         refill(image, rows.len(), 0.0);
-        let mut evaluation = asked.evaluation();
+        let mut evaluation = evaluator.evaluation();
         evaluation.residual(place.shifted(), image);
         let vanish = |row: usize| place.r[row] != 0.0 && image[row] == 0.0;
         if !place.roles.held.iter().any(|&row| vanish(row)) {

@@ -113,7 +113,7 @@ impl System {
     /// them nothing pulls.
     pub(super) fn take_hessian(
         &mut self,
-        asked: &mut Evaluator<'_, '_>,
+        evaluator: &mut Evaluator<'_, '_>,
         place: &mut Place,
     ) -> usize {
         let (free, nullity) = (self.free, self.nullity());
@@ -146,7 +146,7 @@ impl System {
             refill(hessian, free, 0.0);
             multiply(&self.pulled, direction, hessian);
             if self.bends {
-                place.add_bend(asked, direction, hessian);
+                place.add_bend(evaluator, direction, hessian);
             }
             self.image[own].copy_from_slice(hessian);
         }
@@ -221,13 +221,13 @@ impl System {
     /// Adds W y.
     pub(super) fn add_hessian(
         &self,
-        asked: &mut Evaluator<'_, '_>,
+        evaluator: &mut Evaluator<'_, '_>,
         place: &mut Place,
         (y, image): (&[f64], &mut [f64]),
     ) {
         multiply(&self.pulled, y, image);
         if self.bends {
-            place.add_bend(asked, y, image);
+            place.add_bend(evaluator, y, image);
         }
     }
 

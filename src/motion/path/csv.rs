@@ -148,13 +148,8 @@ impl CartesianPath {
         if table.points.is_empty() {
             return Err(malformed(Place::File, "has no points".into()));
         }
-        table.finish(columns).map_err(|error| {
-            ReadError::new(
-                name,
-                Place::File,
-                ReadProblem::Invalid(std::sync::Arc::new(error)),
-            )
-        })
+        let finished = table.finish(columns);
+        finished.map_err(|error| ReadError::new(name, Place::File, ReadProblem::invalid(error)))
     }
 }
 
