@@ -125,8 +125,10 @@ impl Arm {
             workspace.aim(target);
             self.bound_moves(workspace, from);
             self.gather(workspace, &query);
-            self.distinct(workspace, count, LONG_STEP, Termination::Reached)
-        })
+            #[cfg(feature = "collision")]
+            self.drop_touching(workspace)?;
+            Ok(self.distinct(workspace, count, LONG_STEP, Termination::Reached))
+        })?
     }
 
     /// Goes from the workspace's x to the target by fractions of the straight way between the

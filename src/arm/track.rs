@@ -26,6 +26,14 @@ pub struct Track {
     pub jumps: Vec<Jump>,
 }
 
+impl Track {
+    /// Whether every target is reached without a jump.
+    #[cfg(feature = "collision")]
+    fn is_whole(&self) -> bool {
+        self.jumps.is_empty() && self.solutions.iter().all(|solution| solution.reached)
+    }
+}
+
 impl Arm {
     /// Follows a path: every step goes on from the one before on the same branch, whatever the
     /// arm's search; the first, if the start is far from it, is [`solve`](Self::solve)'s. Where the
@@ -33,7 +41,9 @@ impl Arm {
     /// through the steps before. Where there is none it stays on its branch, at the nearest place to
     /// each target, until that reaches again; if it is
     /// [asked](super::ArmBuilder::with_global_search_on_miss) to, it jumps to the nearest solution
-    /// instead and says so in [`Track::jumps`].
+    /// instead and says so in [`Track::jumps`]. An arm that [keeps clear](Self::with_checker) of something takes
+    /// only ways that are free, and where it misses what it would not without anything to keep clear of, takes that
+    /// way if it is free from end to end.
     ///
     /// # Errors
     /// As [`solve`](Self::solve); the error names the first bad target.
@@ -46,6 +56,22 @@ impl Arm {
         for (query, target) in base_from_tools.iter().enumerate() {
             self.check_query(query, target, start)?;
         }
+        let track = self.follow(&mut follower, base_from_tools)?;
+        #[cfg(feature = "collision")]
+        if let (true, false) = (self.keeps_clear(), track.is_whole())
+            && let Some(plain) = self.plain_if_free(base_from_tools, start)?
+        {
+            return Ok(plain);
+        }
+        Ok(track)
+    }
+
+    /// Follows a path that was checked, from where a follower stands.
+    fn follow<'a>(
+        &'a self,
+        follower: &mut Follower<'a>,
+        base_from_tools: &[Placement<f64>],
+    ) -> Reply<Track> {
         let mut track = Track::default();
         track.solutions.reserve(base_from_tools.len());
         let mut back_left = LOOK_BACK * base_from_tools.len();
@@ -64,17 +90,35 @@ impl Arm {
             // A branch ends where it is left or first misses.
             let ends = jump.is_some() || !reached && !missing;
             missing = !reached;
-            #[cfg(feature = "collision")]
-            // Ways back are not known to be free.
-            let ends = ends && !self.keeps_clear();
             if ends && self.go_round(base_from_tools, step, &mut track, &mut back_left)? {
-                follower = self.follower_at(base_from_tools, step, &track)?;
+                *follower = self.follower_at(base_from_tools, step, &track)?;
                 missing = false;
             } else {
                 track.jumps.extend(jump);
             }
         }
         Ok(track)
+    }
+
+    /// The track of an arm that keeps clear of nothing, where it is whole and its way is free.
+    #[cfg(feature = "collision")]
+    fn plain_if_free(&self, targets: &[Placement<f64>], start: &[f64]) -> Reply<Option<Track>> {
+        let mut plain = self.clone();
+        plain.collisions = None;
+        let track = plain.follow(&mut plain.follower(start)?, targets)?;
+        let Some(first) = track.solutions.first().filter(|_| track.is_whole()) else {
+            return Ok(None);
+        };
+        // From a start that is far from the path no way is asked, as it is not for solutions.
+        let near = self.longest_move(start, &first.q).1 <= LONG_STEP;
+        let mut last = if near { start } else { &first.q };
+        for solution in &track.solutions {
+            if !self.goes_free(last, &solution.q)? {
+                return Ok(None);
+            }
+            last = &solution.q;
+        }
+        Ok(Some(track))
     }
 
     /// Looks for another way to the end of a branch at `step`: from solutions there it goes back
@@ -131,15 +175,36 @@ impl Arm {
                 break;
             }
             let meets = self.longest_move(&known.q, &solution.q).1 <= MEETING;
+            let next = way.last().map_or(&*other.q, |next| &next.q);
             // The way goes on from the one known, and no step of it is a jump.
-            let joins = |next: &Solution| self.longest_move(&known.q, &next.q).1 <= LONG_STEP;
-            if meets && way.last().is_some_and(joins) {
+            let joins = || self.longest_move(&known.q, next).1 <= LONG_STEP;
+            if meets && joins() && self.goes_free(&known.q, next)? {
                 return Ok(Some(way));
+            }
+            if !self.goes_free(&solution.q, next)? {
+                break;
             }
             follower.stand_at(target, &solution.q);
             way.push(solution);
         }
         Ok(None)
+    }
+
+    /// Whether nothing is in the way between two configurations.
+    #[cfg(feature = "collision")]
+    fn goes_free(&self, from: &[f64], to: &[f64]) -> Reply<bool> {
+        Ok(self.in_the_way(from, to)?.is_none())
+    }
+
+    /// Nothing is.
+    #[cfg(not(feature = "collision"))]
+    #[allow(
+        clippy::unused_self,
+        clippy::unnecessary_wraps,
+        reason = "as the one that looks"
+    )]
+    fn goes_free(&self, _: &[f64], _: &[f64]) -> Reply<bool> {
+        Ok(true)
     }
 
     /// A follower that has come along the last two steps of a track.
