@@ -57,6 +57,21 @@ def test_spheres_hold_points_of_shapes(ur5e: kinopt.Robot) -> None:
     assert all(len(own) <= 5 for own in model.spheres(per_link=5).spheres.values())
 
 
+def test_a_model_is_covered_once_whatever_is_made_of_it(ur5e: kinopt.Robot) -> None:
+    model = ur5e.collision_model()
+    assert not model._is_covered
+    kinopt.Problem(ur5e, world=kinopt.World(), collision_model=model)
+    # Its links are covered by spheres once; another with other pairs is another.
+    assert model._is_covered
+    assert not model.with_ignored("base", "link6")._is_covered
+    world = kinopt.World()
+    world.add_box("table", (1, 1, 0.1), pose=(0.5, 0, 0.3))
+    arms = [kinopt.Arm(ur5e, "base", "flange", world=each, collision_model=model) for each in (kinopt.World(), world)]
+    q = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    anew = kinopt.Arm(ur5e, "base", "flange", world=world, collision_model=ur5e.collision_model())
+    assert str(arms[1].collisions(q)) == str(anew.collisions(q))
+
+
 def test_spheres_go_through_files(ur5e: kinopt.Robot, tmp_path: Path) -> None:
     model = ur5e.collision_model()
     spheres = model.spheres(per_link=4)

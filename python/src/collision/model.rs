@@ -1,7 +1,7 @@
 //! The shapes of a robot and the links that are kept apart.
 
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use kinopt::collision::{self, Fineness, MeshUse};
 use pyo3::prelude::*;
@@ -25,12 +25,13 @@ pub(crate) struct CollisionModel {
     pub(crate) inner: Arc<collision::CollisionModel>,
     /// Those that were given; without any they are made where they are needed.
     pub(crate) spheres: Option<Arc<collision::SphereModel>>,
+    /// Made when an arm or a problem first keeps its shapes apart.
+    checker: OnceLock<collision::Checker>,
 }
 
 impl From<collision::CollisionModel> for CollisionModel {
     fn from(inner: collision::CollisionModel) -> Self {
-        let (inner, spheres) = (Arc::new(inner), None);
-        Self { inner, spheres }
+        Self::of_parts(Arc::new(inner), None)
     }
 }
 
@@ -45,13 +46,27 @@ pub(crate) struct Taking {
 }
 
 impl CollisionModel {
-    /// What keeps its shapes apart, in a world without obstacles.
-    pub(crate) fn checker(&self) -> collision::Checker {
-        let model = collision::CollisionModel::clone(&self.inner);
-        match &self.spheres {
-            Some(spheres) => collision::Checker::new(model).with_spheres((**spheres).clone()),
-            None => collision::Checker::covered(model),
+    fn of_parts(
+        inner: Arc<collision::CollisionModel>,
+        spheres: Option<Arc<collision::SphereModel>>,
+    ) -> Self {
+        Self {
+            inner,
+            spheres,
+            checker: OnceLock::new(),
         }
+    }
+
+    /// What keeps its shapes apart, in a world without obstacles; made once.
+    pub(crate) fn checker(&self) -> collision::Checker {
+        let made = || {
+            let model = collision::CollisionModel::clone(&self.inner);
+            match &self.spheres {
+                Some(spheres) => collision::Checker::new(model).with_spheres((**spheres).clone()),
+                None => collision::Checker::covered(model),
+            }
+        };
+        self.checker.get_or_init(made).clone()
     }
 
     pub(crate) fn of(robot: &kinopt::robot::Robot, taking: &Taking) -> PyResult<Self> {
@@ -78,10 +93,7 @@ impl CollisionModel {
 
     /// The same with other pairs of links.
     fn changed(&self, inner: collision::CollisionModel) -> Self {
-        Self {
-            inner: Arc::new(inner),
-            spheres: self.spheres.clone(),
-        }
+        Self::of_parts(Arc::new(inner), self.spheres.clone())
     }
 
     fn names(&self, links: &[kinopt::model::FrameId]) -> Vec<String> {
@@ -242,20 +254,25 @@ impl CollisionModel {
     /// The same model with spheres by which its configurations are looked through, instead of those that are made anew where it is given
     /// to an `Arm` or a `Problem`. They are grown by the gaps that they leave, so that nothing is called free that is not. Raises nothing.
     fn with_spheres(&self, spheres: &SphereModel) -> Self {
-        Self {
-            inner: Arc::clone(&self.inner),
-            spheres: Some(Arc::clone(&spheres.inner)),
-        }
+        Self::of_parts(Arc::clone(&self.inner), Some(Arc::clone(&spheres.inner)))
+    }
+
+    /// Whether its checker is made, which every arm and problem of it shares: for tests.
+    #[getter]
+    fn _is_covered(&self) -> bool {
+        self.checker.get().is_some()
+    }
+
+    /// Itself, as nothing changes it: a copy would be covered anew.
+    fn __deepcopy__(model: Bound<'_, Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        model.unbind()
     }
 
     #[classmethod]
     fn _rebuild(_class: &Bound<'_, PyType>, json: &str) -> PyResult<Self> {
         type Parts = (collision::CollisionModel, Option<collision::SphereModel>);
         let (inner, spheres): Parts = serde_json::from_str(json).or_raise()?;
-        Ok(Self {
-            inner: Arc::new(inner),
-            spheres: spheres.map(Arc::new),
-        })
+        Ok(Self::of_parts(Arc::new(inner), spheres.map(Arc::new)))
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {

@@ -1,6 +1,6 @@
 //! What is kept clear of: the options `world`, `margin` and `collision_model` of arms and problems.
 
-use kinopt::collision::{Checker, CollisionModel as Shapes};
+use kinopt::collision::Checker;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -54,13 +54,7 @@ impl Obstacles {
         } else if let Ok(robot) = of.cast::<Robot>() {
             robot.get().checker()?
         } else if let Ok(rig) = of.cast::<Rig>() {
-            let rig = &rig.get().inner;
-            let (Some(mesh), Some(weights)) = (&rig.mesh, &rig.weights) else {
-                return Err(invalid(
-                    "world and margin need a rig with a mesh and weights, or take a collision_model",
-                ));
-            };
-            Checker::covered(Shapes::of_skin(&rig.skeleton, mesh, weights).or_raise()?)
+            rig.get().checker()?
         } else {
             return Err(invalid(
                 "world and margin are for a Robot, which has collision shapes, or a Rig, which has a skin, or take a collision_model",

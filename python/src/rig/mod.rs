@@ -3,8 +3,9 @@
 mod posing;
 
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
+use kinopt::collision::{Checker, CollisionModel};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
@@ -33,9 +34,26 @@ pub(crate) struct Rig {
     mesh: Option<Py<TriangleMesh>>,
     weights: Option<Py<SkinWeights>>,
     clip: Py<EulerClip>,
+    /// Capsules along its bones and the spheres that cover them, made when a world is first kept clear of.
+    checker: OnceLock<Checker>,
 }
 
 impl Rig {
+    /// What keeps the capsules along its bones apart, in a world without obstacles; made once.
+    pub(crate) fn checker(&self) -> PyResult<Checker> {
+        if let Some(known) = self.checker.get() {
+            return Ok(known.clone());
+        }
+        let rig = &self.inner;
+        let (Some(mesh), Some(weights)) = (&rig.mesh, &rig.weights) else {
+            return Err(invalid(
+                "world and margin need a rig with a mesh and weights, or take a collision_model",
+            ));
+        };
+        let shapes = CollisionModel::of_skin(&rig.skeleton, mesh, weights).or_raise()?;
+        Ok((self.checker.get_or_init(|| Checker::covered(shapes))).clone())
+    }
+
     fn of(py: Python<'_>, rig: kinopt::io::rig::Rig) -> PyResult<Self> {
         let skeleton = Arc::new(rig.skeleton.clone());
         let clip = EulerClip {
@@ -50,6 +68,7 @@ impl Rig {
             mesh: mesh.map(|mesh| Py::new(py, mesh)).transpose()?,
             weights: weights.map(|weights| Py::new(py, weights)).transpose()?,
             clip: Py::new(py, clip)?,
+            checker: OnceLock::new(),
         })
     }
 }
