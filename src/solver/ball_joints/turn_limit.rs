@@ -162,3 +162,50 @@ impl TurnLimit {
         }))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{TAU, TurnLimit};
+    use crate::model::{BallLimits, Limits, Model, ParameterMap};
+    use crate::random::RandomStream;
+    use crate::spatial::{Placement, Vector3};
+
+    /// A twist wound up by whole turns is the same rotation, so it is put to the same place, also where the way straight
+    /// back leaves the cone.
+    #[test]
+    fn whole_turns_of_twist_change_nothing() {
+        let z = Vector3::UNITS[2];
+        let cone = BallLimits::elliptic([1.0, 0.0, 0.0], [0.3, 1.2], Limits::UNBOUNDED);
+        let mut builder = Model::builder("shoulder");
+        builder.ball("ball", None, Placement::identity(), z, Some(cone));
+        let model = builder.build().unwrap();
+        let chart = ParameterMap::free(&model).balls()[0].chart;
+        let in_cone = |x: [f64; 3]| (x[0] / 0.3).powi(2) + (x[1] / 1.2).powi(2) <= 1.0;
+        let mut random = RandomStream::new(3, 0);
+        let mut by_the_variables = 0;
+        for _ in 0..2000 {
+            let mut draw = |most: f64| most * (2.0 * random.unit() - 1.0);
+            let centre = [draw(0.2), draw(0.8), draw(3.0)];
+            let own = [draw(0.3), draw(1.2), centre[2] + draw(3.0)];
+            if !in_cone(centre) || !in_cone(own) {
+                continue;
+            }
+            let mut limit = TurnLimit::from_zero(0, chart, [0.0; 3], 0.4);
+            limit.centre_at(&centre);
+            let [mut put, mut wound] = [own; 2];
+            wound[2] += 2.0 * TAU;
+            limit.project(&mut put, in_cone);
+            limit.project(&mut wound, in_cone);
+            assert!(limit.is_within(put) && in_cone(put), "{put:?}");
+            if limit.is_well_within(own, 1e-6) {
+                continue;
+            }
+            let straight = limit.turn(own) * (0.4 / limit.angle(own));
+            let back = super::Quaternion::exp(straight) * limit.centre;
+            by_the_variables += u32::from(!in_cone(limit.chart.variables(back)));
+            let apart = limit.chart.rotation(put).conjugate() * limit.chart.rotation(wound);
+            assert!(apart.log().norm() < 1e-9, "{own:?}: {put:?} {wound:?}");
+        }
+        assert!(by_the_variables > 20, "{by_the_variables}");
+    }
+}
