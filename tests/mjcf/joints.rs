@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::model::{BallLimits, JointKind, Limits};
-use kinopt::robot::Robot;
+use kinopt::robot::{Mended, Robot};
 
 fn joint(compiler: &str, joint: &str) -> Robot {
     let text = format!(
@@ -93,6 +93,34 @@ fn a_ball_turns_by_no_more_than_its_range_about_any_axis() {
     }
     let free = joint("", r#"type="ball" range="0 180""#);
     assert!(free.model().joints()[0].ball.is_none() && free.repairs().is_empty());
+}
+
+#[test]
+fn a_balls_range_beyond_half_a_turn_is_no_limit_and_is_told() {
+    for (compiler, range, end) in [
+        (r#"angle="radian""#, "0 4", 4.0),
+        ("", "0 185", 185.0_f64.to_radians()),
+        ("", "0 720", 720.0_f64.to_radians()),
+    ] {
+        let robot = joint(compiler, &format!(r#"type="ball" range="{range}""#));
+        assert!(robot.model().joints()[0].ball.is_none(), "{range}");
+        let [note] = robot.repairs() else {
+            panic!("{range}: {:?}", robot.repairs())
+        };
+        assert_eq!((note.line, note.element.as_str()), (2, "joint `j`"));
+        assert!(
+            matches!(note.mended, Mended::StopsNothing { angle } if (angle - end).abs() < 1e-12)
+        );
+        assert!(note.to_string().contains("no limit"), "{note}");
+    }
+    // Half a turn, exactly and as it is rounded, is a way to say that there is none; `limited` another.
+    for range in ["0 3.1416", "0 3.142", r#"0 4" limited="false"#] {
+        let robot = joint(
+            r#"angle="radian""#,
+            &format!(r#"type="ball" range="{range}""#),
+        );
+        assert!(robot.model().joints()[0].ball.is_none() && robot.repairs().is_empty());
+    }
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Bodies, joints and sites of a document as a model.
 
 use std::collections::HashSet;
+use std::f64::consts::PI;
 
 use super::attributes::Attributes;
 use super::body::Body;
@@ -9,7 +10,7 @@ use super::joint::{JointElement, Kind};
 use super::names::{self, ElementNames, FreshNames, WORLD};
 use super::orientation::direction;
 use crate::model::{BallLimits, FrameId, JointId, Limits, Model, ModelBuilder};
-use crate::robot::xml::{Fault, Read, RobotFileError, clean_sin_cos};
+use crate::robot::xml::{Fault, Mended, Read, Repair, RobotFileError, clean_sin_cos};
 use crate::robot::{Drive, Mimic};
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
 
@@ -20,7 +21,12 @@ pub(super) struct Build<'a> {
     /// The configuration in which the file draws the robot: MuJoCo's `qpos0`.
     pub(super) drawn: Vec<f64>,
     pub(super) drives: Vec<Drive>,
+    /// What is read otherwise than it looks.
+    pub(super) notes: Vec<Repair>,
 }
+
+/// Half a turn as files round it up, in radians.
+const HALF_A_TURN_ROUNDED: f64 = PI + 1e-3;
 
 /// What something stands on, and where.
 type Stand = (Option<JointId>, Placement<f64>);
@@ -32,6 +38,7 @@ impl<'a> Build<'a> {
             names: ElementNames::default(),
             drawn: Vec::new(),
             drives: Vec::new(),
+            notes: Vec::new(),
         }
     }
 
@@ -101,10 +108,15 @@ impl<'a> Build<'a> {
             }
             Kind::Ball => {
                 self.drawn.extend([1.0, 0.0, 0.0, 0.0]);
-                let limits = element
-                    .range
-                    .map(|range| range.upper)
-                    .filter(|angle| *angle < std::f64::consts::PI)
+                let angle = element.range.map(|range| range.upper);
+                let beyond = angle.filter(|angle| *angle > HALF_A_TURN_ROUNDED);
+                self.notes.extend(beyond.map(|angle| Repair {
+                    line: element.tag.line(),
+                    element: element.tag.called(),
+                    mended: Mended::StopsNothing { angle },
+                }));
+                let limits = angle
+                    .filter(|angle| *angle < PI)
                     .map(BallLimits::within_angle);
                 self.builder.ball(name, carrier, anchored, axis, limits)
             }

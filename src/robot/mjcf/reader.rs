@@ -28,7 +28,7 @@ impl Robot {
     /// `site/NAME`. A configuration is MuJoCo's `qpos`: joints in the order of the document, a free joint as x, y, z
     /// and a quaternion w, x, y, z, a ball as its quaternion, `ref` counted in. A free joint NAME is `NAME/x`,
     /// `NAME/y`, `NAME/z` and `NAME/rotation`. Ranges are limits where MuJoCo has it so; a ball's limits
-    /// its whole [angle](crate::model::BallLimits::angle), of which half a turn and more is no limit.
+    /// its whole [angle](crate::model::BallLimits::angle), of which half a turn and more is no limit; of more there is a note.
     ///
     /// Joints that an active linear `equality` couples follow; `connect` and `weld` are
     /// [`loops`](crate::model::Model::loops) of the model, unnamed ones BODY/connect and BODY/weld by their first body;
@@ -115,11 +115,12 @@ fn robot(tree: &Tree) -> Read<Robot> {
     let mut robot = Robot::new(model, mimics).map_err(unsound)?;
     robot.passive = passive::joints(root, names, &robot);
     robot.drives = build.drives;
+    let ranges = build.notes;
     let (weights, notes) = weights::weigh(&bodies, &compiler);
     let bodies = bodies.into_iter().zip(weights);
     robot.links = bodies.map(|(body, weight)| link(body, weight)).collect();
     let repairs = left_out.into_iter().filter_map(Repair::left_out);
-    robot.repairs = repairs.chain(notes).collect();
+    robot.repairs = repairs.chain(notes).chain(ranges).collect();
     robot.repairs.sort_by_key(|repair| repair.line);
     Ok(robot)
 }

@@ -39,7 +39,8 @@ impl Repair {
 }
 
 /// What was done about one place of a file. The first two and [`LeftOut`](Self::LeftOut) of what
-/// belongs to a link, and [`MassLeftToMeshes`](Self::MassLeftToMeshes), come from strict readers too; the others from lenient ones alone.
+/// belongs to a link, [`MassLeftToMeshes`](Self::MassLeftToMeshes) and [`StopsNothing`](Self::StopsNothing), come from strict readers
+/// too; the others from lenient ones alone.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Mended {
@@ -56,6 +57,11 @@ pub enum Mended {
     /// A body states no mass, and what it weighs stands in the files of its meshes, which are not opened. The
     /// robot has no centre of mass if a joint moves it.
     MassLeftToMeshes(LeftToMeshes),
+    /// A ball joint's range ends beyond half a turn, which is as far as anything is turned: it is no limit, as in MuJoCo.
+    StopsNothing {
+        /// Where it ends, in radians.
+        angle: f64,
+    },
     /// A revolute or prismatic joint has no `<limit>`: it is held at 0.
     HeldAtZero,
     /// Limits were out of order and are exchanged; these are the new ones, in radians or metres.
@@ -109,6 +115,10 @@ impl fmt::Display for Mended {
             Self::MassLeftToMeshes(LeftToMeshes::Centre { mass }) => write!(
                 f,
                 "its {mass} kg are a mesh's, whose file is not opened, so their centre is not known; `inertial` would state it"
+            ),
+            Self::StopsNothing { angle } => write!(
+                f,
+                "its range ends at {angle} rad, beyond half a turn, farther than which nothing is turned: no limit"
             ),
             Self::HeldAtZero => write!(f, "there is no <limit>: the joint is held at 0"),
             Self::LimitsExchanged { lower, upper } => {
