@@ -283,3 +283,38 @@ def test_a_centre_of_mass_is_called_so(heavy: kinopt.Robot) -> None:
     problem = kinopt.Problem(heavy, [tasks.CenterOfMass([0.0, 0.0, 0.1])])
     solution = kinopt.Solver().solve(problem, heavy.neutral())
     assert [(task.name, task.frame) for task in solution.tasks] == [("center of mass", None)]
+
+
+def test_a_residual_is_asked_of_a_configuration_as_of_its_variables(free: kinopt.Robot) -> None:
+    goal = kinopt.frame_placement(free, "flange", free.random_configuration(9))
+    problem = kinopt.Problem(free, [tasks.Pose("flange", goal), tasks.Posture(free.neutral())])
+    q = kinopt.Solver().solve(problem, free.neutral()).q
+    assert problem.variables == 12 and q.shape == (13,)
+    x = kinopt.ParameterMap(free).reduce(q)
+    turned = np.concatenate([q[:3], -q[3:7], q[7:]])
+    for ask in (problem.residual, problem.jacobian, problem.gradient):
+        assert np.array_equal(ask(q), ask(x))
+        assert np.allclose(ask(turned), ask(x), rtol=0, atol=1e-12)
+    assert np.linalg.norm(problem.residual(q)[:6]) < 1e-5
+    for other in (q[:11], np.append(q, 0.0)):
+        with pytest.raises(InvalidValueError, match=r"expected variables, \(12,\), or a configuration, \(13,\)"):
+            problem.residual(other)
+
+
+def test_a_configuration_that_a_problem_cannot_have_is_refused_by_name() -> None:
+    robot = kinopt.Robot.from_urdf(UR5E)
+    elbow = robot.joint_names[2]
+    start = robot.neutral() + 0.25
+    q = np.where(np.array(robot.joint_names) == elbow, 0.5, start)
+    problem = kinopt.Problem(
+        robot, [tasks.Point("flange", [0.4, 0.1, 0.5])], parameters=kinopt.ParameterMap(robot, lock={elbow: 0.5})
+    )
+    assert np.array_equal(problem.residual(q), problem.residual(np.delete(q, 2)))
+    with pytest.raises(InvalidValueError, match=f"`{elbow}` is at 0.25 in it.*at 0.5"):
+        problem.residual(start)
+    q[0] = 7.0
+    with pytest.raises(InvalidValueError, match=f"`{robot.joint_names[0]}` is at 7"):
+        problem.residual(q)
+    q[0] = np.nan
+    with pytest.raises(InvalidValueError):
+        problem.residual(q)

@@ -349,10 +349,11 @@ impl Problem {
         Ok(found.into_iter().map(Collision::from).collect())
     }
 
-    /// The weighted residual r at variables `x`, shape (variables,) to shape (rows,).
+    /// The weighted residual r at `x`, shape (rows,): at variables, shape (variables,), or at a configuration,
+    /// shape (nq,), such as a solution's `q`.
     ///
-    /// Raises `InvalidValueError` for another length, and as `Solver.solve` for `targets`; what a residual of
-    /// yours raises comes out of here.
+    /// Raises `InvalidValueError` for another length, for a configuration that the problem cannot have (beyond limits, or a locked
+    /// joint elsewhere), and as `Solver.solve` for `targets`; what a residual of yours raises comes out of here.
     #[pyo3(signature = (x, targets = None))]
     fn residual<'py>(
         &self,
@@ -370,8 +371,8 @@ impl Problem {
         Ok(arrays::list(py, &r))
     }
 
-    /// The derivative of the weighted residual at variables `x`, by the problem's route, shape (variables,)
-    /// to shape (rows, variables).
+    /// The derivative of the weighted residual by the variables at `x`, as `residual` takes it, by the problem's route:
+    /// shape (rows, variables). A ball joint and the turn of a free base are three variables.
     ///
     /// Raises as `residual`.
     #[pyo3(signature = (x, targets = None))]
@@ -391,8 +392,8 @@ impl Problem {
             .reshape([stated.inner.rows(), stated.inner.variables()])
     }
 
-    /// The gradient of half the squared residual at variables `x`, by reverse mode where derivatives are
-    /// analytic, shape (variables,) to shape (variables,).
+    /// The gradient of half the squared residual by the variables at `x`, as `residual` takes it, by reverse mode where
+    /// derivatives are analytic: shape (variables,).
     ///
     /// Raises as `residual`.
     #[pyo3(signature = (x, targets = None))]

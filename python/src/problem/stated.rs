@@ -26,6 +26,7 @@ pub(crate) type Moves = Vec<(usize, Move)>;
 pub(crate) struct Stated {
     pub(crate) inner: kinopt::Problem,
     ids: Vec<Box<dyn AnyTask>>,
+    model: Arc<kinopt::Model>,
     pub(crate) workspaces: Pool<Workspace>,
 }
 
@@ -90,6 +91,7 @@ impl Stated {
         Ok(Ok(Arc::new(Self {
             inner,
             ids,
+            model: own,
             workspaces: Pool::new(Workspace::new()),
         })))
     }
@@ -173,6 +175,52 @@ impl Stated {
         self.inner.with_targets(targets).or_raise()
     }
 
+    /// Variables as they are given: themselves, or the configuration that they stand for. Where both are of one
+    /// length they are the same: each variable less is a coordinate that is held, follows or is a quaternion's fourth.
+    fn variables_of(&self, given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+        let numbers = arrays::vector(given, "x")?;
+        let (variables, own) = (self.inner.variables(), self.inner.configuration_len());
+        match numbers.len() {
+            length if length == variables => Ok(numbers.to_vec()),
+            length if length == own => self.reduced(&numbers),
+            length if own == variables => Err(invalid(format!(
+                "x has shape ({length},), expected ({own},)"
+            ))),
+            length => Err(invalid(format!(
+                "x has shape ({length},), expected variables, ({variables},), or a configuration, ({own},)"
+            ))),
+        }
+    }
+
+    /// The variables of a configuration, which has to be one that the problem can have.
+    fn reduced(&self, q: &[f64]) -> PyResult<Vec<f64>> {
+        let map = self.inner.parameters();
+        let (mut x, mut own) = (vec![0.0; map.variables()], vec![0.0; q.len()]);
+        let mut unit = q.to_vec();
+        self.model.normalise(&mut unit).or_raise()?;
+        map.reduce(&unit, &mut x).or_raise()?;
+        map.expand(&x, &mut own).or_raise()?;
+        for (at, &id) in self.model.moving_joints().iter().enumerate() {
+            // A quaternion and its negative are one rotation.
+            let sign = match self.model.coordinate(id) {
+                Some(first) if self.model.joints()[id.index()].kind.is_ball() => {
+                    let parts = unit[first..].iter().zip(&own[first..]).take(4);
+                    parts.map(|(a, b)| a * b).sum::<f64>().signum()
+                }
+                _ => 1.0,
+            };
+            let (given, own) = (unit[at], sign * own[at]);
+            if (given - own).abs() > 1e-9 * (1.0 + given.abs()) {
+                let name = &self.model.joints()[id.index()].name;
+                return Err(invalid(format!(
+                    "x is a configuration that the problem cannot have: `{name}` is at {given} in it, and by what is locked, \
+                     follows or is limited at {own}"
+                )));
+            }
+        }
+        Ok(x)
+    }
+
     /// Something of the problem at x.
     pub(super) fn evaluate<T: Send>(
         &self,
@@ -181,7 +229,7 @@ impl Stated {
         targets: Option<&Bound<'_, PyAny>>,
         what: impl FnOnce(&mut Evaluation<'_>, &[f64], usize, usize) -> T + Send,
     ) -> PyResult<T> {
-        let x = arrays::vector_of(x, "x", self.inner.variables())?.to_vec();
+        let x = self.variables_of(x)?;
         let moves = self.moves(targets)?;
         let targets = self.targets_with(moves.iter().map(|(_, aim)| aim))?;
         let question = self.question(&targets)?;
