@@ -226,3 +226,57 @@ fn cobra() {
         &[turn(105.0), turn(150.0), (0.0, 0.21), turn(360.0)],
     );
 }
+
+/// Documentation of V4, "Masses": the whole robot, and each solid in the axes of its joint.
+#[test]
+fn the_nao_weighs_what_its_documentation_says() {
+    let nao = || support::arms::robot("aldebaran_nao");
+    let free = nao()
+        .with_base_joint(kinopt::robot::BaseJoint::FREE)
+        .unwrap();
+    assert!((free.masses().unwrap().total() - 5.195350051).abs() < 1e-5);
+    let robot = nao();
+    let model = robot.model();
+    let inertial = |link: &str| {
+        let frame = model.frame(link).unwrap();
+        robot
+            .link(frame)
+            .and_then(|link| link.inertial)
+            .expect(link)
+    };
+    for (link, mass, at) in [
+        ("torso", 1.0496, [-0.00413, 0.0, 0.04342]),
+        ("left_shoulder", 0.07504, [-0.00165, -0.02663, 0.00014]),
+    ] {
+        let own = inertial(link);
+        assert!((own.mass - mass).abs() < 1e-4);
+        assert_eq!(own.link_from_inertia.translation.to_array(), at);
+    }
+    // The torso's inertia, published about its origin.
+    let (own, [x, y, z]) = (inertial("torso"), [-0.00413, 0.0, 0.04342]);
+    let about_origin = [
+        [y * y + z * z, -x * y, -x * z],
+        [-x * y, x * x + z * z, -y * z],
+        [-x * z, -y * z, x * x + y * y],
+    ];
+    let published = [
+        [0.0050623407587, 1.4311580344e-05, 0.00015519082081],
+        [1.4311580344e-05, 0.0048801358789, -2.7079340725e-05],
+        [0.00015519082081, -2.7079340725e-05, 0.001610300038],
+    ];
+    for (i, j) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)] {
+        let moved = own.moments[i][j] + own.mass * about_origin[i][j];
+        assert!((moved - published[i][j]).abs() < 2e-7, "{i} {j}: {moved}");
+    }
+    // Left and right mirror each other; published inertias do not quite.
+    let sides = model
+        .frames()
+        .iter()
+        .filter_map(|frame| frame.name.strip_prefix("left_"));
+    let sides = sides.filter(|part| !["hand", "sole"].contains(part));
+    for part in sides {
+        let [left, right] = ["left", "right"].map(|side| inertial(&format!("{side}_{part}")));
+        let [l, r] = [left, right].map(|one| one.link_from_inertia.translation.to_array());
+        assert_eq!((left.mass, l), (right.mass, [r[0], -r[1], r[2]]), "{part}");
+    }
+}
