@@ -9,6 +9,7 @@ mod link;
 mod masses;
 #[cfg(feature = "mjcf")]
 mod mjcf;
+mod sole;
 #[cfg(feature = "xml")]
 mod srdf;
 #[cfg(feature = "urdf")]

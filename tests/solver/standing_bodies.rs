@@ -1,13 +1,14 @@
 //! Promise: a body on a free base whose hand is dragged down crouches and stays upright, its feet where they are; one that
-//! is dragged beyond its reach stays on them.
+//! is dragged beyond its reach stays on them; one that balances leans no farther than its feet carry it.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
 use kinopt::ik::{Drag, bent_stance};
-use kinopt::kinematics::ForwardKinematics;
+use kinopt::kinematics::{ForwardKinematics, centre_of_mass};
 use kinopt::model::{FrameId, JointId, Limits, Model, ParameterMap};
+use kinopt::robot::BaseJoint;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Point, Pose, Posture, Task};
+use kinopt::task::{Point, Pose, Posture, SupportPolygon, Task};
 
 struct Body {
     model: Model,
@@ -215,5 +216,61 @@ fn feet_stay_where_the_hand_is_beyond_reach() {
         let (before, after) = (placed(model, foot, &stance), placed(model, foot, &q));
         let apart = (before.translation - after.translation).norm();
         assert!(apart < 0.02, "{apart}");
+    }
+}
+
+/// The recipe of docs/whole-bodies.md, on every frame of its way.
+#[test]
+fn a_hand_dragged_ahead_does_not_tip_the_body_over() {
+    let robot = support::arms::robot("aldebaran_nao");
+    let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
+    let (model, masses) = (robot.model(), robot.masses().unwrap());
+    let feet = ["left_sole", "right_sole"].map(|name| model.frame(name).unwrap());
+    let hand = model.frame("left_hand").unwrap();
+    let up = Vector3::UNITS[2];
+    let stance = bent_stance(model, robot.map(), &feet, &model.neutral(), up).unwrap();
+    let start = placed(model, hand, &stance).translation;
+    // How far the centre of mass comes ahead of the soles' front edges, on the way and at its end, and the bend of the knees.
+    let dragged = |way: Vector3<f64>, balances: bool| {
+        let mut tasks = Problem::builder(model);
+        tasks.parameters(robot.map().clone());
+        let target = tasks.add(Point::new(hand, start));
+        let mut balance = SupportPolygon::new(&masses).with_margin(0.02);
+        let mut front = f64::NEG_INFINITY;
+        for foot in feet {
+            let at = placed(model, foot, &stance);
+            tasks.add(Task::new(Pose::new(foot, at)).times(10.0));
+            let sole = robot.sole(foot);
+            front = (sole.iter().map(|corner| at.apply(*corner).x)).fold(front, f64::max);
+            balance = balance.with_points_on(foot, sole);
+        }
+        if balances {
+            tasks.add(Task::new(balance).times(10.0));
+        }
+        tasks.add(Posture::new(model, &stance).upright(model));
+        let mut drag = Drag::new(tasks.build().unwrap(), &stance).unwrap();
+        let ahead = |q: &[f64]| centre_of_mass(model, &masses, q).unwrap().x - front;
+        let mut farthest = f64::NEG_INFINITY;
+        for step in 1..=30 {
+            let at = start + way * (f64::from(step) / 30.0);
+            drag.target_mut(target).unwrap().set_target(at);
+            farthest = farthest.max(ahead(&drag.advance().q));
+        }
+        assert!(drag.settle(100).reached, "{way:?} {balances}");
+        let knee = model
+            .coordinate(model.joint("left_knee_pitch").unwrap())
+            .unwrap();
+        (farthest, ahead(drag.q()), drag.q()[knee])
+    };
+    for [x, y, z] in [[0.15, 0.0, -0.12], [0.1, 0.0, -0.2], [0.05, 0.1, -0.2]] {
+        let way = Vector3::new(x, y, z);
+        let (tipped, _, straight) = dragged(way, false);
+        let (farthest, end, bent) = dragged(way, true);
+        assert!(tipped > 0.01, "{way:?}: {tipped}");
+        assert!(
+            farthest < -0.02 + 1e-3 && end < -0.02 + 1e-6,
+            "{way:?}: {farthest} {end}"
+        );
+        assert!(bent > straight + 0.1, "{way:?}: {bent} {straight}");
     }
 }

@@ -13,5 +13,6 @@ mod real_files;
 mod robot_subsets;
 mod shipped_tables;
 mod soft_limits;
+mod soles;
 mod systematic_damage;
 mod velocity_limits;

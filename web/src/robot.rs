@@ -47,6 +47,9 @@ extern "C" {
     /// A shape as an object.
     #[wasm_bindgen(typescript_type = "Shape[]")]
     pub type Shapes;
+    /// Three numbers a point.
+    #[wasm_bindgen(typescript_type = "Float64Array[]")]
+    pub type Points;
     /// How a robot stands.
     #[wasm_bindgen(typescript_type = "BaseOptions")]
     pub type BaseOptions;
@@ -157,6 +160,15 @@ impl Robot {
         };
         let list: js_sys::Array = shapes.iter().map(told).collect();
         Ok(list.unchecked_into())
+    }
+
+    /// Points that a foot stands on, in its frame, metres: where the links begin that are fixed to it, its own first, and the corners
+    /// of their collision shapes. `tasks.supportPolygon([], { on: { [foot]: robot.sole(foot) } })` balances over it.
+    pub fn sole(&self, foot: &str) -> Result<Points, JsError> {
+        let frame = self.inner.model().frame(foot).map_err(raise)?;
+        let points = self.inner.sole(frame).into_iter();
+        let list = points.map(|point| js_sys::Float64Array::from(&point.to_array()[..]));
+        Ok(list.collect::<js_sys::Array>().unchecked_into())
     }
 }
 

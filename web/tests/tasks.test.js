@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { Drag, frameJacobian, framePlacement, Jacobian, placement, Problem, Robot, Solver, tasks } from "kinopt";
 import { humanoid } from "./humanoid.js";
-import { panda } from "./panda.js";
+import { panda, text } from "./panda.js";
 
 const { model } = panda();
 const start = Array.from([0, -0.4, 0, -2, 0, 1.6, 0.8, ...model.neutral().slice(7)]);
@@ -86,6 +86,19 @@ test("balance: the centre of mass, and the ground that it stands on", () => {
     const [x, y] = at("flange", standing);
     assert.ok(x > 0.1 - 1e-5 && x < 0.2 + 1e-5 && Math.abs(y) < 0.1 + 1e-5);
     assert.throws(() => new Problem(model, [tasks.centerOfMass([0, 0, 0])]), Error);
+});
+
+test("a robot's balance over the soles of its feet", () => {
+    const nao = Robot.fromUrdf(text("aldebaran_nao.urdf"), "aldebaran_nao.urdf", { baseJoint: "free" });
+    const soles = Object.fromEntries(["left_sole", "right_sole"].map((foot) => [foot, nao.sole(foot)]));
+    assert.deepEqual(Array.from(soles.left_sole[0]), [0, 0, 0]);
+    for (const side of [0, 1]) {
+        const across = soles.left_sole.map((point) => point[side]);
+        assert.ok(apart([Math.min(...across), Math.max(...across)], side ? [-0.04, 0.04] : [-0.06, 0.1]) < 1e-9);
+    }
+    const balance = new Problem(nao.model, [tasks.supportPolygon([], { on: soles })]);
+    assert.ok(new Solver().solve(balance, nao.model.neutral()).reached);
+    assert.throws(() => nao.sole("left_soul"), /left_soul.*left_sole/s);
 });
 
 test("velocities and Jacobians agree with differences", () => {

@@ -3,7 +3,6 @@
 use clap::Args;
 use kinopt::model::{FrameId, Masses};
 use kinopt::problem::ProblemBuilder;
-use kinopt::robot::{Geometry, Shape};
 use kinopt::spatial::Vector3;
 use kinopt::task::{Axis, CentreOfMass, SupportPolygon, Task};
 
@@ -33,8 +32,8 @@ pub(crate) struct BalanceArguments {
     /// Keep the centre of mass over a foot, seen from above.
     ///
     /// Default: off. With a point of the frame, metres, that is a corner of the foot's sole; without one a robot's link
-    /// stands on its collision shapes (files of meshes are not opened: then on its origin). Repeat it for all
-    /// corners and feet: the body balances over the hull of them all. Feet stay where they are by --hold.
+    /// stands on the collision shapes and origins of all links that are fixed to it (files of meshes are not opened). Repeat it
+    /// for all corners and feet: the body balances over the hull of them all. Feet stay where they are by --hold.
     #[arg(long, value_name = "FRAME[=x,y,z]", value_parser = Foot::parse, help_heading = TARGETS)]
     balance: Vec<Foot>,
 
@@ -226,41 +225,9 @@ impl Foot {
         if let Some(at) = self.at {
             return vec![at.into()];
         }
-        let link = loaded.robot.as_ref().and_then(|robot| robot.link(frame));
-        let shapes = link.map_or(&[][..], |link| &link.collisions);
-        let points: Vec<_> = shapes.iter().flat_map(extent).collect();
-        match points.is_empty() {
-            true => vec![Vector3::zero()],
-            false => points,
-        }
+        let sole = loaded.robot.as_ref().map(|robot| robot.sole(frame));
+        sole.unwrap_or_else(|| vec![Vector3::zero()])
     }
-}
-
-/// Points around a shape: corners, a rim, ends or a middle; of a mesh none.
-fn extent(shape: &Shape) -> Vec<Vector3<f64>> {
-    let box_of = |[x, y, z]: [f64; 3]| {
-        let sides = [-0.5, 0.5];
-        let corners = sides.into_iter().flat_map(|i| sides.map(|j| (i, j)));
-        let corners = corners.flat_map(|(i, j)| sides.map(|k| [i * x, j * y, k * z]));
-        corners.collect()
-    };
-    let points: Vec<[f64; 3]> = match shape.geometry {
-        Geometry::Box { size } => box_of(size),
-        // The square within its rim.
-        Geometry::Cylinder { radius, length } => {
-            let side = radius * std::f64::consts::SQRT_2;
-            box_of([side, side, length])
-        }
-        Geometry::Capsule { length, .. } => {
-            vec![[0.0, 0.0, -0.5 * length], [0.0, 0.0, 0.5 * length]]
-        }
-        Geometry::Sphere { .. } | Geometry::Ellipsoid { .. } => vec![[0.0; 3]],
-        _ => Vec::new(),
-    };
-    let placed = points.into_iter();
-    placed
-        .map(|point| shape.link_from_shape.apply(point.into()))
-        .collect()
 }
 
 #[cfg(test)]

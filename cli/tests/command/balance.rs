@@ -97,6 +97,36 @@ fn a_rig_balances_by_the_volume_of_its_mesh() {
     assert_eq!(task(&answer, "balance")["reached"], true);
 }
 
+/// The sole is fixed to the foot, whose box is 16 by 8 cm; the soles' own origins are a line between the ankles.
+#[test]
+fn a_body_balances_over_all_that_is_fixed_to_its_feet() {
+    let nao = "../models/aldebaran_nao.urdf";
+    let stands = format!(
+        "solve {nao} --base-joint free --hold left_sole --hold right_sole --start bent --target left_hand=0.31,0.11,-0.12"
+    );
+    let robot = kinopt::robot::Robot::read(nao).unwrap();
+    let robot = robot
+        .with_base_joint(kinopt::robot::BaseJoint::FREE)
+        .unwrap();
+    let ahead = |asked: &str| {
+        let answer = answer!("{stands} {asked}");
+        assert_eq!(answer["reached"], true, "{asked}");
+        let (model, masses) = (robot.model(), robot.masses().unwrap());
+        let centre = kinopt::kinematics::centre_of_mass(model, &masses, &numbers(&answer["q"]));
+        centre.unwrap().x
+    };
+    assert!(ahead("") > 0.1);
+    let soles = "--balance left_sole --balance right_sole";
+    let [edge, within] = [
+        ahead(soles),
+        ahead(&format!("{soles} --balance-margin 0.03")),
+    ];
+    assert!(
+        (edge - 0.1).abs() < 1e-5 && (within - 0.07).abs() < 1e-5,
+        "{edge} {within}"
+    );
+}
+
 #[test]
 fn what_has_no_mass_and_makes_no_sense_is_refused() {
     let arm = "../models/franka_panda.urdf";

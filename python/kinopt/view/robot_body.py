@@ -96,7 +96,7 @@ class RobotBody(Body):
         feet = balance.feet(self.model, pinned, q)
         if not feet:
             return None
-        soles = {foot: balance.sole(self.thing, foot) for foot in feet}
+        soles = {foot: self.thing.sole(foot) for foot in feet}
         return Holding([tasks.SupportPolygon(on=soles, name="balance", level=BALANCE)])
 
     def pieces(self) -> list[Piece]:

@@ -9,7 +9,7 @@ use std::sync::{Arc, OnceLock};
 use kinopt::collision::Checker;
 use kinopt::kinematics::{ForwardKinematics, Jacobian};
 use kinopt::motion::retarget::FootShapes;
-use numpy::PyArray1;
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 
@@ -425,6 +425,17 @@ impl Robot {
             &link.visuals
         };
         Ok(shapes.iter().map(Shape::of).collect())
+    }
+
+    /// Points that a foot stands on, in its frame, shape (N, 3), metres: where the links begin that are fixed to it, its own
+    /// first, and the corners of their collision shapes. `tasks.SupportPolygon(on={foot: robot.sole(foot)})` balances over it.
+    /// Meshes' files are not opened: they add none.
+    ///
+    /// Raises `UnknownNameError` for a frame that there is not.
+    fn sole<'py>(&self, py: Python<'py>, foot: &str) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let points = self.inner.sole(self.model.frame(foot).or_raise()?);
+        let numbers: Vec<f64> = points.iter().flat_map(|point| point.to_array()).collect();
+        arrays::list(py, &numbers).reshape([points.len(), 3])
     }
 
     /// The mass of all links that joints move, kg. Raises `InvalidValueError` where the file states none, or leaves one to

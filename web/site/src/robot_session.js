@@ -5,7 +5,6 @@ import { BodyPull } from "./body_pull.js";
 import { told } from "./handles.js";
 import { Limbs } from "./limbs.js";
 import { shapesOf } from "./robot_shapes.js";
-import { soles } from "./soles.js";
 
 /** More limbs than these make a body, which begins as its file has it; arms begin bent. */
 const ARMS = 2;
@@ -27,7 +26,8 @@ export class RobotSession {
         this.floor = floor;
         this.start = start;
         this.surroundings = this.boxes.length > 0 ? surrounded(robot, this.boxes, floor) : undefined;
-        this.body = new BodyPull(robot, { soles: soles(robot, limbs), surroundings: this.surroundings });
+        const soles = Object.fromEntries(limbs.feet.map((foot) => [foot, robot.sole(foot)]));
+        this.body = new BodyPull(robot, { soles, surroundings: this.surroundings });
         this.rest();
     }
 

@@ -1,0 +1,79 @@
+//! What a robot stands on.
+
+use super::{Geometry, Robot, Shape};
+use crate::model::{Frame, FrameId, JointId};
+use crate::spatial::{Placement, Vector3};
+
+impl Robot {
+    /// Points that a foot stands on, in its frame, metres: where the links begin that are fixed to it, its own first, and the
+    /// corners of their collision shapes, a square within the rim of what is round. Meshes' files are not opened: they add none.
+    ///
+    /// Seen from above their hull is what the foot can stand on, as a
+    /// [`SupportPolygon`](crate::task::SupportPolygon::with_points_on) asks for. None for a frame of another model.
+    #[must_use]
+    pub fn sole(&self, foot: FrameId) -> Vec<Vector3<f64>> {
+        let frames = self.model().frames();
+        let Some(own) = frames.get(foot.index()) else {
+            return Vec::new();
+        };
+        let (carrier, carrier_from_foot) = self.carried(own);
+        let foot_from_carrier = carrier_from_foot.inverse();
+        let others = frames.iter().enumerate();
+        let others = others.filter(|(index, _)| *index != foot.index());
+        let others = others.filter_map(|(index, frame)| match self.carried(frame) {
+            (same, place) if same == carrier => Some((index, foot_from_carrier * place)),
+            _ => None,
+        });
+        let mut points = Vec::new();
+        for (index, foot_from_link) in
+            std::iter::once((foot.index(), Placement::identity())).chain(others)
+        {
+            points.push(foot_from_link.translation);
+            let link = self.links.get(index);
+            let shapes = link.map_or(&[][..], |link| &link.collisions).iter();
+            points.extend(shapes.flat_map(|shape| {
+                let foot_from_shape = foot_from_link * shape.link_from_shape;
+                let corners = corners(shape).into_iter();
+                corners.map(move |at| foot_from_shape.apply(at))
+            }));
+        }
+        points
+    }
+
+    /// The joint that carries a frame past all that do not move, and where the frame stands on it.
+    fn carried(&self, frame: &Frame) -> (Option<JointId>, Placement<f64>) {
+        let joints = self.model().joints();
+        let (mut carrier, mut place) = (frame.joint, frame.joint_from_frame);
+        while let Some(joint) = carrier.and_then(|id| joints.get(id.index())) {
+            if joint.kind.moves() {
+                break;
+            }
+            (carrier, place) = (joint.parent, joint.parent_from_joint * place);
+        }
+        (carrier, place)
+    }
+}
+
+/// Corners of a shape, in its own coordinates; of what is round all over its middle, of a mesh none.
+fn corners(shape: &Shape) -> Vec<Vector3<f64>> {
+    let half = match shape.geometry {
+        Geometry::Box { size } => size.map(|side| 0.5 * side),
+        Geometry::Cylinder { radius, length } => {
+            let side = radius * std::f64::consts::FRAC_1_SQRT_2;
+            [side, side, 0.5 * length]
+        }
+        Geometry::Capsule { length, .. } => {
+            let ends = [-0.5, 0.5];
+            return ends.map(|end| Vector3::new(0.0, 0.0, end * length)).into();
+        }
+        Geometry::Sphere { .. } | Geometry::Ellipsoid { .. } => return vec![Vector3::zero()],
+        Geometry::Mesh { .. } => return Vec::new(),
+    };
+    let [x, y, z] = half;
+    let signs = [-1.0, 1.0];
+    let across = signs
+        .into_iter()
+        .flat_map(|i| signs.map(|j| (i * x, j * y)));
+    let corners = across.flat_map(|(x, y)| signs.map(|k| Vector3::new(x, y, k * z)));
+    corners.collect()
+}
