@@ -318,3 +318,19 @@ def test_a_configuration_that_a_problem_cannot_have_is_refused_by_name() -> None
     q[0] = np.nan
     with pytest.raises(InvalidValueError):
         problem.residual(q)
+
+
+def test_what_a_foot_stands_on_is_all_that_is_fixed_to_it() -> None:
+    robot = kinopt.Robot.from_urdf(UR5E.parent / "aldebaran_nao.urdf", base_joint="free")
+    sole = robot.sole("left_sole")
+    assert np.array_equal(sole[0], np.zeros(3)) and sole.shape == (10, 3)
+    assert np.allclose(sole.min(axis=0)[:2], [-0.06, -0.04]) and np.allclose(sole.max(axis=0)[:2], [0.1, 0.04])
+    q = robot.random_configuration(4)
+    ankle = kinopt.frame_placement(robot, "left_foot", q)
+    foot = kinopt.frame_placement(robot, "left_sole", q)
+    of_foot, of_sole = (
+        at[:3, :3] @ robot.sole(name).T + at[:3, 3:] for at, name in ((ankle, "left_foot"), (foot, "left_sole"))
+    )
+    assert np.allclose(sorted(map(tuple, of_foot.T.round(9))), sorted(map(tuple, of_sole.T.round(9))))
+    with pytest.raises(UnknownNameError, match="left_sole"):
+        robot.sole("left_soul")
