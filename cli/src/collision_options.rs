@@ -98,7 +98,7 @@ enum MeshChoice {
 
 impl ShapeOptions {
     /// In words, unless all is as usual.
-    pub(crate) fn told(&self) -> Option<String> {
+    pub(crate) fn unusual(&self) -> Option<String> {
         let usual = self.packages.is_empty() && self.meshes == MeshChoice::Hull;
         (!usual || self.leave_out_meshes).then(|| format!("{self:?}"))
     }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use kinopt::motion::path::{
-    CartesianPath, Course, MissReason, PathSolver, QuaternionOrder, trapezoid_times,
+    CartesianPath, MissReason, PathSolver, QuaternionOrder, Traversal, trapezoid_times,
 };
 use kinopt::spatial::{Placement, Quaternion, Vector3};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
@@ -275,7 +275,7 @@ impl PathSolution {
 /// (N, 3), or a table's file, whose columns go by its header (`order`, "w-first" or "w-last", is that of quaternions without names).
 /// Between two points the tool goes straight and turns evenly. The arm says what counts of a point and what it keeps clear of.
 ///
-/// `times`: seconds, shape (N,), where `keep_times` makes a step that a joint is too slow for a reconfiguration too. `course`: "open", "cyclic"
+/// `times`: seconds, shape (N,), where `keep_times` makes a step that a joint is too slow for a reconfiguration too. `traversal`: "open", "cyclic"
 /// (round and round, back in the same configuration) or "any-start" (round once from whichever point is best). `start` and `end`:
 /// configurations that stand at the ends. `joint_weights`: what a radian or metre of each joint weighs in lengths. `max_step`: the
 /// furthest that a joint moves on the same branch from point to point, radians. `samples`: configurations known of a place at most.
@@ -284,7 +284,7 @@ impl PathSolution {
 ///
 /// Raises `InvalidValueError`, which names the point or option, and `FileError` or `InvalidFileError` of a file.
 #[pyfunction]
-#[pyo3(signature = (arm, path, *, times = None, keep_times = false, course = None, start = None, end = None, joint_weights = None,
+#[pyo3(signature = (arm, path, *, times = None, keep_times = false, traversal = None, start = None, end = None, joint_weights = None,
     max_step = 0.2, samples = 256, tools = None, tool_of_points = None, order = None))]
 #[expect(clippy::too_many_arguments, reason = "they are keywords")]
 pub(crate) fn solve_path(
@@ -293,7 +293,7 @@ pub(crate) fn solve_path(
     path: &Bound<'_, PyAny>,
     times: Option<&Bound<'_, PyAny>>,
     keep_times: bool,
-    course: Option<&Bound<'_, PyAny>>,
+    traversal: Option<&Bound<'_, PyAny>>,
     start: Option<&Bound<'_, PyAny>>,
     end: Option<&Bound<'_, PyAny>>,
     joint_weights: Option<&Bound<'_, PyAny>>,
@@ -312,12 +312,12 @@ pub(crate) fn solve_path(
     if let Some(tools) = tool_of_points {
         path = path.with_tools(tools).or_raise()?;
     }
-    let courses = [
-        ("open", Course::Open),
-        ("cyclic", Course::Cyclic),
-        ("any-start", Course::AnyStart),
+    let traversals = [
+        ("open", Traversal::Open),
+        ("cyclic", Traversal::Cyclic),
+        ("any-start", Traversal::AnyStart),
     ];
-    let path = path.with_course(one_of(course, "course", courses)?);
+    let path = path.with_traversal(one_of(traversal, "traversal", traversals)?);
     let own = Arc::clone(&arm.get().inner);
     let others = tools
         .iter()

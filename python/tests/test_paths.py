@@ -60,9 +60,9 @@ def test_ends_courses_and_tools(arm: kinopt.Arm) -> None:
     path = sideways(arm)
     assert np.array_equal(kinopt.solve_path(arm, path, start=Q).q[0], Q)
     there_and_back = np.concatenate([path, path[-2:0:-1]])
-    cyclic = kinopt.solve_path(arm, there_and_back, course="cyclic")
+    cyclic = kinopt.solve_path(arm, there_and_back, traversal="cyclic")
     assert cyclic.is_whole and np.abs(cyclic.q[-1] - cyclic.q[0]).max() < 0.1
-    anywhere = kinopt.solve_path(arm, there_and_back, course="any-start")
+    anywhere = kinopt.solve_path(arm, there_and_back, traversal="any-start")
     assert anywhere.q.shape == (len(there_and_back) + 1, 7)
     drill = np.eye(4)
     drill[2, 3] = 0.1
@@ -142,8 +142,8 @@ def test_bad_input_is_named(arm: kinopt.Arm, tmp_path: Path) -> None:
     path = sideways(arm)
     with pytest.raises(InvalidValueError, match="no points"):
         kinopt.solve_path(arm, path[:0])
-    with pytest.raises(InvalidValueError, match="course"):
-        kinopt.solve_path(arm, path, course="round")  # type: ignore[arg-type]
+    with pytest.raises(InvalidValueError, match="traversal"):
+        kinopt.solve_path(arm, path, traversal="round")  # type: ignore[arg-type]
     with pytest.raises(InvalidValueError, match="max_step"):
         kinopt.solve_path(arm, path, max_step=-1.0)
     with pytest.raises(InvalidValueError, match="start"):

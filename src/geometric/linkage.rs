@@ -50,7 +50,7 @@ pub(super) struct Linkage {
     /// Where each point was before the pass.
     before: Vec<Vector3<f64>>,
     /// What the children of each point ask of it: the sum of the places, and how many.
-    asked: Vec<(Vector3<f64>, f64)>,
+    targets: Vec<(Vector3<f64>, f64)>,
 }
 
 impl Linkage {
@@ -63,7 +63,7 @@ impl Linkage {
             lengths: points.iter().zip(&parents).map(length).collect(),
             roots: parents.iter().map(Option::is_none).collect(),
             before: points.to_vec(),
-            asked: vec![(Vector3::zero(), 0.0); points.len()],
+            targets: vec![(Vector3::zero(), 0.0); points.len()],
             parents,
         }
     }
@@ -102,12 +102,12 @@ impl Linkage {
         pins: &[Pin],
     ) {
         self.before.copy_from_slice(points);
-        self.asked.fill((Vector3::zero(), 0.0));
+        self.targets.fill((Vector3::zero(), 0.0));
         for pin in pins {
-            self.asked[pin.point] = (pin.target, f64::INFINITY);
+            self.targets[pin.point] = (pin.target, f64::INFINITY);
         }
         for k in (0..points.len()).rev().filter(|&k| !fixed[k]) {
-            let (sum, count) = self.asked[k];
+            let (sum, count) = self.targets[k];
             if count > 0.0 {
                 // A pinned point is where it should be, whatever its children ask.
                 points[k] = if count.is_finite() {
@@ -119,7 +119,7 @@ impl Linkage {
             if let (Some(parent), true) = (self.parents[k], count > 0.0) {
                 let (own, base) = (self.before[k], self.before[parent]);
                 let towards = direction(base - points[k], base - own);
-                let (sum, count) = &mut self.asked[parent];
+                let (sum, count) = &mut self.targets[parent];
                 if count.is_finite() {
                     *sum += towards.mul_add(self.lengths[k], points[k]);
                     *count += 1.0;

@@ -103,7 +103,7 @@ each! { value:
     motion::ContactDetection, motion::clip::MotionProblemBuilder<'static>, motion::clip_ik::ClipIk<'static>,
     motion::clip_ik::BeyondLimit, motion::clip_ik::EditedClip, motion::clip_ik::EditedKeys, motion::clip_ik::KeyframeIk<'static>,
     motion::clip_ik::Led, motion::clip_ik::Reach, motion::clip_ik::Stance, motion::path::Blocked,
-    motion::path::CartesianPath, motion::path::Course, motion::path::CsvColumns, motion::path::Deviation,
+    motion::path::CartesianPath, motion::path::Traversal, motion::path::CsvColumns, motion::path::Deviation,
     motion::path::MissReason, motion::path::Missed, motion::path::PathSolution,
     motion::path::PathSolver<'static>, motion::path::QuaternionOrder, motion::path::Reconfiguration,
     motion::retarget::BodyFollower, motion::retarget::BodyMap, motion::retarget::BodyPart,

@@ -1,7 +1,7 @@
 //! Promise: what is wrong with a path, or with what is asked of it, is an error that names it.
 
 use kinopt::Arm;
-use kinopt::motion::path::{CartesianPath, Course, PathError, PathSolver};
+use kinopt::motion::path::{CartesianPath, PathError, PathSolver, Traversal};
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
 
@@ -45,10 +45,10 @@ fn options() {
     assert!(error(solver().with_start(&[0.0; 6])).contains("start"));
     assert!(error(solver().with_end(&[0.0; 6])).contains("end"));
     assert!(error(solver().with_times_kept(true)).contains("times"));
-    let cyclic = path.clone().with_course(Course::Cyclic);
+    let cyclic = path.clone().with_traversal(Traversal::Cyclic);
     let with_end = solver().with_end(&[0.0; 6]).solve(&cyclic);
     assert!(matches!(with_end, Err(PathError::Conflict(_))));
-    let anywhere = path.clone().with_course(Course::AnyStart);
+    let anywhere = path.clone().with_traversal(Traversal::AnyStart);
     let with_start = solver().with_start(&[0.0; 6]).solve(&anywhere);
     assert!(matches!(with_start, Err(PathError::Conflict(_))));
 }

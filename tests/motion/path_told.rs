@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use kinopt::Arm;
 use kinopt::collision::{Checker, CollisionModel, World};
-use kinopt::motion::path::{CartesianPath, Course, MissReason, PathSolver};
+use kinopt::motion::path::{CartesianPath, MissReason, PathSolver, Traversal};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::robot;
@@ -105,7 +105,7 @@ fn a_path_is_not_entered_where_more_of_it_is_missed() {
         Placement::new(turned, begin.translation + Vector3::new(out, 0.0, 0.0))
     });
     let path = CartesianPath::new(points.collect::<Vec<_>>()).unwrap();
-    let path = path.with_course(Course::AnyStart);
+    let path = path.with_traversal(Traversal::AnyStart);
     let solver = PathSolver::new(&arm).with_max_step(0.5);
     let told = solver.solve(&path).unwrap();
     assert!(!far.contains(&told.entry), "entered at {}", told.entry);

@@ -163,7 +163,7 @@ fn reach(
         .get("span")
         .map(|span| given::vector::<2>(&span, "span"));
     let span = span.transpose()?;
-    let target = given::numbers(&asked.asked("target")?, "target")?;
+    let target = given::numbers(&asked.required("target")?, "target")?;
     let count = target.len();
     if count == 0 || count % 3 != 0 {
         let message = format!("target has {count} numbers: three a point are wanted");

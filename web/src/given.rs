@@ -51,7 +51,7 @@ impl Given {
     }
 
     /// What must be given under a name.
-    pub(crate) fn asked(&self, name: &str) -> Result<JsValue, JsError> {
+    pub(crate) fn required(&self, name: &str) -> Result<JsValue, JsError> {
         let missing = || JsError::new(&format!("{} `{name}` is missing", self.what));
         self.get(name).ok_or_else(missing)
     }
@@ -63,7 +63,7 @@ impl Given {
 
     /// A number that must be there.
     pub(crate) fn needed(&self, name: &str) -> Result<f64, JsError> {
-        number(&self.asked(name)?, name)
+        number(&self.required(name)?, name)
     }
 
     /// A whole number of at least 0.
@@ -87,7 +87,7 @@ impl Given {
 
     /// A text that must be there.
     pub(crate) fn name(&self, name: &str) -> Result<String, JsError> {
-        text(&self.asked(name)?, name)
+        text(&self.required(name)?, name)
     }
 
     /// Texts.
@@ -121,7 +121,7 @@ impl Given {
 
     /// So many numbers that must be there.
     pub(crate) fn vector<const N: usize>(&self, name: &str) -> Result<[f64; N], JsError> {
-        vector(&self.asked(name)?, name)
+        vector(&self.required(name)?, name)
     }
 
     /// A placement.

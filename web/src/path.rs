@@ -2,7 +2,9 @@
 
 use js_sys::Array;
 use kinopt::model::UnknownName;
-use kinopt::motion::path::{self, CartesianPath, Course, MissReason, PathSolver, trapezoid_times};
+use kinopt::motion::path::{
+    self, CartesianPath, MissReason, PathSolver, Traversal, trapezoid_times,
+};
 use wasm_bindgen::prelude::*;
 
 use crate::arm::Arm;
@@ -14,7 +16,7 @@ use crate::{object, raise, solution, view};
 const TYPES: &str = r#"
 export interface PathOptions {
     /** From first to last (the default), round and round, or round once from wherever that is best. */
-    course?: "open" | "cyclic" | "any-start";
+    traversal?: "open" | "cyclic" | "any-start";
     /** The configuration of the first point, or of the last; any unless told. */
     start?: Numbers;
     end?: Numbers;
@@ -82,7 +84,7 @@ pub fn solve_path(
     options: Option<PathOptions>,
 ) -> Result<PathSolution, JsError> {
     const KNOWN: [&str; 10] = [
-        "course",
+        "traversal",
         "start",
         "end",
         "jointWeights",
@@ -106,13 +108,13 @@ pub fn solve_path(
     let others = read_all(&others, "tool")?.into_iter();
     let others = others.map(|tool| arm.inner.with_tool(tool).map_err(raise));
     let others = others.collect::<Result<Vec<_>, _>>()?;
-    let course = match options.text("course")?.as_deref() {
-        None | Some("open") => Course::Open,
-        Some("cyclic") => Course::Cyclic,
-        Some("any-start") => Course::AnyStart,
+    let traversal = match options.text("traversal")?.as_deref() {
+        None | Some("open") => Traversal::Open,
+        Some("cyclic") => Traversal::Cyclic,
+        Some("any-start") => Traversal::AnyStart,
         Some(other) => {
             let names = ["open", "cyclic", "any-start"];
-            return Err(raise(UnknownName::new("course", other, names)));
+            return Err(raise(UnknownName::new("traversal", other, names)));
         }
     };
     let mut solver = PathSolver::new(&arm.inner)
@@ -133,7 +135,9 @@ pub fn solve_path(
     if let Some(samples) = options.whole("samples")? {
         solver = solver.with_samples(samples as usize);
     }
-    let inner = solver.solve(&path.with_course(course)).map_err(raise)?;
+    let inner = solver
+        .solve(&path.with_traversal(traversal))
+        .map_err(raise)?;
     let rates = [arm.inner.velocity_limits(), arm.inner.acceleration_limits()];
     Ok(PathSolution {
         inner,

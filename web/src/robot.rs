@@ -158,7 +158,7 @@ impl Robot {
             (Some(link), Some(true)) => &link.collisions,
             (Some(link), _) => &link.visuals,
         };
-        let list: js_sys::Array = shapes.iter().map(told).collect();
+        let list: js_sys::Array = shapes.iter().map(shape_object).collect();
         Ok(list.unchecked_into())
     }
 
@@ -213,7 +213,7 @@ impl Robot {
     }
 }
 
-fn told(shape: &kinopt::robot::Shape) -> JsValue {
+fn shape_object(shape: &kinopt::robot::Shape) -> JsValue {
     let list = |numbers: &[f64]| JsValue::from(js_sys::Float64Array::from(numbers));
     let fields: Vec<(&str, JsValue)> = match &shape.geometry {
         Geometry::Box { size } => vec![("kind", "box".into()), ("size", list(size))],

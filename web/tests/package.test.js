@@ -110,7 +110,7 @@ test("the types of its README check, and wrong ones do not", () => {
         // @ts-expect-error
         new RetargetFollower(Robot.fromUrdf(""), "clip");
         // @ts-expect-error
-        solvePath(new Arm(Robot.fromUrdf(""), "base", "tip"), [0], { course: "back" });
+        solvePath(new Arm(Robot.fromUrdf(""), "base", "tip"), [0], { traversal: "back" });
         // @ts-expect-error
         new Arm(Robot.fromUrdf(""), "base", "tip").solve(3);`);
     const tsc = join(own, "node_modules/.bin/tsc");

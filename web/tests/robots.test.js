@@ -61,7 +61,7 @@ test("a path half a metre to the side is gone on one branch, and one that leaves
     assert.ok(times[0] === 0 && times.every((time, k) => k === 0 || time > times[k - 1]));
     const beyond = solvePath(arm, points(3), { maxStep: 0.3 });
     assert.ok(!beyond.isWhole && beyond.missed.at(-1).index === 60 && /reach|found/.test(beyond.missed.at(-1).reason));
-    assert.throws(() => solvePath(arm, path, { course: "back" }), /back.*cyclic/s);
+    assert.throws(() => solvePath(arm, path, { traversal: "back" }), /back.*cyclic/s);
     // The second half is for a tool 5 cm further out.
     const longer = Float64Array.from({ length: 16 }, (_, k) => (k % 5 === 0 ? 1 : k === 14 ? 0.05 : 0));
     const toolOfPoints = Array.from({ length: 61 }, (_, k) => (k < 30 ? 0 : 1));

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use kinopt::motion::path::{Course, QuaternionOrder};
+use kinopt::motion::path::{QuaternionOrder, Traversal};
 use kinopt::spatial::Placement;
 use kinopt::task::Axis;
 
@@ -24,7 +24,7 @@ Examples:
         the joints as a table, a row a point
   kinopt path robot.urdf weld.csv --tip tool --free-axis z --world cell.json --margin 0.01 --json
         the tool turns about its own axis at will; all stays a centimetre clear of the cell
-  kinopt path robot.urdf contour.csv --tip tool --course any-start
+  kinopt path robot.urdf contour.csv --tip tool --traversal any-start
         a closed contour, entered wherever that saves a reconfiguration
   kinopt path robot.urdf weld.csv --tip tool --joint-limits joint_limits.yaml --out timed.csv
         with times that keep velocities and accelerations
@@ -84,8 +84,8 @@ pub(crate) struct Arguments {
 
     /// How the path is gone: open, cyclic (back to where it began, in the configuration that it began in), or any-start (round
     /// once from whichever point is best). Default: open.
-    #[arg(long, value_name = "COURSE", value_parser = among(COURSES), default_value = "open", hide_default_value = true, help_heading = TARGETS)]
-    pub(super) course: Course,
+    #[arg(long, value_name = "COURSE", value_parser = among(TRAVERSALS), default_value = "open", hide_default_value = true, help_heading = TARGETS)]
+    pub(super) traversal: Traversal,
 
     /// The configuration that it begins in, in radians (--degrees) and metres; it must stand at the first point. Default: any.
     ///
@@ -175,9 +175,9 @@ const ORDERS: [Choice<QuaternionOrder>; 2] = [
     ("w-last", "qx, qy, qz, qw", QuaternionOrder::WLast),
 ];
 
-/// `--course`.
-const COURSES: [Choice<Course>; 3] = [
-    ("open", "", Course::Open),
-    ("cyclic", "", Course::Cyclic),
-    ("any-start", "", Course::AnyStart),
+/// `--traversal`.
+const TRAVERSALS: [Choice<Traversal>; 3] = [
+    ("open", "", Traversal::Open),
+    ("cyclic", "", Traversal::Cyclic),
+    ("any-start", "", Traversal::AnyStart),
 ];

@@ -45,7 +45,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         arguments.degrees,
     )?;
     let (arm, columns) = arm(arguments, loaded, room)?;
-    let path = placed(arguments, path, room)?.with_course(arguments.course);
+    let path = placed(arguments, path, room)?.with_traversal(arguments.traversal);
     let one_each = |option, given: &Option<Numbers>, degrees| {
         let each = |given| columns.one_each(loaded, option, given, degrees);
         given.as_ref().map(each).transpose()

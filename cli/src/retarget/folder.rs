@@ -92,7 +92,7 @@ fn tell(into: &Path, reports: &[Report], json: bool) -> Outcome<()> {
     let text = || {
         let lines = reports
             .iter()
-            .filter_map(|report| Some(report.clip.as_ref()?.told()));
+            .filter_map(|report| Some(report.clip.as_ref()?.summary()));
         let lines: String = lines.collect();
         let (done, before) = (summary.done, summary.done_before);
         format!(

@@ -63,8 +63,8 @@ impl Clear {
 
 impl KeepClearOptions {
     /// By which shapes, unless by the usual ones.
-    pub(super) fn told_shapes(&self) -> Option<String> {
-        self.shapes.told()
+    pub(super) fn unusual_shapes(&self) -> Option<String> {
+        self.shapes.unusual()
     }
 
     /// The first of the options that was given.

@@ -140,7 +140,7 @@ const SUNK: f64 = 1e-3;
 
 impl Clip {
     /// In a line.
-    fn told(&self) -> String {
+    fn summary(&self) -> String {
         let sunk = match self.sunk > SUNK {
             true => format!("; feet are {:.1} mm in the ground at most", 1e3 * self.sunk),
             false => String::new(),
@@ -207,7 +207,7 @@ impl<'a> Job<'a> {
             clear.ask(&mut question);
             question
                 .more
-                .extend(self.arguments.keep_clear.told_shapes());
+                .extend(self.arguments.keep_clear.unusual_shapes());
         }
         question.map = self.map.given();
         question.skeleton = self.map.skeleton().map(KnownSkeleton::name);
@@ -317,5 +317,5 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         ));
     }
     let clip = Job::new(arguments, Format::of(out)?)?.run(&arguments.source, out)?;
-    output::result(json, || &clip, || clip.told())
+    output::result(json, || &clip, || clip.summary())
 }

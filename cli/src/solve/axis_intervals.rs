@@ -23,7 +23,7 @@ impl Room {
     }
 
     /// Of every target, where an option gives them room: turns to those whose orientation counts.
-    pub(super) fn asked(arguments: &Arguments, goals: &Goals) -> Outcome<Vec<Option<Self>>> {
+    pub(super) fn of_targets(arguments: &Arguments, goals: &Goals) -> Outcome<Vec<Option<Self>>> {
         let targets = goals.targets.iter();
         if arguments.arm.free_axis.is_none() && arguments.arm.intervals.is_empty() {
             return Ok(vec![None; targets.len()]);

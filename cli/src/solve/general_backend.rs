@@ -112,7 +112,7 @@ impl<'a> GeneralBackend<'a> {
             finder: PoseFinder::new(loaded, arguments, held.stands(loaded))?,
             base,
             frames,
-            rooms: Room::asked(arguments, goals)?,
+            rooms: Room::of_targets(arguments, goals)?,
             held,
             weights,
             balance,

@@ -9,7 +9,7 @@ use crate::number_list::Numbers;
 ///
 /// # Errors
 /// Another number of them, which is told with what they belong to.
-pub(super) fn asked(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<Option<Vec<f64>>> {
+pub(super) fn max_moves(loaded: &LoadedModel, arguments: &Arguments) -> Outcome<Option<Vec<f64>>> {
     let Some(Numbers(given)) = &arguments.arm.max_move else {
         return Ok(None);
     };

@@ -47,7 +47,7 @@ impl PoseFinder {
     /// A wrong number of moves.
     pub(super) fn new(loaded: &LoadedModel, arguments: &Arguments, stands: bool) -> Outcome<Self> {
         Ok(Self {
-            moves: max_move::asked(loaded, arguments)?,
+            moves: max_move::max_moves(loaded, arguments)?,
             solver: arguments.general_solver(),
             stopping: arguments.stopping(),
             settles: (loaded.rig.is_some() || stands) && arguments.settles(),

@@ -58,9 +58,9 @@ fn courses_and_misses() {
     // A square in the air, closed.
     let square = "x,y,z,qw,qx,qy,qz\n0,0,0,0,1,0,0\n0,0.05,0,0,1,0,0\n0,0.05,0.05,0,1,0,0\n0,0,0.05,0,1,0,0\n";
     let path = folder.text("square.csv", square);
-    let told = answer!("path {PANDA} {path} --tip tool --at 0.45,0,0.3 --course any-start");
+    let told = answer!("path {PANDA} {path} --tip tool --at 0.45,0,0.3 --traversal any-start");
     assert_eq!(list(&told["q"]).len(), 5);
-    let told = answer!("path {PANDA} {path} --tip tool --at 0.45,0,0.3 --course cyclic");
+    let told = answer!("path {PANDA} {path} --tip tool --at 0.45,0,0.3 --traversal cyclic");
     assert_eq!(
         (list(&told["q"]).len(), &told["reconfigurations"]),
         (4, &json!(0))

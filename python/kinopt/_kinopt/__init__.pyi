@@ -801,7 +801,7 @@ def solve_path(
     *,
     times: ArrayLike | None = None,
     keep_times: bool = False,
-    course: Literal["open", "cyclic", "any-start"] | None = None,
+    traversal: Literal["open", "cyclic", "any-start"] | None = None,
     start: ArrayLike | None = None,
     end: ArrayLike | None = None,
     joint_weights: ArrayLike | None = None,

@@ -8,7 +8,7 @@ use numpy::{PyArray1, PyArrayDyn};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
-use super::bones_and_poses::{Armature, Pose, asked};
+use super::bones_and_poses::{Armature, Pose, poses_of};
 use crate::arrays::{self, Numbers, shape_text};
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
@@ -173,7 +173,7 @@ impl Armature {
         pose: &Bound<'py, PyAny>,
         out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
-        let (poses, count) = asked(pose)?;
+        let (poses, count) = poses_of(pose)?;
         let bones = self.inner.bones();
         let shape: Vec<usize> = count.into_iter().chain([bones, 4, 4]).collect();
         let array = arrays::room_of::<f32>(py, out, &shape)?;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use kinopt::animation::{Layer as Over, LayerMode};
 use pyo3::prelude::*;
 
-use super::bones_and_poses::{Pose, Poses, asked};
+use super::bones_and_poses::{Pose, Poses, poses_of};
 use super::mask::BoneMask;
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
@@ -107,7 +107,7 @@ impl Layer {
 /// different armatures.
 #[pyfunction]
 pub(crate) fn blend_poses(poses: &Bound<'_, PyAny>, weights: &Bound<'_, PyAny>) -> PyResult<Pose> {
-    let (list, _) = asked(poses)?;
+    let (list, _) = poses_of(poses)?;
     let armature = match poses.cast::<Poses>() {
         Ok(poses) => Some(Arc::clone(&poses.get().armature)),
         Err(_) => {

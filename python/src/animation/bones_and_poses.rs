@@ -94,7 +94,7 @@ impl Poses {
 }
 
 /// The poses of a `Pose`, of `Poses` or of a list; and how many, where it is not one alone.
-pub(crate) fn asked(value: &Bound<'_, PyAny>) -> PyResult<(Vec<Locals>, Option<usize>)> {
+pub(crate) fn poses_of(value: &Bound<'_, PyAny>) -> PyResult<(Vec<Locals>, Option<usize>)> {
     if let Ok(pose) = value.cast::<Pose>() {
         return Ok((vec![pose.get().now()], None));
     }

@@ -8,7 +8,7 @@ use kinopt::animation::{
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
-use super::bones_and_poses::{Armature, Pose, Poses, asked};
+use super::bones_and_poses::{Armature, Pose, Poses, poses_of};
 use super::clip_builder::ClipBuilder;
 use super::clip_ik::{ClipIkRequest, EditedClip};
 use super::curve::{EulerCurve, KeyedCurve, RotationCurve, Values};
@@ -235,7 +235,7 @@ impl Clip {
         let armature = &armature.get().inner;
         let times = arrays::copied(times, "times")?;
         let times: Vec<f32> = times.into_iter().map(|time| time as f32).collect();
-        let (poses, _) = asked(poses)?;
+        let (poses, _) = poses_of(poses)?;
         let clip = Motion::through_poses(name, armature, &times, &poses).or_raise()?;
         Ok(Self::of(armature, Arc::new(clip)))
     }

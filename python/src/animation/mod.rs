@@ -23,7 +23,7 @@ mod state_machine;
 
 use pyo3::prelude::*;
 
-pub(crate) use self::bones_and_poses::{Armature, Pose, asked};
+pub(crate) use self::bones_and_poses::{Armature, Pose, poses_of};
 pub(crate) use self::clip::Clip;
 pub(crate) use self::euler_clip::EulerClip;
 

@@ -6,7 +6,7 @@ use kinopt::animation::Pose as Locals;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
-use super::bones_and_poses::{Armature, Pose, Poses, asked};
+use super::bones_and_poses::{Armature, Pose, Poses, poses_of};
 use super::pose_parts::{Parts, frozen, rotations};
 use crate::arrays::{self, Picked};
 use crate::error::{OrRaise, invalid};
@@ -55,7 +55,7 @@ impl Poses {
             if stacks.iter().any(Option::is_some) {
                 return Err(invalid("poses are given as a list and as arrays"));
             }
-            let (list, _) = asked(poses)?;
+            let (list, _) = poses_of(poses)?;
             for pose in &list {
                 armature.rest().clone().cross_fade(pose, 0.0).or_raise()?;
             }

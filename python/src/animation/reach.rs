@@ -6,7 +6,7 @@ use kinopt::animation::{PoseAngles as Angles, ReachLayer as Reach};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
-use super::bones_and_poses::{Armature, Pose, Poses, asked};
+use super::bones_and_poses::{Armature, Pose, Poses, poses_of};
 use crate::arrays::{self, Questions};
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
@@ -176,7 +176,7 @@ impl PoseAngles {
         pose: &Bound<'py, PyAny>,
         out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let (poses, count) = asked(pose)?;
+        let (poses, count) = poses_of(pose)?;
         let angles = self.skeleton.angles();
         if let Some(odd) = poses.iter().find(|pose| pose.bones() * 3 != angles) {
             return Err(invalid(format!(

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use kinopt::io::bvh;
 use pyo3::prelude::*;
 
-use crate::animation::{Armature, Clip, asked};
+use crate::animation::{Armature, Clip, poses_of};
 use crate::error::OrRaise;
 
 /// A clip as BVH text, `rate` frames a second from its start to its end; what is left after the last whole
@@ -36,7 +36,7 @@ pub(crate) fn bvh_poses_to_text(
     poses: &Bound<'_, PyAny>,
     rate: f64,
 ) -> PyResult<String> {
-    let (bones, (poses, _)) = (&armature.get().inner, asked(poses)?);
+    let (bones, (poses, _)) = (&armature.get().inner, poses_of(poses)?);
     armature
         .py()
         .detach(|| bvh::poses_to_text(bones, &poses, rate))
@@ -73,7 +73,7 @@ pub(crate) fn bvh_write_poses(
     rate: f64,
     path: PathBuf,
 ) -> PyResult<()> {
-    let (bones, (poses, _)) = (&armature.get().inner, asked(poses)?);
+    let (bones, (poses, _)) = (&armature.get().inner, poses_of(poses)?);
     armature
         .py()
         .detach(|| bvh::write_poses(bones, &poses, rate, &path))

@@ -8,7 +8,7 @@ use numpy::{PyArray2, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 
 use super::Scene;
-use crate::animation::{Pose, asked};
+use crate::animation::{Pose, poses_of};
 use crate::arrays;
 use crate::error::OrRaise;
 use crate::mesh::TriangleMesh;
@@ -44,7 +44,7 @@ impl ScenePosing {
         out: Option<&Bound<'py, PyAny>>,
         part: Part,
     ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
-        let (poses, count) = asked(pose)?;
+        let (poses, count) = poses_of(pose)?;
         let meshes = self.scene.get().inner.meshes.iter();
         let vertices: usize = meshes.map(|mesh| part.count(&mesh.mesh)).sum();
         let shape: Vec<usize> = count.into_iter().chain([vertices, 3]).collect();

@@ -25,7 +25,7 @@ impl Roles {
             let hold = problem.is_reached_by(Share::All, r) && !problem.has_preferences();
             for task in tasks {
                 match hold {
-                    true => held.extend(asked(task)),
+                    true => held.extend(wanted_rows(task)),
                     false => pulled.extend(task.rows.clone()),
                 }
             }
@@ -46,7 +46,7 @@ impl Roles {
         let pulls = pulling.next().unwrap_or(ranks);
         for task in tasks {
             match task.rank.cmp(&pulls) {
-                Ordering::Less => held.extend(asked(task)),
+                Ordering::Less => held.extend(wanted_rows(task)),
                 Ordering::Equal => pulled.extend(task.rows.clone()),
                 Ordering::Greater => {}
             }
@@ -55,7 +55,7 @@ impl Roles {
 }
 
 /// The rows of a task for which not any error will do.
-fn asked(task: &CompiledTask) -> impl Iterator<Item = usize> {
+fn wanted_rows(task: &CompiledTask) -> impl Iterator<Item = usize> {
     let blocks = task.blocks().filter(|block| block.can_miss());
     blocks.flat_map(|block| block.rows.clone())
 }

@@ -6,7 +6,7 @@ use crate::spatial::Placement;
 /// How a path is gone.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
-pub enum Course {
+pub enum Traversal {
     /// From the first point to the last. The default.
     #[default]
     Open,
@@ -28,7 +28,7 @@ pub struct CartesianPath {
     pub(super) tools: Vec<usize>,
     /// How far a curve is from the straight step to every point, metres; empty where steps are straight.
     pub(super) bulges: Vec<f64>,
-    pub(super) course: Course,
+    pub(super) traversal: Traversal,
 }
 
 impl CartesianPath {
@@ -51,7 +51,7 @@ impl CartesianPath {
             times: Vec::new(),
             tools: Vec::new(),
             bulges: Vec::new(),
-            course: Course::Open,
+            traversal: Traversal::Open,
         })
     }
 
@@ -90,8 +90,8 @@ impl CartesianPath {
     }
 
     setters! {
-        /// The same path, gone otherwise. Default [`Course::Open`].
-        pub fn with_course(mut self, course: Course) { self.course = course }
+        /// The same path, gone otherwise. Default [`Traversal::Open`].
+        pub fn with_traversal(mut self, traversal: Traversal) { self.traversal = traversal }
         /// The same path seen from elsewhere: every point p becomes `base_from_path` p.
         pub fn moved(mut self, base_from_path: &Placement<f64>) {
             for point in &mut self.points {
@@ -104,7 +104,7 @@ impl CartesianPath {
         /// The points.
         pub fn points(&self) -> &[Placement<f64>] = &self.points;
         /// How it is gone.
-        pub fn course(&self) -> Course = self.course;
+        pub fn traversal(&self) -> Traversal = self.traversal;
         /// When the tool is to be at each point, seconds, where that is said.
         pub fn times(&self) -> Option<&[f64]> = Some(self.times.as_slice()).filter(|times| !times.is_empty());
         /// The [tool](Self::with_tools) of each point, where they are not all for the first.
@@ -147,7 +147,7 @@ impl CartesianPath {
                 false => turned(&self.tools),
             },
             bulges,
-            course: Course::Open,
+            traversal: Traversal::Open,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The path as it is solved: its points, and those of them at which branches are compared.
 
-use super::cartesian_path::{CartesianPath, Course};
+use super::cartesian_path::{CartesianPath, Traversal};
 use super::tools::Tools;
 use crate::spatial::{Placement, Quaternion, rotation_exp};
 
@@ -24,16 +24,16 @@ pub(super) struct Knots {
 
 impl Knots {
     pub(super) fn of(path: &CartesianPath, arms: &Tools<'_>) -> Self {
-        let closed = path.course == Course::Cyclic && path.points.len() > 1;
+        let closed = path.traversal == Traversal::Cyclic && path.points.len() > 1;
         let again = closed.then_some(0);
         let points = || (0..path.points.len()).chain(again);
         let tools = match path.tools.is_empty() {
             true => Vec::new(),
             false => points().map(|point| path.tools[point] as u32).collect(),
         };
-        let times = match path.course {
-            Course::Open => path.times.clone(),
-            Course::Cyclic | Course::AnyStart => Vec::new(),
+        let times = match path.traversal {
+            Traversal::Open => path.times.clone(),
+            Traversal::Cyclic | Traversal::AnyStart => Vec::new(),
         };
         let mut knots = Self {
             targets: points().map(|point| path.points[point]).collect(),

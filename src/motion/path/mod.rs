@@ -51,7 +51,7 @@ mod tools;
 mod tridiagonal;
 mod turns;
 
-pub use cartesian_path::{CartesianPath, Course};
+pub use cartesian_path::{CartesianPath, Traversal};
 pub use csv::{CsvColumns, QuaternionOrder};
 pub use error::PathError;
 pub use solution::{Blocked, Deviation, MissReason, Missed, PathSolution, Reconfiguration};

@@ -1,6 +1,6 @@
 //! What is checked before a path is solved: options in their ranges, ends that stand where they are to, what goes together.
 
-use super::cartesian_path::{CartesianPath, Course};
+use super::cartesian_path::{CartesianPath, Traversal};
 use super::error::PathError;
 use super::solver::PathSolver;
 use crate::bad_option::{AT_LEAST_ONE, BadOption, POSITIVE};
@@ -34,12 +34,12 @@ impl PathSolver<'_> {
         for &weight in self.weights.iter().flatten() {
             BadOption::check("joint_weights", weight, POSITIVE)?;
         }
-        if path.course != Course::Open && (self.end.is_some() || self.times_count) {
+        if path.traversal != Traversal::Open && (self.end.is_some() || self.times_count) {
             return Err(PathError::Conflict(
                 "a path that is gone round ends where it begins, and has no times to keep: neither an end nor kept times go with it",
             ));
         }
-        if path.course == Course::AnyStart && self.start.is_some() {
+        if path.traversal == Traversal::AnyStart && self.start.is_some() {
             return Err(PathError::Conflict(
                 "a path that may be entered anywhere has no start of its own",
             ));

@@ -1,7 +1,7 @@
 //! The solver of paths: its options, and what one solve does.
 
 use super::bridge::bridge;
-use super::cartesian_path::{CartesianPath, Course};
+use super::cartesian_path::{CartesianPath, Traversal};
 use super::error::PathError;
 use super::graph::{Between, Chosen, fewest_reconfigurations};
 use super::knot_configurations::{self, Way, fill};
@@ -89,10 +89,10 @@ impl<'a> PathSolver<'a> {
     /// out of reach is none: see [`PathSolution::missed`].
     pub fn solve(&self, path: &CartesianPath) -> Result<PathSolution, PathError> {
         self.check(path)?;
-        match path.course {
-            Course::Open => self.solve_open(path),
-            Course::Cyclic => self.solve_cyclic(path),
-            Course::AnyStart => self.solve_anywhere(path),
+        match path.traversal {
+            Traversal::Open => self.solve_open(path),
+            Traversal::Cyclic => self.solve_cyclic(path),
+            Traversal::AnyStart => self.solve_anywhere(path),
         }
     }
 

@@ -44,7 +44,7 @@ impl CartesianPath {
                 .unwrap_or_default(),
             tools: Vec::new(),
             bulges: vec![0.0],
-            course: keyed.course,
+            traversal: keyed.traversal,
         };
         for k in 1..keys.len() {
             let (from, to) = (&keys[k - 1], &keys[k]);

@@ -164,6 +164,7 @@ impl TurnLimit {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::{TAU, TurnLimit};
     use crate::model::{BallLimits, Limits, Model, ParameterMap};
@@ -180,7 +181,7 @@ mod tests {
         builder.ball("ball", None, Placement::identity(), z, Some(cone));
         let model = builder.build().unwrap();
         let chart = ParameterMap::free(&model).balls()[0].chart;
-        let in_cone = |x: [f64; 3]| (x[0] / 0.3).powi(2) + (x[1] / 1.2).powi(2) <= 1.0;
+        let in_cone = |[a, b, _]: [f64; 3]| a * a / 0.09 + b * b / 1.44 <= 1.0;
         let mut random = RandomStream::new(3, 0);
         let mut by_the_variables = 0;
         for _ in 0..2000 {

@@ -23,7 +23,7 @@ pub(super) fn posture(
     visitor: impl Visit,
 ) -> Result<BoxedTask, JsError> {
     let own = &model.inner;
-    let reference = given.asked("reference")?;
+    let reference = given.required("reference")?;
     // A list has a length, joints by name have none.
     let posture = match given::is_list(&reference) {
         true => Posture::new(own, &configuration(&reference, "reference", model)?),
@@ -52,7 +52,7 @@ pub(super) fn smoothness(
     visitor: impl Visit,
 ) -> Result<BoxedTask, JsError> {
     let own = &model.inner;
-    let previous = configuration(&given.asked("previous")?, "previous", model)?;
+    let previous = configuration(&given.required("previous")?, "previous", model)?;
     let smoothness = Smoothness::new(own, &previous, given.needed("timeStep")?);
     let joints = kinopt::task::Residual::joints(&smoothness);
     visitor.visit(match weights(given, model, &joints, &["by range"])? {

@@ -152,5 +152,5 @@ pub(super) fn placed(
     given: &Given,
     name: &str,
 ) -> Result<kinopt::spatial::Placement<f64>, JsError> {
-    placement::of(&given.asked(name)?, name)
+    placement::of(&given.required(name)?, name)
 }

@@ -44,7 +44,7 @@ impl Limb {
         let weight = within(goal.weight);
         let moves = weight > 0.0 && goal.target.is_finite();
         let asked = match self.end {
-            End::Bone(bone) => asked(goal.end).map(|(goal, weight)| (bone, goal, weight)),
+            End::Bone(bone) => wanted_rotation(goal.end).map(|(goal, weight)| (bone, goal, weight)),
             End::Point(_) => None,
         };
         if !moves && asked.is_none() {
@@ -142,7 +142,7 @@ impl Limb {
 
 /// The rotation asked for (`None` for the one from before) and how much of it; `None` where there is
 /// nothing to do.
-fn asked(end: EndRotation) -> Option<(Option<Quat>, f32)> {
+fn wanted_rotation(end: EndRotation) -> Option<(Option<Quat>, f32)> {
     let (rotation, weight) = match end {
         EndRotation::Follow => return None,
         EndRotation::Hold { weight } => (None, weight),

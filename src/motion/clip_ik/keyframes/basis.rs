@@ -78,12 +78,12 @@ pub(super) struct Row {
 
 impl Row {
     /// How far beyond the limit.
-    pub(super) fn at(&self, x: &DVector<f64>) -> f64 {
+    pub(super) fn beyond(&self, x: &DVector<f64>) -> f64 {
         self.base + self.change(x)
     }
 
     /// How far beyond what is allowed: 0 or less where the row is kept.
-    pub(super) fn asked(&self, x: &DVector<f64>) -> f64 {
+    pub(super) fn excess(&self, x: &DVector<f64>) -> f64 {
         self.base - self.allowed + self.change(x)
     }
 

@@ -27,7 +27,7 @@ impl BeyondLimit {
     pub(super) fn all(rows: &[Row], x: &DVector<f64>) -> Vec<Self> {
         let mut all: Vec<Self> = Vec::new();
         for row in rows {
-            let by = row.at(x);
+            let by = row.beyond(x);
             if by <= HIDDEN {
                 continue;
             }

@@ -43,14 +43,14 @@ pub(super) fn minimise<C: Cost>(
     let mut f = cost.linearise(&x, &mut gradient, &mut hessian)?;
     let scale = f.max(f64::MIN_POSITIVE);
     let mut barrier = 0.1 * f / rows.len().max(1) as f64;
-    let mut slack: Vec<f64> = rows.iter().map(|row| (-row.asked(&x)).max(ROOM)).collect();
+    let mut slack: Vec<f64> = rows.iter().map(|row| (-row.excess(&x)).max(ROOM)).collect();
     let mut push: Vec<f64> = slack.iter().map(|slack| barrier / slack).collect();
     let (mut damping, mut best) = (1e-8 * hessian.diagonal().max(), (f, x.clone()));
     for _ in 0..ITERATIONS {
         let miss: Vec<f64> = rows
             .iter()
             .zip(&slack)
-            .map(|(row, s)| row.asked(&x) + s)
+            .map(|(row, s)| row.excess(&x) + s)
             .collect();
         let Some(step) = step(
             rows,
@@ -94,7 +94,7 @@ pub(super) fn minimise<C: Cost>(
         }
         (x, slack) = (tried, next);
         // The barrier keeps off limits at a price, so a later place may cost more.
-        if then <= best.0 && rows.iter().all(|row| row.asked(&x) <= 0.0) {
+        if then <= best.0 && rows.iter().all(|row| row.excess(&x) <= 0.0) {
             best = (then, x.clone());
         }
         f = cost.linearise(&x, &mut gradient, &mut hessian)?;

@@ -20,7 +20,7 @@ struct Gap<'a> {
 
 impl Gap<'_> {
     fn beyond(row: &Row, x: &DVector<f64>) -> f64 {
-        (row.asked(x) + ROOM).max(0.0)
+        (row.excess(x) + ROOM).max(0.0)
     }
 }
 
@@ -62,7 +62,7 @@ impl Cost for Gap<'_> {
 /// From keys that are each within their limits to ones between which the spline is as well, by the least change. Rows that cannot
 /// be kept together are then asked no more than they can.
 pub(super) fn brought_within(rows: &mut [Row], clamped: DVector<f64>) -> DVector<f64> {
-    if rows.iter().all(|row| row.asked(&clamped) <= 0.0) {
+    if rows.iter().all(|row| row.excess(&clamped) <= 0.0) {
         return clamped;
     }
     let mut gap = Gap { rows, clamped };
@@ -72,7 +72,7 @@ pub(super) fn brought_within(rows: &mut [Row], clamped: DVector<f64>) -> DVector
         Err(never) => match never {},
     };
     for row in rows {
-        let over = row.asked(&x);
+        let over = row.excess(&x);
         if over > 0.0 {
             row.allowed += over + ROOM;
         }

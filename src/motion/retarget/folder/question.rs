@@ -81,7 +81,7 @@ impl<'a> FolderQuestion<'a> {
 
     /// The same text for the same question.
     pub(super) fn text(&self) -> String {
-        let asked = Value::from_iter(self.asked());
+        let asked = Value::from_iter(self.fields());
         format!("{asked:#}\n")
     }
 
@@ -91,14 +91,14 @@ impl<'a> FolderQuestion<'a> {
         let Some(before) = before else {
             return Vec::new();
         };
-        let asked = BTreeMap::from_iter(self.asked());
+        let asked = BTreeMap::from_iter(self.fields());
         let differing = asked
             .iter()
             .filter(|(key, own)| before.get(*key) != Some(own));
         differing.map(|(key, _)| key.clone()).collect()
     }
 
-    fn asked(&self) -> Vec<(String, Value)> {
+    fn fields(&self) -> Vec<(String, Value)> {
         let RetargetOptions {
             contacts, windows, ..
         } = &self.options;

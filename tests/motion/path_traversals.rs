@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use kinopt::Arm;
 use kinopt::model::Limits;
-use kinopt::motion::path::{CartesianPath, Course, PathError, PathSolution, PathSolver};
+use kinopt::motion::path::{CartesianPath, PathError, PathSolution, PathSolver, Traversal};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::{planar_with_hand, robot};
@@ -34,7 +34,7 @@ fn a_cyclic_path_ends_where_it_begins() {
         let points = circle(&arm.base_from_tool(&q).unwrap(), 0.04, 100);
         let path = CartesianPath::new(points)
             .unwrap()
-            .with_course(Course::Cyclic);
+            .with_traversal(Traversal::Cyclic);
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
         assert!(
             solution.is_whole(),
@@ -64,10 +64,10 @@ fn a_turn_that_is_left_is_told() {
     };
     let points: Vec<_> = (0..100).map(turn).collect();
     let path = CartesianPath::new(points).unwrap();
-    let cyclic = path.clone().with_course(Course::Cyclic);
+    let cyclic = path.clone().with_traversal(Traversal::Cyclic);
     let solution = PathSolver::new(&arm).solve(&cyclic).unwrap();
     assert_eq!(solution.reconfigurations.len(), 1);
-    let anywhere = path.with_course(Course::AnyStart);
+    let anywhere = path.with_traversal(Traversal::AnyStart);
     let solution = PathSolver::new(&arm).solve(&anywhere).unwrap();
     assert!(solution.is_whole());
     assert_eq!(solution.rows().len(), 101);
@@ -89,7 +89,7 @@ fn a_closed_path_is_entered_where_that_is_best() {
     };
     let points: Vec<_> = (0..120).map(turn).collect();
     let open = CartesianPath::new(points.clone()).unwrap();
-    let anywhere = open.clone().with_course(Course::AnyStart);
+    let anywhere = open.clone().with_traversal(Traversal::AnyStart);
     let [first, best] = [open, anywhere].map(|path| PathSolver::new(&arm).solve(&path).unwrap());
     assert!(best.reconfigurations.len() <= first.reconfigurations.len());
     assert!(best.entry < 120 && best.missed.is_empty());
@@ -134,7 +134,7 @@ fn of_entries_that_save_as_much_the_shortest_is_taken() {
         .min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)))
         .unwrap();
     let path = CartesianPath::new(points.clone()).unwrap();
-    let anywhere = path.with_course(Course::AnyStart);
+    let anywhere = path.with_traversal(Traversal::AnyStart);
     let best = solver.solve(&anywhere).unwrap();
     assert_eq!(best.reconfigurations.len(), fewest);
     assert!((best.length - shortest).abs() < 1e-9);
@@ -249,7 +249,7 @@ fn a_joint_without_limits_goes_round_and_round() {
         Placement::new(turned, begin.translation)
     };
     let path = CartesianPath::new((0..100).map(turn).collect::<Vec<_>>()).unwrap();
-    let cyclic = path.with_course(Course::Cyclic);
+    let cyclic = path.with_traversal(Traversal::Cyclic);
     for solver in [PathSolver::new(&arm), PathSolver::new(&arm).with_start(&q)] {
         let solution = solver.solve(&cyclic).unwrap();
         assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
