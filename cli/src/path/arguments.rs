@@ -84,7 +84,7 @@ pub(crate) struct Arguments {
 
     /// How the path is gone: open, cyclic (back to where it began, in the configuration that it began in), or any-start (round
     /// once from whichever point is best). Default: open.
-    #[arg(long, value_name = "COURSE", value_parser = among(TRAVERSALS), default_value = "open", hide_default_value = true, help_heading = TARGETS)]
+    #[arg(long, value_name = "TRAVERSAL", value_parser = among(TRAVERSALS), default_value = "open", hide_default_value = true, help_heading = TARGETS)]
     pub(super) traversal: Traversal,
 
     /// The configuration that it begins in, in radians (--degrees) and metres; it must stand at the first point. Default: any.
