@@ -20,6 +20,7 @@
 
 mod bounding_box;
 mod box_tree;
+mod changing_tree;
 mod checker;
 mod convex_surface;
 mod distance;
@@ -29,7 +30,7 @@ mod mesh_folders;
 mod model;
 mod shape;
 mod sphere_model;
-mod world;
+pub(crate) mod world;
 
 pub use crate::problem::{BodyKind, Collision};
 pub use bounding_box::BoundingBox;

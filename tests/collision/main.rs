@@ -29,3 +29,4 @@ mod ways_that_slide;
 mod what_no_joint_moves;
 mod world_files;
 mod worlds;
+mod worlds_that_change;

@@ -10,7 +10,9 @@ mod search;
 use super::arm::Arm;
 use super::workspace::ArmWorkspace;
 use super::{ArmError, QueryError, Reply};
-use crate::collision::in_lanes::{self, Body, BodyChain, Rooms, Solids};
+use std::sync::Arc;
+
+use crate::collision::in_lanes::{self, Body, BodyChain, Rooms, SolidMoved, Solids};
 use crate::collision::{Checker, CheckerWorkspace, SphereModel, World};
 use crate::kinematics::ForwardKinematics;
 use crate::lanes::Chain;
@@ -40,8 +42,9 @@ pub(super) struct KeepClear {
 /// Spheres and solids in the base's frame.
 #[derive(Debug)]
 struct InLanes {
-    bodies: BodyChain,
+    bodies: Arc<BodyChain>,
     solids: Solids,
+    base_from_world: Placement<f64>,
 }
 
 /// Room for checks.
@@ -79,8 +82,19 @@ impl Arm {
     /// # Errors
     /// A checker of another model, or a configuration of the wrong length or not finite.
     pub fn with_checker(self, checker: &Checker, q_model: &[f64]) -> Result<Self, ArmError> {
+        self.with_checker_after(checker, q_model, None)
+    }
+
+    /// The same, sharing what the arm of the same chain that has `before` need not make anew.
+    fn with_checker_after(
+        self,
+        checker: &Checker,
+        q_model: &[f64],
+        before: Option<&KeepClear>,
+    ) -> Result<Self, ArmError> {
         let mut arm = self;
-        arm.collisions = Some(std::sync::Arc::new(KeepClear::new(&arm, checker, q_model)?));
+        let kept = KeepClear::new(&arm, checker, q_model, before)?;
+        arm.collisions = Some(Arc::new(kept));
         // Room for another checker is none.
         arm.for_each_workspace(|workspace| workspace.clear_room = None);
         Ok(arm)
@@ -109,7 +123,7 @@ impl Arm {
             .with_margin(margin)?;
         let lanes = self.lanes_for(&self.serial, &self.options)?;
         self.changed(self.serial.clone(), self.options.clone(), lanes)?
-            .with_checker(&checker, &kept.rest)
+            .with_checker_after(&checker, &kept.rest, Some(kept))
     }
 
     /// Whether the arm was given something to keep clear of.
@@ -147,7 +161,12 @@ impl Arm {
 }
 
 impl KeepClear {
-    fn new(arm: &Arm, checker: &Checker, q_model: &[f64]) -> Result<Self, ArmError> {
+    fn new(
+        arm: &Arm,
+        checker: &Checker,
+        q_model: &[f64],
+        before: Option<&Self>,
+    ) -> Result<Self, ArmError> {
         let model = checker.model().model();
         let (given, expected) = (
             model.configuration_len(),
@@ -172,9 +191,12 @@ impl KeepClear {
         let at_rest = checker.collisions(&rest)?;
         let never_free = at_rest.iter().any(|pair| own.is_fixed(pair, checker));
         let chain = arm.serial.chain.as_ref();
-        let lanes = chain
-            .zip(checker.spheres())
-            .and_then(|(chain, spheres)| InLanes::new(chain, &q, &placed, &own, checker, spheres));
+        let changed = before.and_then(|before| before.lanes_in(checker, &rest));
+        let anew = || {
+            let (chain, spheres) = chain.zip(checker.spheres())?;
+            InLanes::new(chain, &q, &placed, &own, checker, spheres)
+        };
+        let lanes = changed.or_else(anew);
         let joints_to = |place: usize| own.joints_to(checker.model().links().get(place).copied());
         let moves = |pair: &&[usize; 2]| joints_to(pair[0]) != joints_to(pair[1]);
         Ok(Self {
@@ -187,6 +209,15 @@ impl KeepClear {
             never_free,
             lanes,
         })
+    }
+
+    /// The same lanes in the world of another checker, where only that is different.
+    fn lanes_in(&self, checker: &Checker, rest: &[f64]) -> Option<InLanes> {
+        let same = checker.shares_shapes(&self.checker)
+            && checker.margin() == self.checker.margin()
+            && rest == self.rest;
+        let lanes = self.lanes.as_ref().filter(|_| same)?;
+        lanes.in_world(self.checker.world(), checker.world())
     }
 
     pub(super) fn checker(&self) -> &Checker {
@@ -333,8 +364,7 @@ impl InLanes {
         checker: &Checker,
         spheres: &SphereModel,
     ) -> Option<Self> {
-        let mut obstacles = checker.world().obstacles();
-        if own.joints_to(None) > 0 || obstacles.any(|obstacle| obstacle.attached.is_some()) {
+        if own.joints_to(None) > 0 || checker.world().attached().next().is_some() {
             return None;
         }
         let base_from_world = match own.base {
@@ -363,12 +393,32 @@ impl InLanes {
         let pairs = model.pairs().iter().filter(|pair| !close(pair));
         let pairs = pairs.filter_map(|[a, b]| Some([place(a)?, place(b)?]));
         let pairs = pairs.filter(counts).collect();
-        let obstacles = checker.world().obstacles();
-        let solids = obstacles.map(|o| (&o.shape, base_from_world * o.placement));
+        let solids = checker.world().numbered();
+        let solids = solids.map(|(number, o)| (number, &o.shape, base_from_world * o.placement));
         let bodies = BodyChain::new(chain, q, bodies, pairs);
         Some(Self {
             solids: Solids::new(solids, &bodies, checker.margin() + SLACK),
-            bodies,
+            bodies: Arc::new(bodies),
+            base_from_world,
+        })
+    }
+
+    /// The same in another world; `None` where the arm carries something there, and where all solids are to be looked at in another way.
+    fn in_world(&self, before: &World, after: &World) -> Option<Self> {
+        if after.attached().next().is_some() {
+            return None;
+        }
+        let changes = before.changes(after);
+        let moved = changes.iter().map(|change| SolidMoved {
+            number: change.number,
+            before: change.before.map(|obstacle| &obstacle.shape),
+            after: (change.after).map(|o| (&o.shape, self.base_from_world * o.placement)),
+        });
+        let moved: Vec<SolidMoved<'_>> = moved.collect();
+        Some(Self {
+            solids: self.solids.changed(&moved, &self.bodies)?,
+            bodies: Arc::clone(&self.bodies),
+            base_from_world: self.base_from_world,
         })
     }
 }

@@ -23,6 +23,7 @@ pub use error::CheckerError;
 pub use keep_clear::WayChecker;
 pub use workspace::CheckerWorkspace;
 
+use super::world::Change;
 use super::{CollisionModel, SphereModel, World};
 use crate::kinematics::KinematicsError;
 use crate::search::Collision;
@@ -90,16 +91,21 @@ impl Checker {
         checker
     }
 
-    /// The same robot in another world, as that stands now.
+    /// The same robot in another world, as that stands now. Where that is a changed copy of the one before, what did not change is shared: it takes
+    /// as long as what did.
     ///
     /// # Errors
     /// An obstacle that is attached to a frame that the robot does not have; the error lists the valid names.
     pub fn with_world(mut self, world: &World) -> Result<Self, CheckerError> {
-        let scene = Scene::new(&self.model, world)?;
-        self.scene = Arc::new(match &self.spheres {
-            Some(spheres) => scene.covered_by(spheres),
-            None => scene,
-        });
+        let changes = self.world.changes(world);
+        let mut scene = self.scene.changed(&changes);
+        if changes.iter().any(Change::is_of_attached) {
+            scene = scene.with_attached(&self.model, world)?;
+            if let Some(spheres) = &self.spheres {
+                scene = scene.covered_by(spheres);
+            }
+        }
+        self.scene = Arc::new(scene);
         self.world = world.clone();
         Ok(self)
     }
@@ -195,6 +201,15 @@ impl Checker {
                 true
             });
         Ok(nearest.map(|(pair, distance)| self.collision(pair, distance)))
+    }
+
+    /// Whether another is of the same shapes, spheres and pairs, made once for both.
+    pub(crate) fn shares_shapes(&self, other: &Self) -> bool {
+        let spheres =
+            [&self.spheres, &other.spheres].map(|spheres| spheres.as_ref().map(Arc::as_ptr));
+        Arc::ptr_eq(&self.model, &other.model)
+            && spheres[0] == spheres[1]
+            && Arc::ptr_eq(&self.close_pairs, &other.close_pairs)
     }
 
     fn collision(&self, pair: Pair, distance: f64) -> Collision {

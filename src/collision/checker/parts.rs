@@ -1,27 +1,21 @@
 //! The parts of a robot and the obstacles of a world, put together.
 
+use std::sync::Arc;
+
 use super::CheckerError;
 use super::motion_bound::MotionBound;
 use super::placed_shapes::{PartShape, PlacedShapes, part_to_part};
 use super::scene_placements::SceneRoom;
 use super::sphere_cover::{Cover, PlacedCover};
-use crate::collision::box_tree::BoxTree;
+use crate::collision::changing_tree::ChangingTree;
 use crate::collision::model::pairs_apart;
+use crate::collision::world::Change;
 use crate::collision::{
-    BoundingBox, CollisionModel, Separation, Shape, SphereModel, World, separation_within,
+    BoundingBox, CollisionModel, Obstacle, Separation, Shape, SphereModel, World, separation_within,
 };
 use crate::model::{FrameId, FrameRef};
 use crate::problem::BodyKind;
 use crate::spatial::{Placement, Vector3};
-
-/// Something that stands in the world.
-#[derive(Clone, Debug)]
-struct Standing {
-    name: String,
-    shape: Shape,
-    world_from_shape: Placement<f64>,
-    bounds: BoundingBox,
-}
 
 /// What moves with one frame.
 #[derive(Clone, Debug)]
@@ -46,19 +40,45 @@ pub(super) enum Pair {
 /// All of them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scene {
-    pub(super) parts: Vec<Part>,
+    pub(super) parts: Arc<Vec<Part>>,
     /// Where the shapes of each part end, among those of all.
-    pub(super) shape_ends: Vec<usize>,
+    pub(super) shape_ends: Arc<[usize]>,
     /// Parts that are kept apart, by place.
-    pairs: Vec<[usize; 2]>,
-    standing: Vec<Standing>,
-    /// Over what stands.
-    tree: BoxTree,
-    motion_bound: MotionBound,
+    pairs: Arc<[[usize; 2]]>,
+    motion_bound: Arc<MotionBound>,
+    /// What stands in the world, by the numbers that it has there.
+    standing: ChangingTree<Arc<Obstacle>>,
 }
 
 impl Scene {
     pub(super) fn new(model: &CollisionModel, world: &World) -> Result<Self, CheckerError> {
+        let standing = world.numbered().filter_map(|(number, obstacle)| {
+            let (obstacle, bounds) = standing(obstacle)?;
+            Some((number, obstacle, bounds))
+        });
+        let scene = Self {
+            standing: ChangingTree::new(standing),
+            ..Self::default()
+        };
+        scene.with_attached(model, world)
+    }
+
+    /// The same after changes of the world, none of them of what is attached.
+    pub(super) fn changed(&self, changes: &[Change<'_>]) -> Self {
+        let changes = changes.iter();
+        let changes = changes.map(|change| (change.number, change.after.and_then(standing)));
+        Self {
+            standing: self.standing.changed(changes.collect()),
+            ..self.clone()
+        }
+    }
+
+    /// The same with the parts of a model, without the spheres that cover them, and with what is attached in a world.
+    pub(super) fn with_attached(
+        self,
+        model: &CollisionModel,
+        world: &World,
+    ) -> Result<Self, CheckerError> {
         let link = |link: &FrameId| Part {
             name: model.name_of(*link).to_owned(),
             kind: BodyKind::Link,
@@ -70,31 +90,22 @@ impl Scene {
         };
         let mut parts: Vec<Part> = model.links().iter().map(link).collect();
         let own = parts.len();
-        let mut standing = Vec::new();
-        for obstacle in world.obstacles() {
-            let (name, shape) = (obstacle.name.clone(), obstacle.shape.clone());
-            match &obstacle.attached {
-                None => standing.push(Standing {
-                    name,
-                    bounds: shape.bounding_box().placed(&obstacle.placement),
-                    shape,
-                    world_from_shape: obstacle.placement,
-                }),
-                Some(frame) => {
-                    let frame = FrameRef::from(frame.as_str()).resolve(model.model());
-                    let frame = frame.map_err(|unknown| CheckerError::Attached {
-                        obstacle: name.clone(),
-                        unknown,
-                    })?;
-                    parts.push(Part {
-                        name,
-                        kind: BodyKind::Obstacle,
-                        frame,
-                        shapes: vec![PartShape::new(shape, obstacle.placement)],
-                        cover: None,
-                    });
-                }
-            }
+        for obstacle in world.attached() {
+            let Some(frame) = &obstacle.attached else {
+                continue;
+            };
+            let frame = FrameRef::from(frame.as_str()).resolve(model.model());
+            let frame = frame.map_err(|unknown| CheckerError::Attached {
+                obstacle: obstacle.name.clone(),
+                unknown,
+            })?;
+            parts.push(Part {
+                name: obstacle.name.clone(),
+                kind: BodyKind::Obstacle,
+                frame,
+                shapes: vec![PartShape::new(obstacle.shape.clone(), obstacle.placement)],
+                cover: None,
+            });
         }
         let ends = parts.iter().scan(0, |end, part| {
             *end += part.shapes.len();
@@ -102,18 +113,21 @@ impl Scene {
         });
         Ok(Self {
             shape_ends: ends.collect(),
-            pairs: pairs(model, &parts, own),
-            motion_bound: MotionBound::new(model.model(), parts.iter().map(Part::balls)),
-            tree: BoxTree::new(standing.len(), |index| standing[index].bounds),
-            parts,
-            standing,
+            pairs: pairs(model, &parts, own).into(),
+            motion_bound: Arc::new(MotionBound::new(
+                model.model(),
+                parts.iter().map(Part::balls),
+            )),
+            parts: Arc::new(parts),
+            standing: self.standing,
         })
     }
 
     /// The same with spheres that cover the links' shapes, which tell most pairs apart before the shapes are looked at.
     pub(super) fn covered_by(mut self, spheres: &SphereModel) -> Self {
+        let parts = Arc::make_mut(&mut self.parts);
         for group in spheres.groups() {
-            let mut own = self.parts.iter_mut();
+            let mut own = parts.iter_mut();
             if let Some(part) = own.find(|part| part.frame == group.link) {
                 part.cover = Some(Cover::of(group));
             }
@@ -130,7 +144,10 @@ impl Scene {
     pub(super) fn bodies(&self, pair: Pair) -> [(&str, BodyKind); 2] {
         let part = |at: usize| (&*self.parts[at].name, self.parts[at].kind);
         match pair {
-            Pair::Standing(a, b) => [part(a), (&self.standing[b].name, BodyKind::Obstacle)],
+            Pair::Standing(a, b) => {
+                let standing = self.standing.thing(b as u32);
+                [part(a), (&standing.name, BodyKind::Obstacle)]
+            }
             Pair::Parts(a, b) => [part(a), part(b)],
         }
     }
@@ -158,7 +175,7 @@ impl Scene {
                 }
             }
         }
-        for &pair in &self.pairs {
+        for &pair in &*self.pairs {
             if let Some(separation) = self.apart(pair, placements, within, room)
                 && !each(Pair::Parts(pair[0], pair[1]), &separation)
             {
@@ -189,7 +206,7 @@ impl Scene {
                 None => near.push((standing, separation)),
             }
         });
-        near.sort_by_key(|(standing, _)| *standing);
+        near.sort_by_key(|(standing, _)| self.standing.number(*standing));
     }
 
     /// How far two parts are apart, if that is at most `within`.
@@ -247,8 +264,8 @@ impl Scene {
 
     /// Something that stands, and where.
     pub(super) fn standing_at(&self, index: usize) -> (&Shape, &Placement<f64>) {
-        let standing = &self.standing[index];
-        (&standing.shape, &standing.world_from_shape)
+        let standing = self.standing.thing(index as u32);
+        (&standing.shape, &standing.placement)
     }
 
     /// Visits what stands at most `within` from a part's shapes.
@@ -262,18 +279,19 @@ impl Scene {
             let reach = own.ball.radius + within;
             let apart = |bounds: &BoundingBox| bounds.squared_distance(at.centre);
             // Nothing is ever nearer than the bound: all whose boxes the ball meets are visited.
-            self.tree
+            self.standing
                 .nearest((reach * reach).next_up(), apart, |index, bound| {
-                    let standing = &self.standing[index as usize];
                     // The leaves of the tree hold several.
-                    if standing.bounds.squared_distance(at.centre) > reach * reach {
+                    let bounds = self.standing.bounds(index);
+                    if bounds.squared_distance(at.centre) > reach * reach {
                         return bound;
                     }
+                    let standing = self.standing.thing(index);
                     let separation = separation_within(
                         &own.shape,
                         &at.world_from_shape,
                         &standing.shape,
-                        &standing.world_from_shape,
+                        &standing.placement,
                         within,
                     );
                     if let Some(separation) = separation {
@@ -283,6 +301,15 @@ impl Scene {
                 });
         }
     }
+}
+
+/// An obstacle that stands in the world, and the box around it there.
+fn standing(obstacle: &Arc<Obstacle>) -> Option<(Arc<Obstacle>, BoundingBox)> {
+    let bounds = obstacle.shape.bounding_box().placed(&obstacle.placement);
+    obstacle
+        .attached
+        .is_none()
+        .then(|| (Arc::clone(obstacle), bounds))
 }
 
 impl Part {

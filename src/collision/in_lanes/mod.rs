@@ -12,4 +12,4 @@ mod solids;
 
 pub(crate) use bodies::{Body, BodyChain};
 pub(crate) use instruction_set::{CHECKED, Rooms, near};
-pub(crate) use solids::Solids;
+pub(crate) use solids::{SolidMoved, Solids};

@@ -1,7 +1,9 @@
 //! What stands still around a chain, and how near points in lanes are to it.
 
+use std::sync::Arc;
+
 use super::bodies::{Body, BodyChain};
-use super::many_solids::ManySolids;
+use super::many_solids::{ManySolids, SolidChange};
 use crate::collision::{Ball, BoundingBox, Shape, ShapeKind};
 use crate::lanes::lane::LaneScalar;
 use crate::spatial::{Placement, Vector3};
@@ -32,21 +34,39 @@ enum Solid {
 struct Placed {
     /// Around it, in the base.
     bound: Ball,
+    bounds: BoundingBox,
     solid_from_base: Placement<f64>,
     solid: Solid,
 }
 
 /// What a chain is kept away from.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Solids {
-    /// Looked at one after another.
-    listed: Vec<Placed>,
-    /// Those of them that each body can ever come near to, by number, and the balls around them.
-    within_reach: Vec<(Vec<u32>, Vec<Reached>)>,
+    listed: Arc<Listed>,
     /// All others.
     many: Option<ManySolids>,
+    /// How many there are of one shape that is soon looked at.
+    simple: usize,
     /// How near to a solid, or to each other, bodies are not to come, metres.
     margin: f64,
+}
+
+/// Solids that are looked at one after another.
+#[derive(Clone, Debug, Default)]
+struct Listed {
+    /// In the order of their numbers.
+    numbers: Vec<u64>,
+    placed: Vec<Placed>,
+    /// Those of them that each body can ever come near to, by place, and the balls around them.
+    within_reach: Vec<(Vec<u32>, Vec<Reached>)>,
+}
+
+/// A solid of two worlds that is not in both the same, by its shape and where it stands in the chain's base.
+pub(crate) struct SolidMoved<'a> {
+    /// Solids are in the order of their numbers.
+    pub(crate) number: u64,
+    pub(crate) before: Option<&'a Shape>,
+    pub(crate) after: Option<(&'a Shape, Placement<f64>)>,
 }
 
 /// The ball around a solid, as one body's ball meets it: |c − s|² < r² as |c|² − 2 s·c < r² − |s|², of which the left side takes three
@@ -74,48 +94,77 @@ impl Reached {
 }
 
 impl Solids {
-    /// Shapes, each by where it stands in the chain's base; what the bodies never leave and how near to a solid they are not to
+    /// Shapes with their numbers, each by where it stands in the chain's base; how near to a solid the bodies are not to
     /// come, metres.
     pub(crate) fn new<'a>(
-        shapes: impl IntoIterator<Item = (&'a Shape, Placement<f64>)>,
+        shapes: impl IntoIterator<Item = (u64, &'a Shape, Placement<f64>)>,
         chain: &BodyChain,
         margin: f64,
     ) -> Self {
-        let (mut listed, many): (Vec<_>, Vec<_>) =
-            shapes.into_iter().partition(|(shape, _)| is_one(shape));
-        let rooms = chain.rooms();
-        let many = match listed.len() > LISTED {
-            false => many,
-            true => {
-                let all = std::mem::take(&mut listed).into_iter().chain(many);
-                let (bounded, unbounded) = all.partition(|(shape, _)| is_bounded(shape));
-                listed = unbounded;
-                bounded
+        let all: Vec<_> = shapes.into_iter().collect();
+        let simple = all.iter().filter(|(_, shape, _)| is_simple(shape)).count();
+        let is_listed = |shape: &Shape| is_listed(shape, simple);
+        let (listed, many): (Vec<_>, Vec<_>) =
+            all.into_iter().partition(|(_, shape, _)| is_listed(shape));
+        let placed = listed
+            .into_iter()
+            .map(|(number, shape, at)| (number, Placed::new(shape, at)));
+        Self {
+            listed: Arc::new(Listed::new(placed, chain, margin)),
+            many: (!many.is_empty())
+                .then(|| ManySolids::new(many, &chain.rooms(), farthest(chain, margin))),
+            simple,
+            margin,
+        }
+    }
+
+    /// The same with some of them changed, in the order of their numbers; `None` where so many became so few, or the other way, that all
+    /// are looked at in another way.
+    pub(crate) fn changed(&self, changes: &[SolidMoved<'_>], chain: &BodyChain) -> Option<Self> {
+        let count = |shapes: &mut dyn Iterator<Item = &Shape>| {
+            shapes.filter(|shape| is_simple(shape)).count()
+        };
+        let before = count(&mut changes.iter().filter_map(|change| change.before));
+        let after = count(&mut changes.iter().filter_map(|change| Some(change.after?.0)));
+        let simple = (self.simple + after).checked_sub(before)?;
+        if are_many(simple) != are_many(self.simple) {
+            return None;
+        }
+        let (mut listed, mut many): (Vec<SolidChange<'_>>, Vec<SolidChange<'_>>) =
+            Default::default();
+        for change in changes {
+            let is_listed = |shape: &&Shape| is_listed(shape, simple);
+            let now = change.after.filter(|(shape, _)| is_listed(shape));
+            if now.is_some() || change.before.filter(is_listed).is_some() {
+                listed.push((change.number, now));
+            }
+            let now = change.after.filter(|(shape, _)| !is_listed(shape));
+            if now.is_some() || change.before.filter(|shape| !is_listed(shape)).is_some() {
+                many.push((change.number, now));
+            }
+        }
+        let many = match &self.many {
+            Some(known) => Some(known.changed(&many)).filter(|many| !many.is_empty()),
+            None => {
+                let added = many.into_iter().filter_map(|(number, now)| {
+                    let (shape, at) = now?;
+                    Some((number, shape, at))
+                });
+                let added: Vec<_> = added.collect();
+                (!added.is_empty())
+                    .then(|| ManySolids::new(added, &chain.rooms(), farthest(chain, self.margin)))
             }
         };
-        let boxes: Vec<BoundingBox> = (listed.iter())
-            .map(|(shape, base_from_solid)| shape.bounding_box().placed(base_from_solid))
-            .collect();
-        let listed: Vec<Placed> = listed.into_iter().map(Placed::new).collect();
-        let reached = |(room, body): (&Ball, &Body)| {
-            let reach = room.radius + margin;
-            let near = (0..).zip(&boxes).filter(|(_, solid)| {
-                let apart = solid.squared_distance(room.centre);
-                // Not a number about a half-space's corner at infinity.
-                apart.is_nan() || apart <= reach * reach
-            });
-            let ball = |number: u32| &listed[number as usize].bound;
-            let near = near.map(|(n, _)| (n, Reached::new(ball(n), &body.bound, margin)));
-            near.unzip()
+        let listed = match listed.is_empty() {
+            true => Arc::clone(&self.listed),
+            false => Arc::new(self.listed.changed(&listed, chain, self.margin)),
         };
-        let largest =
-            (chain.bodies.iter()).fold(0.0, |most: f64, body| most.max(body.bound.radius));
-        Self {
-            within_reach: rooms.iter().zip(&chain.bodies).map(reached).collect(),
-            margin,
-            many: (!many.is_empty()).then(|| ManySolids::new(many, &rooms, largest + margin)),
+        Some(Self {
             listed,
-        }
+            many,
+            simple,
+            margin: self.margin,
+        })
     }
 
     /// Those that are not listed.
@@ -140,7 +189,7 @@ impl Solids {
         let reach = chain.bodies[body].bound.radius + self.margin;
         found.clear();
         let squared = centre.norm_squared();
-        let (numbers, reached) = &self.within_reach[body];
+        let (numbers, reached) = &self.listed.within_reach[body];
         for (place, solid) in reached.iter().enumerate() {
             let side = centre.x.mul_add(V::constant(solid.slope.x), squared);
             let side = centre.y.mul_add(V::constant(solid.slope.y), side);
@@ -161,7 +210,7 @@ impl Solids {
         point: Vector3<V>,
         reach: f64,
     ) -> V::Mask {
-        let bound = &self.listed[number as usize].bound;
+        let bound = &self.listed.placed[number as usize].bound;
         let around = reach + bound.radius;
         let away = point - Vector3::constant(bound.centre);
         let near = away.norm_squared().less_than(V::constant(around * around));
@@ -175,7 +224,7 @@ impl Solids {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_near<V: LaneScalar>(&self, number: u32, point: Vector3<V>, reach: f64) -> V::Mask {
         let c = V::constant;
-        let placed = &self.listed[number as usize];
+        let placed = &self.listed.placed[number as usize];
         let p = Placement::constant(&placed.solid_from_base).apply(point);
         match &placed.solid {
             Solid::Box([x, y, z]) => {
@@ -208,32 +257,96 @@ impl Solids {
     }
 }
 
+impl Listed {
+    fn new(
+        solids: impl IntoIterator<Item = (u64, Placed)>,
+        chain: &BodyChain,
+        margin: f64,
+    ) -> Self {
+        let (numbers, placed): (Vec<u64>, Vec<Placed>) = solids.into_iter().unzip();
+        let reached = |(room, body): (Ball, &Body)| {
+            let reach = room.radius + margin;
+            let near = (0..).zip(&placed).filter(|(_, solid)| {
+                let apart = solid.bounds.squared_distance(room.centre);
+                // Not a number about a half-space's corner at infinity.
+                apart.is_nan() || apart <= reach * reach
+            });
+            let near = near.map(|(n, solid)| (n, Reached::new(&solid.bound, &body.bound, margin)));
+            near.unzip()
+        };
+        Self {
+            within_reach: chain
+                .rooms()
+                .into_iter()
+                .zip(&chain.bodies)
+                .map(reached)
+                .collect(),
+            numbers,
+            placed,
+        }
+    }
+
+    /// The same with some of them changed.
+    fn changed(&self, changes: &[SolidChange<'_>], chain: &BodyChain, margin: f64) -> Self {
+        let stays = |(number, _): &(u64, Placed)| {
+            changes
+                .binary_search_by_key(number, |(changed, _)| *changed)
+                .is_err()
+        };
+        let known = self
+            .numbers
+            .iter()
+            .copied()
+            .zip(self.placed.iter().cloned());
+        let mut all: Vec<_> = known.filter(stays).collect();
+        all.extend(changes.iter().filter_map(|(number, now)| {
+            let (shape, at) = (*now)?;
+            Some((*number, Placed::new(shape, at)))
+        }));
+        all.sort_by_key(|(number, _)| *number);
+        Self::new(all, chain, margin)
+    }
+}
+
 impl Placed {
-    fn new((shape, base_from_solid): (&Shape, Placement<f64>)) -> Self {
+    fn new(shape: &Shape, base_from_solid: Placement<f64>) -> Self {
         let own = shape.bounding_sphere();
         Self {
             bound: Ball {
                 centre: base_from_solid.apply(own.centre),
                 radius: own.radius,
             },
+            bounds: shape.bounding_box().placed(&base_from_solid),
             solid_from_base: base_from_solid.inverse(),
             solid: Solid::of(shape),
         }
     }
 }
 
+/// The farthest that many solids are asked about, metres.
+fn farthest(chain: &BodyChain, margin: f64) -> f64 {
+    let bodies = chain.bodies.iter();
+    bodies.fold(0.0, |most: f64, body| most.max(body.bound.radius)) + margin
+}
+
+/// Whether so many that are soon looked at are not looked at one after another.
+fn are_many(simple: usize) -> bool {
+    simple > LISTED
+}
+
+/// Whether a shape is looked at by itself, where there are so many that are simple; a half-space, which has no bounds, is always.
+fn is_listed(shape: &Shape, simple: usize) -> bool {
+    shape.is_half_space() || is_simple(shape) && !are_many(simple)
+}
+
 /// Whether a shape is soon looked at, in place of many by itself.
-fn is_one(shape: &Shape) -> bool {
+fn is_simple(shape: &Shape) -> bool {
     match shape.kind() {
         ShapeKind::Mesh(mesh) => mesh.triangles().len() <= FEW,
         ShapeKind::Points(cloud) => cloud.positions().len() <= FEW,
         ShapeKind::HeightField(_) => false,
         _ => true,
     }
-}
-
-fn is_bounded(shape: &Shape) -> bool {
-    shape.bounding_sphere().radius.is_finite()
 }
 
 impl Solid {

@@ -20,17 +20,12 @@ impl World {
         if name.trim().is_empty() {
             return Err(WorldError::Unnamed(name.to_owned()));
         }
-        if self.obstacles.iter().any(|o| o.name == name) {
+        if self.find(name).is_some() {
             return Err(WorldError::Taken(name.to_owned()));
         }
         let placement = rigid(name, placement.into())?;
-        self.obstacles.push(Arc::new(Obstacle {
-            name: name.to_owned(),
-            shape,
-            placement,
-            attached: None,
-        }));
-        self.revision += 1;
+        let obstacle = Obstacle::new(name, shape, placement, None);
+        self.push(Arc::new(obstacle));
         Ok(())
     }
 

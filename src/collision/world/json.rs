@@ -234,9 +234,7 @@ fn read(mut contents: Contents, reader: &Reader<'_>) -> FromFile<World> {
         let problem = format!("obstacle {:?} is missing in it", missing.name);
         return Err(reader.fail(Place::Json("order".to_owned()), problem));
     }
-    world
-        .obstacles
-        .sort_by_key(|o| ranks.get(&*o.name).copied());
+    world.sort_by_key(|o| ranks.get(&*o.name).copied());
     Ok(world)
 }
 

@@ -6,12 +6,17 @@ mod file;
 mod ground_height;
 mod json;
 mod moveit;
+mod names;
+mod numbered;
 mod pose;
 
 use std::sync::Arc;
 
 pub use error::WorldError;
+pub(crate) use numbered::Change;
 
+use self::names::Names;
+use self::numbered::Numbered;
 use super::shape::Shape;
 use crate::spatial::Placement;
 
@@ -47,10 +52,16 @@ impl Obstacle {
     }
 }
 
-/// Named obstacles in the order in which they were added. Cheap to clone: copies share what neither changes.
+/// Named obstacles in the order in which they were added. Cheap to clone: copies share what neither changes, so that what is made of one
+/// is made of the other for what is different.
 #[derive(Clone, Debug, Default)]
 pub struct World {
-    obstacles: Vec<Arc<Obstacle>>,
+    obstacles: Numbered,
+    names: Names,
+    /// The numbers of those that are attached to frames, in order.
+    attached: Vec<u64>,
+    /// The next number.
+    next: u64,
     revision: u64,
 }
 
@@ -65,11 +76,15 @@ impl World {
         /// How many obstacles there are.
         pub fn len(&self) -> usize = self.obstacles.len();
         /// Whether there are none.
-        pub fn is_empty(&self) -> bool = self.obstacles.is_empty();
+        pub fn is_empty(&self) -> bool = self.len() == 0;
         /// A number that every change raises, so that what was made of a world knows whether it is still so.
         pub fn revision(&self) -> u64 = self.revision;
         /// All obstacles in the order in which they were added.
-        pub fn obstacles(&self) -> impl ExactSizeIterator<Item = &Obstacle> = self.obstacles.iter().map(|o| &**o);
+        pub fn obstacles(&self) -> impl ExactSizeIterator<Item = &Obstacle> = self.obstacles.iter().map(|(_, o)| &**o);
+        /// All with their numbers, by which they are in order.
+        pub(crate) fn numbered(&self) -> impl ExactSizeIterator<Item = (u64, &Arc<Obstacle>)> = self.obstacles.iter();
+        /// Those that are attached to frames, in order.
+        pub(crate) fn attached(&self) -> impl Iterator<Item = &Obstacle> = self.attached.iter().filter_map(|number| Some(&**self.obstacles.get(*number)?));
     }
 
     /// Looks an obstacle up.
@@ -77,12 +92,52 @@ impl World {
     /// # Errors
     /// There is none of that name; the error lists those there are.
     pub fn obstacle(&self, name: &str) -> Result<&Obstacle, WorldError> {
-        Ok(&self.obstacles[self.position(name)?])
+        let number = self.number(name)?;
+        let found = self.obstacles.get(number);
+        found.map_or_else(|| Err(self.unknown(name)), |obstacle| Ok(&**obstacle))
     }
 
-    fn position(&self, name: &str) -> Result<usize, WorldError> {
-        let position = self.obstacles.iter().position(|o| o.name == name);
-        position.ok_or_else(|| WorldError::unknown(name, self.obstacles()))
+    fn find(&self, name: &str) -> Option<u64> {
+        let has = |number| self.obstacles.get(number).is_some_and(|o| o.name == name);
+        self.names.find(name, has)
+    }
+
+    fn number(&self, name: &str) -> Result<u64, WorldError> {
+        self.find(name).ok_or_else(|| self.unknown(name))
+    }
+
+    fn unknown(&self, name: &str) -> WorldError {
+        WorldError::unknown(name, self.obstacles())
+    }
+
+    /// What is not the same in another world; what copies share costs nothing.
+    pub(crate) fn changes<'a>(&'a self, to: &'a Self) -> Vec<Change<'a>> {
+        self.obstacles.changes(&to.obstacles)
+    }
+
+    /// Puts all in another order.
+    fn sort_by_key<K: Ord>(&mut self, key: impl Fn(&Obstacle) -> K) {
+        let mut all: Vec<Arc<Obstacle>> =
+            self.obstacles.iter().map(|(_, o)| Arc::clone(o)).collect();
+        all.sort_by_key(|obstacle| key(obstacle));
+        let revision = self.revision;
+        *self = Self::default();
+        for obstacle in all {
+            self.push(obstacle);
+        }
+        self.revision = revision;
+    }
+
+    /// Adds one whose name is not there.
+    fn push(&mut self, obstacle: Arc<Obstacle>) {
+        let number = self.next;
+        self.names.insert(&obstacle.name, number);
+        if obstacle.attached.is_some() {
+            self.attached.push(number);
+        }
+        self.obstacles.push(number, obstacle);
+        self.next += 1;
+        self.revision += 1;
     }
 
     /// Moves an obstacle; of an attached one the placement in its frame.
@@ -103,8 +158,10 @@ impl World {
     /// # Errors
     /// There is none of that name; the error lists those there are.
     pub fn remove(&mut self, name: &str) -> Result<(), WorldError> {
-        let at = self.position(name)?;
-        self.obstacles.remove(at);
+        let number = self.number(name)?;
+        self.names.remove(name, number);
+        self.obstacles.remove(number);
+        self.attached.retain(|attached| *attached != number);
         self.revision += 1;
         Ok(())
     }
@@ -147,8 +204,16 @@ impl World {
     }
 
     fn edit(&mut self, name: &str, change: impl FnOnce(&mut Obstacle)) -> Result<(), WorldError> {
-        let at = self.position(name)?;
-        change(Arc::make_mut(&mut self.obstacles[at]));
+        let number = self.number(name)?;
+        if let Some(own) = self.obstacles.get_mut(number) {
+            let own = Arc::make_mut(own);
+            change(own);
+            self.attached.retain(|attached| *attached != number);
+            if own.attached.is_some() {
+                let at = self.attached.partition_point(|attached| *attached < number);
+                self.attached.insert(at, number);
+            }
+        }
         self.revision += 1;
         Ok(())
     }

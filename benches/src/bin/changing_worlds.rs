@@ -1,0 +1,167 @@
+//! Processor time of a change of a world: of one obstacle that is moved, and of checks afterwards.
+//!
+//! `changing_worlds`: a Panda among boxes, a mesh and a cloud, of which one is moved again and again, then others each time.
+#![allow(clippy::print_stdout)]
+
+use std::error::Error;
+use std::hint::black_box;
+
+use kinopt::Arm;
+use kinopt::collision::{Checker, World};
+use kinopt::robot::Robot;
+use kinopt::spatial::{Placement, Vector3};
+use kinopt_benches::{Sequence, ThreadTime};
+
+/// Changes of each world.
+const CHANGES: usize = 400;
+/// Configurations that are checked after it.
+const CHECKED: usize = 512;
+
+/// Within 2 m along each axis, but not where the arm is mounted.
+fn place(random: &mut Sequence) -> Placement<f64> {
+    loop {
+        let mut along = || 4.0 * random.unit() - 2.0;
+        let at = Vector3::new(along(), along(), along());
+        if at.norm() > 0.4 {
+            return Placement::translation(at);
+        }
+    }
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let robot = Robot::read("models/franka_panda.urdf")?;
+    let checker = Checker::of(&robot)?;
+    for count in [100, 1_000, 10_000] {
+        let mut random = Sequence::new(0.1);
+        let mut world = World::new();
+        for index in 0..count {
+            world.add_box(&index.to_string(), [0.02; 3], place(&mut random))?;
+        }
+        measure(&format!("{count} boxes"), &robot, &checker, &world)?;
+    }
+    let mut world = World::new();
+    let (vertices, triangles) = ball(71);
+    println!("a mesh of {} triangles", triangles.len());
+    world.add_mesh("0", vertices, triangles, Vector3::new(0.6, 0.0, 0.3))?;
+    measure("a mesh", &robot, &checker, &world)?;
+    let mut random = Sequence::new(0.2);
+    let positions = (0..1_000_000)
+        .map(|_| place(&mut random).translation)
+        .collect();
+    let mut world = World::new();
+    world.add_points("0", positions, 0.001, Placement::identity())?;
+    measure("a million points", &robot, &checker, &world)
+}
+
+/// A ball of 2 n (n - 1) triangles, 0.2 m across.
+fn ball(n: u32) -> (Vec<Vector3<f64>>, Vec<[u32; 3]>) {
+    let at = |ring: u32, side: u32| {
+        let (down, around) = (
+            f64::from(ring) / f64::from(n),
+            f64::from(side) / f64::from(n),
+        );
+        let (down, around) = (std::f64::consts::PI * down, std::f64::consts::TAU * around);
+        let across = 0.1 * down.sin();
+        Vector3::new(
+            across * around.cos(),
+            across * around.sin(),
+            0.1 * down.cos(),
+        )
+    };
+    let vertices = (0..=n).flat_map(|ring| (0..n).map(move |side| at(ring, side)));
+    let corner = |ring: u32, side: u32| ring * n + side % n;
+    let mut triangles = Vec::new();
+    for ring in 0..n {
+        for side in 0..n {
+            if ring > 0 {
+                triangles.push([
+                    corner(ring, side),
+                    corner(ring + 1, side),
+                    corner(ring, side + 1),
+                ]);
+            }
+            if ring + 1 < n {
+                triangles.push([
+                    corner(ring, side + 1),
+                    corner(ring + 1, side),
+                    corner(ring + 1, side + 1),
+                ]);
+            }
+        }
+    }
+    (vertices.collect(), triangles)
+}
+
+fn measure(
+    what: &str,
+    robot: &Robot,
+    checker: &Checker,
+    world: &World,
+) -> Result<(), Box<dyn Error>> {
+    let rest = robot.model().neutral();
+    let mut world = world.clone();
+    let mut checker = checker.clone().with_world(&world)?;
+    let mut arm = Arm::new(robot, "base", "flange")?.with_checker(&checker, &rest)?;
+    let mut random = Sequence::new(0.3);
+    let at = world.obstacle("0")?.placement.translation;
+    let joints: Vec<f64> = (0..CHECKED * 7)
+        .map(|_| 3.0 * random.unit() - 1.5)
+        .collect();
+    let check = |arm: &Arm| -> Result<[f64; 2], Box<dyn Error>> {
+        let (mut times, mut clear) = ([0.0; 2], [false; 8]);
+        for time in &mut times {
+            let begun = ThreadTime::now();
+            for q in joints.chunks_exact(8 * 7) {
+                arm.clear_by_spheres(q, &mut clear)?;
+                black_box(&clear);
+            }
+            *time = begun.micros() / CHECKED as f64;
+        }
+        Ok(times)
+    };
+    let [first, again] = check(&arm)?;
+    println!("{what}: a check {again:.2} us ({first:.2} the first time)");
+    let others = [false, world.len() > 1];
+    for others in &others[..1 + usize::from(others[1])] {
+        let mut times = [Vec::new(), Vec::new(), Vec::new()];
+        for change in 0..CHANGES {
+            let name = match others {
+                true => (change * 7919 % world.len()).to_string(),
+                false => "0".to_owned(),
+            };
+            let mut place = place(&mut random);
+            if world.len() == 1 {
+                // By a centimetre or two.
+                place.translation = at + place.translation * 0.01;
+            }
+            let begun = ThreadTime::now();
+            world.move_to(&name, place)?;
+            times[0].push(begun.micros());
+            let begun = ThreadTime::now();
+            checker = checker.with_world(&world)?;
+            times[1].push(begun.micros());
+            let begun = ThreadTime::now();
+            arm = arm.with_world(&world, None)?;
+            times[2].push(begun.micros());
+        }
+        let told = times.map(|mut times| {
+            let mean = times.iter().sum::<f64>() / times.len() as f64;
+            times.sort_by(f64::total_cmp);
+            format!(
+                "{:.1} ({mean:.1}, {:.0})",
+                times[times.len() / 2],
+                times[times.len() - 1]
+            )
+        });
+        let [first, again] = check(&arm)?;
+        println!(
+            "{what}, {} moved: median (mean, most) of World::move_to {} us, Checker::with_world {} us, Arm::with_world {} us; \
+             a check {again:.2} us ({first:.2} the first time)",
+            if *others { "each" } else { "one" },
+            told[0],
+            told[1],
+            told[2]
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,199 @@
+//! Obstacles by number, in chunks that copies of a world share until one of them changes.
+
+use std::sync::Arc;
+
+use super::Obstacle;
+
+/// Obstacles of a chunk at most: a copy of a world takes a pointer for each chunk, a change after it one for each obstacle of a chunk.
+const CHUNK: usize = 128;
+
+type Chunk = Vec<(u64, Arc<Obstacle>)>;
+
+/// Obstacles in the order of their numbers.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Numbered {
+    /// None of them is empty.
+    chunks: Vec<Arc<Chunk>>,
+    len: usize,
+}
+
+/// An obstacle that is not in two worlds the same.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Change<'a> {
+    /// Obstacles stand in a world in the order of their numbers.
+    pub(crate) number: u64,
+    /// In the one world, where it is in it.
+    pub(crate) before: Option<&'a Arc<Obstacle>>,
+    /// In the other.
+    pub(crate) after: Option<&'a Arc<Obstacle>>,
+}
+
+impl Change<'_> {
+    /// Whether it is of an obstacle that moves with a frame before or after it.
+    pub(crate) fn is_of_attached(&self) -> bool {
+        let mut both = [self.before, self.after].into_iter().flatten();
+        both.any(|obstacle| obstacle.attached.is_some())
+    }
+}
+
+impl Numbered {
+    getters! {
+        pub(super) fn len(&self) -> usize = self.len;
+        pub(super) fn iter(&self) -> impl ExactSizeIterator<Item = (u64, &Arc<Obstacle>)> = Counted {
+            inner: self.chunks.iter().flat_map(|chunk| chunk.iter()).map(|(number, obstacle)| (*number, obstacle)),
+            left: self.len,
+        };
+    }
+
+    pub(super) fn get(&self, number: u64) -> Option<&Arc<Obstacle>> {
+        let (chunk, at) = self.find(number)?;
+        Some(&self.chunks[chunk][at].1)
+    }
+
+    pub(super) fn get_mut(&mut self, number: u64) -> Option<&mut Arc<Obstacle>> {
+        let (chunk, at) = self.find(number)?;
+        Some(&mut Arc::make_mut(&mut self.chunks[chunk])[at].1)
+    }
+
+    /// The chunk, and the place in it.
+    fn find(&self, number: u64) -> Option<(usize, usize)> {
+        let after = self.chunks.partition_point(|chunk| chunk[0].0 <= number);
+        let chunk = after.checked_sub(1)?;
+        let at = self.chunks[chunk].binary_search_by_key(&number, |(number, _)| *number);
+        Some((chunk, at.ok()?))
+    }
+
+    /// Adds one with a number above all others.
+    pub(super) fn push(&mut self, number: u64, obstacle: Arc<Obstacle>) {
+        self.len += 1;
+        match self.chunks.last_mut() {
+            Some(last) if last.len() < CHUNK => Arc::make_mut(last).push((number, obstacle)),
+            _ => self.chunks.push(Arc::new(vec![(number, obstacle)])),
+        }
+    }
+
+    pub(super) fn remove(&mut self, number: u64) {
+        let Some((chunk, at)) = self.find(number) else {
+            return;
+        };
+        self.len -= 1;
+        let own = Arc::make_mut(&mut self.chunks[chunk]);
+        own.remove(at);
+        let left = own.len();
+        if left == 0 {
+            self.chunks.remove(chunk);
+        } else if self
+            .chunks
+            .get(chunk + 1)
+            .is_some_and(|next| next.len() + left <= CHUNK / 2)
+        {
+            // Chunks of a few would be as many as obstacles.
+            let next = self.chunks.remove(chunk + 1);
+            Arc::make_mut(&mut self.chunks[chunk]).extend(next.iter().cloned());
+        }
+    }
+
+    /// What is not the same in another, by number; what both share is passed over.
+    pub(super) fn changes<'a>(&'a self, to: &'a Self) -> Vec<Change<'a>> {
+        let mut changes = Vec::new();
+        let (mut before, mut after) = (Cursor::new(self), Cursor::new(to));
+        loop {
+            if let (Some(one), Some(other)) = (before.at_chunk(), after.at_chunk())
+                && Arc::ptr_eq(one, other)
+            {
+                before.pass_chunk();
+                after.pass_chunk();
+                continue;
+            }
+            let (one, other) = (before.entry(), after.entry());
+            let number = match (one, other) {
+                (None, None) => return changes,
+                (Some((one, _)), Some((other, _))) => *one.min(other),
+                (Some((one, _)), None) => *one,
+                (None, Some((other, _))) => *other,
+            };
+            let own = |entry: Option<&'a (u64, Arc<Obstacle>)>| {
+                entry
+                    .filter(|(own, _)| *own == number)
+                    .map(|(_, obstacle)| obstacle)
+            };
+            let change = Change {
+                number,
+                before: own(one),
+                after: own(other),
+            };
+            if change.before.is_some() {
+                before.pass_entry();
+            }
+            if change.after.is_some() {
+                after.pass_entry();
+            }
+            match (change.before, change.after) {
+                (Some(one), Some(other)) if Arc::ptr_eq(one, other) => {}
+                _ => changes.push(change),
+            }
+        }
+    }
+}
+
+/// Where one goes through all.
+struct Cursor<'a> {
+    all: &'a Numbered,
+    chunk: usize,
+    at: usize,
+}
+
+impl<'a> Cursor<'a> {
+    fn new(all: &'a Numbered) -> Self {
+        let (chunk, at) = (0, 0);
+        Self { all, chunk, at }
+    }
+
+    /// The chunk that comes next, where none of it was passed.
+    fn at_chunk(&self) -> Option<&'a Arc<Chunk>> {
+        self.all.chunks.get(self.chunk).filter(|_| self.at == 0)
+    }
+
+    fn pass_chunk(&mut self) {
+        self.chunk += 1;
+        self.at = 0;
+    }
+
+    fn entry(&self) -> Option<&'a (u64, Arc<Obstacle>)> {
+        self.all.chunks.get(self.chunk)?.get(self.at)
+    }
+
+    fn pass_entry(&mut self) {
+        self.at += 1;
+        if self
+            .all
+            .chunks
+            .get(self.chunk)
+            .is_none_or(|chunk| self.at == chunk.len())
+        {
+            self.pass_chunk();
+        }
+    }
+}
+
+/// An iterator that knows how many are left.
+struct Counted<I> {
+    inner: I,
+    left: usize,
+}
+
+impl<I: Iterator> Iterator for Counted<I> {
+    type Item = I::Item;
+
+    fn next(&mut self) -> Option<I::Item> {
+        let next = self.inner.next()?;
+        self.left -= 1;
+        Some(next)
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        (self.left, Some(self.left))
+    }
+}
+
+impl<I: Iterator> ExactSizeIterator for Counted<I> {}

@@ -1,0 +1,228 @@
+//! Promise: whatever is moved, added, taken out, attached and left again, a checker and an arm that go along with a world answer bit for bit
+//! as those of a world that is built anew; those of the world before stay as they were.
+
+use kinopt::arm::Arm;
+use kinopt::collision::{Checker, Shape, World};
+use kinopt::spatial::{Placement, Vector3, rotation_exp};
+use support::arms::robot;
+use support::random::Random;
+use support::sample::cases;
+
+use crate::arms_keep_clear::drawn;
+
+/// Changes between two comparisons at most.
+const CHANGES: usize = 40;
+
+fn vector(random: &mut Random, size: f64) -> Vector3<f64> {
+    let drawn = random.vector(size);
+    Vector3::new(drawn.x, drawn.y, drawn.z)
+}
+
+fn somewhere(random: &mut Random) -> Placement<f64> {
+    let turn = rotation_exp(vector(random, 2.0));
+    loop {
+        let at = vector(random, 1.2);
+        // Not where the arm is mounted.
+        if at.norm() > 0.5 {
+            return Placement::new(turn, at);
+        }
+    }
+}
+
+fn shape(random: &mut Random) -> Shape {
+    let size = |random: &mut Random| random.within(0.005, 0.03);
+    match random.below(8) {
+        0 => Shape::sphere(size(random)),
+        1 => Shape::cylinder(size(random), size(random)),
+        2 => Shape::capsule(size(random), size(random)),
+        3 => {
+            let corners: Vec<_> = (0..8).map(|_| vector(random, 0.03)).collect();
+            Shape::convex(&corners)
+        }
+        4 => {
+            let points = (0..50).map(|_| vector(random, 0.03)).collect();
+            Shape::points(points, 0.005)
+        }
+        _ => Shape::cuboid([size(random), size(random), size(random)]),
+    }
+    .unwrap()
+}
+
+/// The same obstacles in the same order, sharing nothing.
+fn anew(world: &World) -> World {
+    let mut anew = World::new();
+    for own in world.obstacles() {
+        anew.add(&own.name, own.shape.clone(), own.placement)
+            .unwrap();
+        if let Some(frame) = &own.attached {
+            anew.attach(&own.name, frame, own.placement).unwrap();
+        }
+    }
+    anew
+}
+
+fn change(world: &mut World, added: &mut usize, random: &mut Random) {
+    let any = |world: &World, random: &mut Random| {
+        let at = random.below(world.len().max(1));
+        world.obstacles().nth(at).map(|own| own.name.clone())
+    };
+    let Some(name) = any(world, random) else {
+        return;
+    };
+    let attached = world.obstacle(&name).unwrap().attached.is_some();
+    match random.below(10) {
+        0 | 1 => {
+            *added += 1;
+            let (shape, place) = (shape(random), somewhere(random));
+            world.add(&format!("added {added}"), shape, place).unwrap();
+        }
+        2 | 3 => world.remove(&name).unwrap(),
+        4 if random.below(4) == 0 && !attached => {
+            world
+                .attach(&name, "hand", Vector3::new(0.0, 0.0, 0.15))
+                .unwrap();
+        }
+        _ if attached => world.detach(&name, somewhere(random)).unwrap(),
+        _ => world.move_to(&name, somewhere(random)).unwrap(),
+    }
+}
+
+/// What a checker and an arm say of configurations, to the last bit.
+fn told(checker: &Checker, arm: &Arm, random: &mut Random) -> String {
+    let mut told = String::new();
+    let mut workspace = checker.workspace();
+    let mut from = vec![0.0; checker.model().model().configuration_len()];
+    let mut several = Vec::new();
+    for index in 0..8 {
+        let q = drawn(arm, random);
+        several.extend_from_slice(&q);
+        let mut to = from.clone();
+        to[..q.len()].copy_from_slice(&q);
+        let collisions = checker.collisions(&to).unwrap();
+        let nearest = checker.nearest(&mut workspace, &to, 0.3).unwrap();
+        let way = checker.way(&mut workspace, &from, &to).unwrap();
+        told += &format!("{collisions:?} {nearest:?} {way:?}\n");
+        from = to;
+        if index % 4 == 0 {
+            let target = arm.base_from_tool(&q).unwrap();
+            let solution = arm.solve(target, &drawn(arm, random)).unwrap();
+            let touched = solution.collisions();
+            told += &format!("{:?} {:?} {touched:?}\n", solution.q, solution.reached);
+        }
+    }
+    let mut clear = [false; 8];
+    arm.clear_by_spheres(&several, &mut clear).unwrap();
+    told + &format!("{clear:?}")
+}
+
+/// `count` obstacles at first, and `rounds` of changes.
+fn go_along(count: usize, rounds: usize, seed: u64) {
+    let robot = robot("franka_panda");
+    let plain = Checker::of(&robot).unwrap().with_margin(0.005).unwrap();
+    let rest = robot.model().neutral();
+    let mut random = Random::new(seed);
+    let mut world = World::new();
+    world
+        .add_plane("floor", Vector3::new(0.0, 0.0, -0.5))
+        .unwrap();
+    for index in 0..count {
+        let (shape, place) = (shape(&mut random), somewhere(&mut random));
+        world
+            .add(&format!("obstacle {index}"), shape, place)
+            .unwrap();
+    }
+    let mut checker = plain.clone().with_world(&world).unwrap();
+    let arm = Arm::new(&robot, "base", "flange").unwrap();
+    let mut arm = arm.with_checker(&checker, &rest).unwrap();
+    let (mut added, mut branch) = (0, world.clone());
+    for round in 0..rounds {
+        let mut fork = Random::new(1000 + round as u64);
+        let asked = || Random::new(round as u64);
+        let before = told(&checker, &arm, &mut asked());
+        let known = (checker.clone(), arm.clone());
+        for _ in 0..1 + random.below(CHANGES) {
+            change(&mut world, &mut added, &mut random);
+            if random.below(3) == 0 {
+                checker = checker.with_world(&world).unwrap();
+                arm = arm.with_world(&world, None).unwrap();
+            }
+        }
+        checker = checker.with_world(&world).unwrap();
+        arm = arm.with_world(&world, None).unwrap();
+        let fresh = plain.clone().with_world(&anew(&world)).unwrap();
+        let fresh_arm = known.1.clone().with_checker(&fresh, &rest).unwrap();
+        let expected = told(&fresh, &fresh_arm, &mut asked());
+        assert!(
+            told(&checker, &arm, &mut asked()) == expected,
+            "round {round}"
+        );
+        assert!(
+            told(&known.0, &known.1, &mut asked()) == before,
+            "round {round}"
+        );
+        // Another copy of what there was some rounds ago, with the same new names for other things.
+        let mut of_fork = added;
+        for _ in 0..3 {
+            change(&mut branch, &mut of_fork, &mut fork);
+        }
+        let there = checker.clone().with_world(&branch).unwrap();
+        let arm_there = arm.with_world(&branch, None).unwrap();
+        let fresh = plain.clone().with_world(&anew(&branch)).unwrap();
+        let fresh_arm = known.1.with_checker(&fresh, &rest).unwrap();
+        let expected = told(&fresh, &fresh_arm, &mut asked());
+        assert!(
+            told(&there, &arm_there, &mut asked()) == expected,
+            "round {round}"
+        );
+        if random.below(3) == 0 {
+            branch = world.clone();
+        }
+    }
+}
+
+#[test]
+fn few_obstacles() {
+    go_along(20, cases(12, 3), 1);
+}
+
+#[test]
+fn as_many_as_are_just_listed() {
+    go_along(511, cases(12, 3), 2);
+}
+
+#[test]
+fn many_obstacles() {
+    go_along(1000, cases(8, 2), 3);
+}
+
+#[test]
+fn names_are_found_in_any_order() {
+    let mut random = Random::new(4);
+    let mut world = World::new();
+    let mut names: Vec<String> = Vec::new();
+    for step in 0..3000 {
+        let name = format!("ball {step}");
+        world.add_sphere(&name, 0.1, Vector3::zero()).unwrap();
+        assert!(world.add_sphere(&name, 0.1, Vector3::zero()).is_err());
+        names.push(name);
+        if random.below(5) < 2 {
+            let gone = names.remove(random.below(names.len()));
+            let before = world.clone();
+            world.remove(&gone).unwrap();
+            assert!(world.obstacle(&gone).is_err() && world.remove(&gone).is_err());
+            assert!(before.obstacle(&gone).is_ok());
+        }
+    }
+    assert_eq!(world.len(), names.len());
+    assert_eq!(world.obstacles().len(), names.len());
+    assert!(world.obstacles().map(|own| &own.name).eq(&names));
+    assert!(
+        names
+            .iter()
+            .all(|name| world.obstacle(name).unwrap().name == *name)
+    );
+    while let Some(name) = names.pop() {
+        world.remove(&name).unwrap();
+    }
+    assert!(world.is_empty() && world.obstacles().next().is_none());
+}
