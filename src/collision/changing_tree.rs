@@ -92,8 +92,12 @@ impl<T> ChangingTree<T> {
         pub(crate) fn old_bounds(&self) -> BoundingBox = self.old.tree.bounds();
         /// Whether the large tree is another's too.
         pub(crate) fn shares_old(&self, other: &Self) -> bool = Arc::ptr_eq(&self.old, &other.old);
-        /// The boxes of what is no more.
-        pub(crate) fn gone_bounds(&self) -> impl Iterator<Item = &BoundingBox> = self.gone.iter().map(|&place| &self.old.bounds[place as usize]);
+    }
+
+    /// The boxes of what is no more.
+    pub(crate) fn gone_bounds(&self) -> impl Iterator<Item = &BoundingBox> {
+        let gone = self.gone.iter();
+        gone.map(|&place| &self.old.bounds[place as usize])
     }
 
     /// The stock that a place is in, and where in that.

@@ -83,8 +83,12 @@ impl World {
         pub fn obstacles(&self) -> impl ExactSizeIterator<Item = &Obstacle> = self.obstacles.iter().map(|(_, o)| &**o);
         /// All with their numbers, by which they are in order.
         pub(crate) fn numbered(&self) -> impl ExactSizeIterator<Item = (u64, &Arc<Obstacle>)> = self.obstacles.iter();
-        /// Those that are attached to frames, in order.
-        pub(crate) fn attached(&self) -> impl Iterator<Item = &Obstacle> = self.attached.iter().filter_map(|number| Some(&**self.obstacles.get(*number)?));
+    }
+
+    /// Those that are attached to frames, in order.
+    pub(crate) fn attached(&self) -> impl Iterator<Item = &Obstacle> {
+        let attached = self.attached.iter();
+        attached.filter_map(|number| Some(&**self.obstacles.get(*number)?))
     }
 
     /// Looks an obstacle up.

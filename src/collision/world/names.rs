@@ -6,11 +6,14 @@ use std::sync::Arc;
 /// Shards: a change of a copy copies one of them.
 const SHARDS: usize = 64;
 
+/// Hashes and numbers, sorted.
+type Shard = Vec<(u64, u64)>;
+
 /// Hashes of names and the numbers under them, sorted, in shards that copies share until one of them changes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Names {
     /// By the remainder of the hash; none while there is no name.
-    shards: Arc<Vec<Arc<Vec<(u64, u64)>>>>,
+    shards: Arc<Vec<Arc<Shard>>>,
 }
 
 impl Names {
