@@ -208,7 +208,7 @@ pub(crate) struct Arguments {
     /// A bone, or a robot's link, that stays where it is, or `none`.
     ///
     /// Default: the tips that a rig's file pins; in a scene the trunk, which does not turn, and the ends
-    /// of the other limbs; of a robot nothing. Its tip stays, and a link as it is turned; a bone that carries what has a target does not turn, nor do those above it.
+    /// of the other limbs; of a robot nothing. Its tip stays, and as it is turned a link and what of a figure on a free base this names; a bone that carries what has a target does not turn, nor do those above it.
     /// On a free base what is held counts ten times as much as targets do on one level (--one-level), unless --weight says otherwise, and the body
     /// keeps upright and near its start where the targets leave room.
     /// Repeat it for several.

@@ -183,7 +183,7 @@ impl<'a> GeneralBackend<'a> {
             builder.add(task.named(format!("ray {}", ray.frame)));
         }
         let (world, anywhere) = (Base::Still(Placement::identity()), Placement::identity());
-        let turns = self.loaded.rig.is_none();
+        let turns = self.held.turns(self.loaded);
         let held = self.held.tips.iter().map(|(name, frame)| {
             let weight = self.held.weight(self.loaded, &self.weights, *frame);
             let named = (format!("hold {name}"), weight, level());

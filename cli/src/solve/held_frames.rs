@@ -23,6 +23,8 @@ pub(super) struct Held {
     holds: Holds,
     /// Whether a figure keeps to the posture that it starts in.
     keeps_posture: bool,
+    /// Whether it was said what is held.
+    by_name: bool,
     /// Tips that stay where they are, by their bones' names, and links of a robot, turned as they are.
     pub(super) tips: Vec<(String, FrameId)>,
 }
@@ -66,6 +68,7 @@ impl Held {
             }
             [] => tips.extend_from_slice(&rig.constrained),
             _ => {
+                held.by_name = true;
                 for name in named {
                     let frame = loaded.frame(name, BareName::Tip)?;
                     refuse_dragged(name, frame, &dragged)?;
@@ -100,6 +103,11 @@ impl Held {
     /// Whether a body on a free base stands on what is held, its feet.
     pub(super) fn stands(&self, loaded: &LoadedModel) -> bool {
         !loaded.model.free_joints().is_empty() && !self.tips.is_empty()
+    }
+
+    /// Whether what is held stays as it is turned, too: links of a robot, and of a figure on a free base what is held by name, its feet.
+    pub(super) fn turns(&self, loaded: &LoadedModel) -> bool {
+        loaded.rig.is_none() || (self.by_name && self.stands(loaded))
     }
 
     /// Whether some bones stay as the start has them.

@@ -63,6 +63,39 @@ fn what_is_found_is_written_as_it_was_found() {
     assert!(std::fs::read_to_string(mesh).unwrap().contains("\nf "));
 }
 
+/// Feet keep to the ground, heels and all, and knees bend as the cones that ship let them.
+#[test]
+fn a_figure_crouches_on_flat_feet() {
+    let folder = Folder::new("ball-crouch");
+    let figure =
+        format!("{HUMANOID} --joints ball --base-joint free --cones ../models/humanoid/cones.json");
+    let soles: Vec<String> = (["left_foot", "right_foot"].iter())
+        .map(|foot| format!("--hold {foot} --balance {foot} --balance {foot}=-0.2,0,0"))
+        .collect();
+    let soles = soles.join(" ");
+    let solved = answer!("solve {figure} {soles} --start bent --target left_hand=0.35,0.35,0.3");
+    assert_eq!(solved["reached"], true);
+    let (rest, saved) = (answer!("fk {figure}"), folder.text("q.json", &solved));
+    let posed = answer!("fk {figure} --q-file {saved}");
+    for foot in ["left_foot", "right_foot"] {
+        for part in ["tail", "tip", "quaternion"] {
+            let [before, after] = [&rest, &posed].map(|all| numbers(&all["frames"][foot][part]));
+            assert!(
+                close(&before, &after),
+                "{foot} {part}: {before:?} {after:?}"
+            );
+        }
+    }
+    let joints = list(&solved["joints"]);
+    let at = joints
+        .iter()
+        .position(|joint| joint == "left_shin")
+        .unwrap();
+    let shin = &numbers(&solved["q"])[at..at + 4];
+    let bend = 2.0 * shin[3].atan2(shin[0]);
+    assert!(bend > 1.0 && bend < 135f64.to_radians() + 1e-6, "{bend}");
+}
+
 #[test]
 fn no_answer_leaves_its_cone() {
     let folder = Folder::new("ball-cones");
