@@ -31,6 +31,15 @@ fn points_and_lists() {
 }
 
 #[test]
+fn curves() {
+    let steps = CartesianPath::spline(vec![point(0.4), point(0.41)], None, 0);
+    assert!(steps.unwrap_err().to_string().contains("steps"));
+    // Each number is finite, the way between them is not.
+    let far = CartesianPath::spline(vec![point(1.7e308), point(-1.7e308)], None, 2);
+    assert!(matches!(far, Err(PathError::Curve(_))), "{far:?}");
+}
+
+#[test]
 fn options() {
     let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
     let path = CartesianPath::new(vec![point(0.4), point(0.41)]).unwrap();

@@ -255,6 +255,19 @@ impl<V: CurveValue> KeyedCurve<V> {
         }
     }
 
+    /// The segments of a curve of cubics, each with the times of its ends; none of other curves.
+    pub(crate) fn cubics(&self) -> impl Iterator<Item = (Hermite<V>, [V::Real; 2])> {
+        let rates = match &self.between {
+            Between::Cubic(rates) => rates.as_slice(),
+            _ => &[],
+        };
+        let keys = 0..rates.len().saturating_sub(1);
+        keys.map(|key| {
+            let times = [self.times[key], self.times[key + 1]];
+            (self.segment(key, rates, self.values[key + 1]), times)
+        })
+    }
+
     fn segment(&self, key: usize, rates: &[[V; 2]], end: V) -> Hermite<V> {
         let length = self.times[key + 1] - self.times[key];
         Hermite {

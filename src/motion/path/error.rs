@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use crate::animation::curve::KeyError;
 use crate::arm::QueryError;
 use crate::bad_option::BadOption;
 use crate::spatial::RigidDefect;
@@ -43,6 +44,9 @@ pub enum PathError {
         /// The time before it, seconds.
         before: f64,
     },
+    /// Keys that no curve of finite numbers goes through.
+    #[error(transparent)]
+    Curve(#[from] KeyError),
     /// A tool that there is not.
     #[error("point {index} is for tool {tool}, and there are {tools} tools, counted from 0")]
     Tool {

@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use super::{CartesianPath, PathError};
-use crate::animation::curve::Hermite;
+use crate::animation::curve::{Hermite, KeyedCurve};
 use crate::bad_option::{AT_LEAST_ONE, BadOption};
 use crate::spatial::{Placement, Quaternion, rotation_exp};
 
@@ -16,7 +16,8 @@ impl CartesianPath {
     /// even where none are given; given ones become the points' times.
     ///
     /// # Errors
-    /// As [`new`](Self::new) and [`with_times`](Self::with_times), of the keys; no steps.
+    /// As [`new`](Self::new) and [`with_times`](Self::with_times), of the keys; no steps; keys so far apart that the ways between
+    /// them are not finite.
     pub fn spline(
         keys: impl Into<Vec<Placement<f64>>>,
         key_times: Option<&[f64]>,
@@ -28,15 +29,12 @@ impl CartesianPath {
         }
         BadOption::check("steps", steps as f64, AT_LEAST_ONE)?;
         let keys = &keyed.points;
-        let time = |k: usize| match key_times {
-            Some(times) => times[k],
-            None => k as f64,
+        let times = match key_times {
+            Some(times) => times.to_vec(),
+            None => (0..keys.len()).map(|k| k as f64).collect(),
         };
-        let tangent = |k: usize| {
-            let (before, after) = (k.saturating_sub(1), (k + 1).min(keys.len() - 1));
-            let way = keys[after].translation - keys[before].translation;
-            way * (time(after) - time(before)).recip()
-        };
+        let places = keys.iter().map(|key| key.translation.into());
+        let curve = KeyedCurve::<DVec3>::catmull_rom(times, places.collect())?;
         let mut path = Self {
             points: vec![keys[0]],
             times: key_times
@@ -46,15 +44,8 @@ impl CartesianPath {
             bulges: vec![0.0],
             traversal: keyed.traversal,
         };
-        for k in 1..keys.len() {
-            let (from, to) = (&keys[k - 1], &keys[k]);
-            let length = time(k) - time(k - 1);
-            let segment: Hermite<DVec3> = Hermite {
-                start: from.translation.into(),
-                leaving: (tangent(k - 1) * length).into(),
-                end: to.translation.into(),
-                arriving: (tangent(k) * length).into(),
-            };
+        for (ends, (segment, times)) in keys.windows(2).zip(curve.cubics()) {
+            let [from, to] = [ends[0], ends[1]];
             let turn = Quaternion::from_matrix(&(from.rotation.transpose() * to.rotation)).log();
             for step in 1..=steps {
                 let share = step as f64 / steps as f64;
@@ -63,13 +54,13 @@ impl CartesianPath {
                     segment.position(share).into(),
                 );
                 path.points.push(match step == steps {
-                    true => *to,
+                    true => to,
                     false => point.made_rigid(),
                 });
                 let before = (step - 1) as f64 / steps as f64;
                 path.bulges.push(bulge(&segment, before, share));
                 if key_times.is_some() {
-                    path.times.push(time(k - 1) + share * length);
+                    path.times.push(times[0] + share * (times[1] - times[0]));
                 }
             }
         }
