@@ -12,6 +12,7 @@ mod convex_pieces;
 mod figures_of_capsules;
 mod free_paths_are_followed;
 mod free_tracks_are_as_plain;
+mod held_objects;
 mod hostile;
 mod hulls_of_many_corners;
 mod identities;

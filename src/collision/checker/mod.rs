@@ -33,7 +33,8 @@ use parts::{Pair, Scene};
 ///
 /// Its parts are the links that have shapes and the obstacles that are attached to frames. Every part is kept from every
 /// obstacle that stands in the world, and from the parts that its [model](CollisionModel::pairs) keeps it apart from; an
-/// attached obstacle from all parts but those on its own body and on adjacent ones, which may hold it.
+/// attached obstacle from all parts but those that may hold it: on its own body, on those that it carries (a hand's
+/// fingers), and on the one that carries it beside others (a finger's hand).
 /// It never changes; changed copies share what stays.
 ///
 /// ```

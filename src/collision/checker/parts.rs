@@ -8,7 +8,7 @@ use super::placed_shapes::{PartShape, PlacedShapes, part_to_part};
 use super::scene_placements::SceneRoom;
 use super::sphere_cover::{Cover, PlacedCover};
 use crate::collision::changing_tree::ChangingTree;
-use crate::collision::model::pairs_apart;
+use crate::collision::model::Bodies;
 use crate::collision::world::Change;
 use crate::collision::{
     BoundingBox, CollisionModel, Obstacle, Separation, Shape, SphereModel, World, separation_within,
@@ -331,14 +331,14 @@ fn pairs(model: &CollisionModel, parts: &[Part], own: usize) -> Vec<[usize; 2]> 
         .filter_map(|[a, b]| Some([place(*a)?, place(*b)?]))
         .collect();
     let frames: Vec<FrameId> = parts.iter().map(|part| part.frame).collect();
-    let apart = pairs_apart(model.model(), &frames);
+    let bodies = Bodies::new(model.model(), &frames);
     for attached in own..parts.len() {
-        for other in 0..attached {
-            let frames = [parts[other].frame, parts[attached].frame];
-            if apart.contains(&frames) || apart.contains(&[frames[1], frames[0]]) {
-                pairs.push([other, attached]);
-            }
-        }
+        // Where a body carries the holding one and no other, as a forearm its hand, it does not hold.
+        let kept = (0..attached).filter(|&other| {
+            bodies.are_apart(other, attached)
+                || other < own && bodies.is_above_alone(other, attached)
+        });
+        pairs.extend(kept.map(|other| [other, attached]));
     }
     pairs
 }

@@ -18,27 +18,51 @@ fn moving(model: &Model, mut joint: Option<JointId>) -> Option<JointId> {
     None
 }
 
-/// All pairs of links but those of one body and of adjacent ones: no body with shapes is between those.
-pub(crate) fn pairs_apart(model: &Model, links: &[FrameId]) -> Vec<[FrameId; 2]> {
-    let carriers: Vec<Option<JointId>> = links.iter().map(|l| carrier(model, *l)).collect();
-    // The next body towards the root that has shapes; `None` where there is none.
-    let next = |body: Option<JointId>| {
-        let mut body = moving(model, model.joints()[body?.index()].parent);
-        while !carriers.contains(&body) {
-            body = moving(model, model.joints()[body?.index()].parent);
-        }
-        Some(body)
-    };
-    let above: Vec<Option<Option<JointId>>> = carriers.iter().map(|body| next(*body)).collect();
-    let mut pairs = Vec::new();
-    for a in 0..links.len() {
-        for b in a + 1..links.len() {
-            let one_body = carriers[a] == carriers[b];
-            let adjacent = above[a] == Some(carriers[b]) || above[b] == Some(carriers[a]);
-            if !one_body && !adjacent {
-                pairs.push([links[a], links[b]]);
+/// Of links with shapes, by place: which body each is of, and which body comes next towards the root.
+pub(crate) struct Bodies {
+    carriers: Vec<Option<JointId>>,
+    /// `None` where there is none.
+    above: Vec<Option<Option<JointId>>>,
+}
+
+impl Bodies {
+    pub(crate) fn new(model: &Model, links: &[FrameId]) -> Self {
+        let carriers: Vec<Option<JointId>> = links.iter().map(|l| carrier(model, *l)).collect();
+        // Only bodies that have shapes.
+        let next = |body: Option<JointId>| {
+            let mut body = moving(model, model.joints()[body?.index()].parent);
+            while !carriers.contains(&body) {
+                body = moving(model, model.joints()[body?.index()].parent);
             }
+            Some(body)
+        };
+        Self {
+            above: carriers.iter().map(|body| next(*body)).collect(),
+            carriers,
         }
     }
-    pairs
+
+    /// Whether two links are of two bodies that are not adjacent: a body with shapes is between those.
+    pub(crate) fn are_apart(&self, a: usize, b: usize) -> bool {
+        self.carriers[a] != self.carriers[b] && !self.is_above(a, b) && !self.is_above(b, a)
+    }
+
+    /// Whether the body of `a` is next above that of `b` and above no other, as a forearm is above its hand: a hand is
+    /// above several fingers.
+    pub(crate) fn is_above_alone(&self, a: usize, b: usize) -> bool {
+        let mut below = (0..self.carriers.len()).filter(|k| self.is_above(a, *k));
+        self.is_above(a, b) && below.all(|k| self.carriers[k] == self.carriers[b])
+    }
+
+    fn is_above(&self, a: usize, b: usize) -> bool {
+        self.above[b] == Some(self.carriers[a])
+    }
+}
+
+/// All pairs of links but those of one body and of adjacent ones.
+pub(crate) fn pairs_apart(model: &Model, links: &[FrameId]) -> Vec<[FrameId; 2]> {
+    let bodies = Bodies::new(model, links);
+    let pairs = (0..links.len()).flat_map(|a| (a + 1..links.len()).map(move |b| [a, b]));
+    let apart = pairs.filter(|[a, b]| bodies.are_apart(*a, *b));
+    apart.map(|pair| pair.map(|at| links[at])).collect()
 }

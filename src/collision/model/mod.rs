@@ -13,7 +13,7 @@ mod sampling;
 mod serialised;
 mod srdf;
 
-pub(crate) use bodies::pairs_apart;
+pub(crate) use bodies::{Bodies, pairs_apart};
 pub use error::CollisionModelError;
 pub use from_robot::CollisionModelBuilder;
 pub use meshes::MeshUse;
