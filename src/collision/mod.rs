@@ -35,6 +35,7 @@ pub(crate) mod world;
 pub use crate::problem::{BodyKind, Collision};
 pub use bounding_box::BoundingBox;
 pub use checker::{Checker, CheckerError, CheckerWorkspace, Clearance, Way, WayChecker};
+pub(crate) use distance::ROUNDING;
 pub use distance::{Separation, separation, separation_within};
 pub use mesh_file::MeshFile;
 pub use model::{

@@ -27,6 +27,7 @@ mod thin_walls;
 mod time_limits;
 mod tops;
 mod ways_that_slide;
+mod what_exactly_meets;
 mod what_no_joint_moves;
 mod world_files;
 mod worlds;

@@ -27,7 +27,7 @@ const SLACK: f64 = 1e-9;
 #[derive(Debug)]
 pub(super) struct KeepClear {
     checker: Checker,
-    /// The same with a wider margin, where steps are to stop.
+    /// The same farther off, where steps are to stop.
     cautious: Checker,
     /// A configuration of the whole model: what is not the arm's keeps still there.
     rest: Vec<f64>,
@@ -201,9 +201,7 @@ impl KeepClear {
         let moves = |pair: &&[usize; 2]| joints_to(pair[0]) != joints_to(pair[1]);
         Ok(Self {
             close_pairs: (checker.close_pairs().iter().filter(moves).copied()).collect(),
-            cautious: checker
-                .clone()
-                .with_margin(path_steps::cautious(checker.margin()))?,
+            cautious: checker.clone().with_stand_off(path_steps::STAND_OFF),
             checker: checker.clone(),
             rest,
             never_free,

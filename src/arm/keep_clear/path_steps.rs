@@ -12,7 +12,7 @@ use crate::solver::Termination;
 use crate::spatial::Placement;
 
 /// A step that is cut short stops so far before the margin, metres, so that the next one can leave.
-const STAND_OFF: f64 = 1e-4;
+pub(super) const STAND_OFF: f64 = 1e-4;
 /// How far freedom is spent to go round something in one step, radians.
 const DODGES: [f64; 3] = [0.04, 0.12, -0.04];
 
@@ -133,9 +133,4 @@ impl ClearRoom {
         arm.configuration(from, &mut self.q_from)?;
         arm.configuration(to, &mut self.q_model)
     }
-}
-
-/// A margin that keeps so far off that what stops there can leave.
-pub(super) fn cautious(margin: f64) -> f64 {
-    margin + STAND_OFF
 }

@@ -35,7 +35,7 @@ impl Checker {
             let apart = self
                 .scene
                 .apart_by_shapes(*pair, placements, self.margin, room);
-            apart.is_none_or(|separation| separation.distance >= self.margin)
+            apart.is_none_or(|separation| separation.distance >= self.least())
         }))
     }
 

@@ -3,7 +3,7 @@
 use super::parts::Pair;
 use super::scene_placements::SceneRoom;
 use super::{Checker, CheckerWorkspace};
-use crate::collision::Separation;
+use crate::collision::{ROUNDING, Separation};
 use crate::kinematics::KinematicsError;
 use crate::search::Collision;
 use crate::spatial::{Placement, Vector3};
@@ -101,6 +101,11 @@ impl Checker {
         way
     }
 
+    /// How far apart all is to stay that moves against each other, metres.
+    pub(super) fn margin_on_ways(&self) -> f64 {
+        self.margin + self.stand_off
+    }
+
     /// All that is kept apart, and how far it can come together on a way.
     fn watch(
         &self,
@@ -140,8 +145,12 @@ impl Checker {
             if one.free > here {
                 continue;
             }
+            let margin = match one.motion == 0.0 {
+                true => self.margin,
+                false => self.margin_on_ways(),
+            };
             // What is farther apart stays so to the end.
-            let within = self.margin + RESOLUTION + one.motion * (1.0 - here);
+            let within = margin + RESOLUTION + one.motion * (1.0 - here);
             let nearest = match one.what {
                 What::Part(part) => {
                     self.scene.find_standing(part, placements, within, room);
@@ -169,7 +178,12 @@ impl Checker {
                 one.free = 1.0;
                 continue;
             };
-            let room = distance - self.margin;
+            let room = distance - margin;
+            // What stands stays as far apart as it is: by rounding, where both exactly meet.
+            if one.motion == 0.0 && room >= -ROUNDING {
+                one.free = 1.0;
+                continue;
+            }
             // What reaches without end may be anywhere once it turns.
             if !room.is_finite() || !one.motion.is_finite() || room < RESOLUTION {
                 if blocked.is_none_or(|(_, known)| distance < known) {
@@ -195,7 +209,7 @@ impl Checker {
         Slow {
             pair,
             normal: found.normal,
-            room: gap.map_or(0.0, |gap| gap.min(found.distance) - self.margin),
+            room: gap.map_or(0.0, |gap| gap.min(found.distance) - self.margin_on_ways()),
         }
     }
 

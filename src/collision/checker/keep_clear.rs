@@ -15,7 +15,7 @@ const STAND_OFF: f64 = 1e-4;
 #[derive(Clone, Debug)]
 pub struct WayChecker {
     checker: Checker,
-    /// The same with a wider margin, where ways are cut.
+    /// The same farther off, where ways are cut.
     cautious: Checker,
     workspace: CheckerWorkspace,
 }
@@ -34,12 +34,10 @@ impl KeepClear for Checker {
     }
 
     fn check(&self) -> WayChecker {
-        let mut cautious = self.clone();
-        cautious.margin += STAND_OFF;
         WayChecker {
             workspace: self.workspace(),
             checker: self.clone(),
-            cautious,
+            cautious: self.clone().with_stand_off(STAND_OFF),
         }
     }
 }

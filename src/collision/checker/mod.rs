@@ -24,7 +24,7 @@ pub use keep_clear::WayChecker;
 pub use workspace::CheckerWorkspace;
 
 use super::world::Change;
-use super::{CollisionModel, SphereModel, World};
+use super::{CollisionModel, ROUNDING, SphereModel, World};
 use crate::kinematics::KinematicsError;
 use crate::search::Collision;
 use parts::{Pair, Scene};
@@ -34,7 +34,8 @@ use parts::{Pair, Scene};
 /// Its parts are the links that have shapes and the obstacles that are attached to frames. Every part is kept from every
 /// obstacle that stands in the world, and from the parts that its [model](CollisionModel::pairs) keeps it apart from; an
 /// attached obstacle from all parts but those that may hold it: on its own body, on those that it carries (a hand's
-/// fingers), and on the one that carries it beside others (a finger's hand).
+/// fingers), and on the one that carries it beside others (a finger's hand). What is nearer by no more than a nanometre is
+/// as far as it should be: shapes that exactly meet are so apart, and rounding decides nothing.
 /// It never changes; changed copies share what stays.
 ///
 /// ```
@@ -57,6 +58,8 @@ pub struct Checker {
     spheres: Option<Arc<SphereModel>>,
     world: World,
     margin: f64,
+    /// How much farther than the margin what moves keeps off on ways, metres.
+    stand_off: f64,
     scene: Arc<Scene>,
     /// Links whose spheres nearly always meet, by their places in the model.
     close_pairs: Arc<[[usize; 2]]>,
@@ -75,6 +78,7 @@ impl Checker {
             spheres,
             world,
             margin: 0.0,
+            stand_off: 0.0,
             close_pairs: Arc::default(),
         }
     }
@@ -154,7 +158,7 @@ impl Checker {
         let mut found = Vec::new();
         self.scene
             .visit(placements, self.margin, room, |pair, separation| {
-                if separation.distance < self.margin {
+                if separation.distance < self.least() {
                     found.push(self.collision(pair, separation.distance));
                 }
                 true
@@ -176,7 +180,7 @@ impl Checker {
         let mut free = true;
         self.scene
             .visit(placements, self.margin, room, |_, separation| {
-                free &= separation.distance >= self.margin;
+                free &= separation.distance >= self.least();
                 free
             });
         Ok(free)
@@ -211,6 +215,17 @@ impl Checker {
         Arc::ptr_eq(&self.model, &other.model)
             && spheres[0] == spheres[1]
             && Arc::ptr_eq(&self.close_pairs, &other.close_pairs)
+    }
+
+    /// The same, but what moves on a way keeps off by so many metres more than the margin, so that what stops there can leave.
+    pub(crate) fn with_stand_off(mut self, metres: f64) -> Self {
+        self.stand_off = metres;
+        self
+    }
+
+    /// What is at least so far apart keeps the margin, metres.
+    fn least(&self) -> f64 {
+        self.margin - ROUNDING
     }
 
     fn collision(&self, pair: Pair, distance: f64) -> Collision {

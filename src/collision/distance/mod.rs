@@ -19,6 +19,9 @@ use many::Parts;
 pub(crate) use self::core_and_radius::{Core, Pair};
 pub(crate) use convex::gap as convex_gap;
 
+/// Solids of a robot's size that are made to meet exactly are told apart or deep by far less than that, metres.
+pub(crate) const ROUNDING: f64 = 1e-9;
+
 /// How far two shapes are apart, in world coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]

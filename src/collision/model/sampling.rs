@@ -2,7 +2,7 @@
 
 use super::CollisionModel;
 use crate::collision::sphere_model::enclosing;
-use crate::collision::{Ball, separation};
+use crate::collision::{Ball, ROUNDING, separation};
 use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::{FrameId, ModelError};
 use crate::spatial::Placement;
@@ -98,7 +98,7 @@ impl CollisionModel {
             self.objects_of(b).any(|second| {
                 let world_from_second = *world_from_b * second.link_from_shape;
                 let (a, b) = (&first.shape, &second.shape);
-                separation(a, &world_from_first, b, &world_from_second).distance <= 0.0
+                separation(a, &world_from_first, b, &world_from_second).distance <= ROUNDING
             })
         })
     }
