@@ -29,7 +29,7 @@ Examples:
 ///
 /// By the exact distances of its collision shapes. Told are all pairs that are nearer to each other than --margin,
 /// the deepest first; and where there are none, the nearest. Which links are kept apart: all but those joined to each
-/// other, those that --srdf disables, and those that never or nearly always touch in random configurations. Ends with
+/// other, those that --srdf disables, and those that cannot touch or nearly always do in random configurations. Ends with
 /// code 1 where something is too near. Joints that are beyond their limits are told too.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]

@@ -27,8 +27,8 @@ pub(crate) struct CollisionOptions {
     #[arg(long, value_name = "FILE", help_heading = COLLISIONS)]
     srdf: Option<PathBuf>,
 
-    /// Let links touch that do so in none or nearly all of so many random configurations. Default:
-    /// 10000, and 0 with --srdf.
+    /// Let links touch that do so in nearly all of so many random configurations, or in none and are brought to
+    /// touch by no descent from the nearest of them. Default: 10000, and 0 with --srdf.
     #[arg(long, value_name = "N", help_heading = COLLISIONS)]
     samples: Option<u64>,
 }
@@ -68,7 +68,7 @@ impl SphereOption {
         self.sphere_model.is_some()
     }
 
-    /// What keeps a robot's shapes apart, but for pairs that random configurations never or always have touching.
+    /// What keeps a robot's shapes apart, but for pairs that cannot touch or always do.
     pub(crate) fn checker(&self, model: CollisionModel) -> Outcome<Checker> {
         let Some(file) = &self.sphere_model else {
             return Ok(Checker::sampled(model));

@@ -31,7 +31,7 @@ const SHARE: f64 = 0.02;
 ///
 /// Every point of every shape lies in a sphere of its link, and no sphere sticks out of the shapes further than
 /// is said. Links whose shapes are spheres keep them. Which links are checked against each other is told: all but
-/// those joined to each other, those that --srdf disables, and those that never or nearly always touch in random
+/// those joined to each other, those that --srdf disables, and those that cannot touch or nearly always do in random
 /// configurations.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]

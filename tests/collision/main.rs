@@ -19,6 +19,7 @@ mod identities;
 mod mesh_files;
 mod narrow_gaps;
 mod paths_keep_clear;
+mod sampled_pairs;
 mod shapes;
 mod sphere_covers;
 mod sphere_files;

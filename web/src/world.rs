@@ -157,7 +157,7 @@ pub struct CollisionModel {
 
 #[wasm_bindgen]
 impl CollisionModel {
-    /// Of a robot's collision shapes; pairs that always or never touch are found by drawing configurations.
+    /// Of a robot's collision shapes; pairs that always touch or cannot are found by drawing configurations, and left out.
     #[wasm_bindgen(js_name = ofRobot)]
     pub fn of_robot(robot: &Robot) -> Result<Self, JsError> {
         let checker = Checker::of(&robot.inner).map_err(raise)?;

@@ -24,7 +24,7 @@ pub(crate) struct ObstacleArguments {
     /// (.yaml). Default: nothing is in the way. An answer is reached only if it touches nothing, by the exact distances of the
     /// robot's collision shapes; the pairs that touch are told otherwise. Of a path nothing touches between its points
     /// either, and a body that goes on from where it stands slides along what is in its way. A figure has capsules along its bones, as
-    /// thick as its skin. Pairs of links are those that a thousand random configurations neither never nor always have touching, less
+    /// thick as its skin. Pairs of links are those that can touch and, in a thousand random configurations, do not always, less
     /// those that --srdf disables.
     #[arg(long, value_name = "FILE", help_heading = TARGETS)]
     world: Option<PathBuf>,

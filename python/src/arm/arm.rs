@@ -62,7 +62,7 @@ use crate::world::World;
 /// margin: how far all is to be apart at least, metres, at least 0; without a `world` of the robot's own links.
 ///     Default: 0.
 /// collision_model: a `CollisionModel` of the robot, whose shapes and pairs count for `world` and `margin`. Default: that of
-///     `robot`, without the pairs that a thousand random configurations never or always have touching.
+///     `robot`, without the pairs that cannot touch, or always do in a thousand random configurations.
 /// atlas: whether restarts begin from a table of seeds (35 ms to make, once). Default: True.
 ///
 /// Raises `UnknownNameError` for frames, joints and options that do not exist, `InvalidValueError` for

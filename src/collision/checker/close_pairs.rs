@@ -48,7 +48,7 @@ impl Checker {
         };
         let mut covers: Vec<PlacedCover> = Vec::new();
         // Where nothing is drawn, no pair is close.
-        let _ = self.model.visit_samples(samples, SEED, |placed| {
+        let _ = self.model.visit_samples(samples, SEED, |_, placed| {
             covers.clear();
             covers.resize_with(placed.len(), PlacedCover::default);
             for (pair, met) in self.scene.pairs().iter().zip(&mut met) {

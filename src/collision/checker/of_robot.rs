@@ -4,15 +4,15 @@ use super::Checker;
 use crate::collision::{CollisionModel, CollisionModelError, Fineness, SphereModel};
 use crate::robot::Robot;
 
-/// Configurations that are drawn to find pairs that never or always touch.
+/// Configurations that are drawn to find pairs that cannot touch or always do.
 const SAMPLES: u64 = 1000;
 const SEED: u64 = 0;
 /// How far spheres may stick out, as a share of the largest shape.
 const OVERHANG: f64 = 0.1;
 
 impl Checker {
-    /// A robot by itself, with the shapes of its file ([`CollisionModel::of`]), without the pairs that a thousand random
-    /// configurations never or always have touching, and with spheres that cover the shapes.
+    /// A robot by itself, with the shapes of its file ([`CollisionModel::of`]), without the pairs that cannot touch, or always do in a thousand random
+    /// configurations ([`CollisionModel::with_pairs_sampled`]), and with spheres that cover the shapes.
     ///
     /// # Errors
     /// As [`CollisionModel::of`].
@@ -20,7 +20,7 @@ impl Checker {
         Ok(Self::sampled(CollisionModel::of(robot)?))
     }
 
-    /// As [`covered`](Self::covered), without the pairs that a thousand random configurations never or always have touching.
+    /// As [`covered`](Self::covered), without the pairs that cannot touch, or always do in a thousand random configurations.
     #[must_use]
     pub fn sampled(model: CollisionModel) -> Self {
         Self::covered(usual_pairs(model))

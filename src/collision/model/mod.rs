@@ -2,9 +2,11 @@
 
 mod bodies;
 mod capsules;
+mod descent;
 mod error;
 mod from_robot;
 mod from_skin;
+mod link_shapes;
 mod meshes;
 mod pairs;
 mod pieces;

@@ -1,0 +1,66 @@
+//! The shapes of links, to tell how far two links are apart again and again.
+
+use super::CollisionModel;
+use crate::collision::sphere_model::enclosing;
+use crate::collision::{Ball, Separation, Shape, separation_within};
+use crate::spatial::Placement;
+
+/// What one link carries.
+#[derive(Clone, Debug)]
+pub(super) struct LinkShapes {
+    /// Each with its place on the link.
+    shapes: Vec<(Placement<f64>, Shape)>,
+    /// Around all of them.
+    ball: Ball,
+}
+
+impl LinkShapes {
+    /// How far another link's shapes are, each link by where it stands in the world, if that is at most `within`.
+    pub(super) fn apart(
+        &self,
+        world_from_link: &Placement<f64>,
+        other: &Self,
+        world_from_other: &Placement<f64>,
+        within: f64,
+    ) -> Option<Separation> {
+        let [a, b] = [(self, world_from_link), (other, world_from_other)];
+        let between = b.1.apply(b.0.ball.centre) - a.1.apply(a.0.ball.centre);
+        if between.norm() > a.0.ball.radius + b.0.ball.radius + within {
+            return None;
+        }
+        let mut nearest: Option<Separation> = None;
+        for (link_from_first, first) in &self.shapes {
+            let world_from_first = *world_from_link * *link_from_first;
+            for (other_from_second, second) in &other.shapes {
+                let world_from_second = *world_from_other * *other_from_second;
+                let within = nearest.map_or(within, |nearest| nearest.distance);
+                let places = (&world_from_first, &world_from_second);
+                let found = separation_within(first, places.0, second, places.1, within);
+                nearest = found.or(nearest);
+            }
+        }
+        nearest
+    }
+}
+
+impl CollisionModel {
+    /// Those of each link that has some.
+    pub(super) fn link_shapes(&self) -> Vec<LinkShapes> {
+        let of_link = |link| {
+            let own = self.objects_of(link);
+            let ball = |object: &super::CollisionObject| {
+                let Ball { centre, radius } = object.shape.bounding_sphere();
+                let centre = object.link_from_shape.apply(centre);
+                Ball { centre, radius }
+            };
+            let balls: Vec<Ball> = self.objects_of(link).map(ball).collect();
+            LinkShapes {
+                shapes: own
+                    .map(|own| (own.link_from_shape, own.shape.clone()))
+                    .collect(),
+                ball: enclosing(&balls),
+            }
+        };
+        self.links.iter().map(|link| of_link(*link)).collect()
+    }
+}
