@@ -161,6 +161,27 @@ fn random_shapes_lie_within_their_spheres() {
 }
 
 #[test]
+fn hulls_of_many_corners_lie_within_their_spheres() {
+    let mut random = Random::new(6);
+    for round in [1.0, 0.2, 0.01] {
+        let corner = |_| {
+            let on_ball = random.direction();
+            Vector3::new(0.1 * on_ball.x, 0.2 * on_ball.y, 0.1 * round * on_ball.z)
+        };
+        let corners: Vec<_> = (0..2000).map(corner).collect();
+        let own = [
+            Placement::identity(),
+            support::placement(&random.rigid(0.1)),
+        ];
+        let shapes = own.map(|placed| (Shape::convex(&corners).unwrap(), placed));
+        let model = one_link(shapes);
+        let spheres = SphereModel::of(&model, Fineness::Overhang(0.03)).unwrap();
+        assert!(spheres.overhang() <= 0.03);
+        holds(&model, &spheres, 4000, &mut random);
+    }
+}
+
+#[test]
 fn spheres_stay_what_they_are() {
     let at = Placement::translation(Vector3::new(0.1, 0.2, 0.3));
     let model = one_link([(Shape::sphere(0.25).unwrap(), at)]);

@@ -18,7 +18,9 @@ pub use convex_hull::ConvexHull;
 pub use error::{ShapeError, ShapeNote};
 pub use height_field::HeightField;
 pub use point_cloud::PointCloud;
-pub(crate) use signed_distance::{Nearest, nearest_on_cuboid, nearest_on_cylinder};
+pub(crate) use signed_distance::{
+    Nearest, hull_tree, nearest_on_cuboid, nearest_on_cylinder, nearest_on_hull,
+};
 pub(crate) use triangle_mesh::Feature;
 pub use triangle_mesh::TriangleMesh;
 

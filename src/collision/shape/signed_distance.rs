@@ -1,6 +1,7 @@
 //! How far points are from shapes.
 
 use super::{ConvexHull, Feature, HeightField, PointCloud, Shape, ShapeKind, TriangleMesh};
+use crate::collision::bounding_box::BoundingBox;
 use crate::collision::box_tree::BoxTree;
 use crate::collision::distance::{Core, Pair, convex_gap};
 use crate::spatial::{Placement, Vector3};
@@ -112,6 +113,27 @@ fn convex(p: Vector3<f64>, hull: &ConvexHull) -> Nearest {
     gap.map_or((f64::INFINITY, p), |gap| (gap.distance, gap.on_a))
 }
 
+/// A tree over the triangles of a hull, for [`nearest_on_hull`].
+pub(crate) fn hull_tree(hull: &ConvexHull) -> BoxTree {
+    let corners = |i: usize| hull_triangle(hull, i);
+    BoxTree::new(hull.triangles().len(), |i| BoundingBox::around(corners(i)))
+}
+
+fn hull_triangle(hull: &ConvexHull, index: usize) -> [Vector3<f64>; 3] {
+    hull.triangles()[index].map(|corner| hull.vertices()[corner as usize])
+}
+
+/// As [`Shape::nearest`] to rounding, much sooner where a hull has many triangles.
+pub(crate) fn nearest_on_hull(p: Vector3<f64>, hull: &ConvexHull, tree: &BoxTree) -> Nearest {
+    let (_, far, place, _) = nearest_triangle(p, tree, |i| hull_triangle(hull, i));
+    // All of a convex body lies on one side of the plane through the nearest place across the way there: beyond it, seen from
+    // outside.
+    match (hull.middle() - place).dot(p - place) > 0.0 {
+        true => (-far, place),
+        false => (far, place),
+    }
+}
+
 /// The nearest of many triangles: which, how far, where, and by which of its parts.
 fn nearest_triangle(
     p: Vector3<f64>,
@@ -200,4 +222,32 @@ fn nearest_on_triangle(p: Vector3<f64>, corners: [Vector3<f64>; 3]) -> (Vector3<
         }
     }
     (best.1, best.2)
+}
+
+#[cfg(test)]
+#[allow(clippy::expect_used, clippy::panic, reason = "it is a test")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hull_is_as_near_by_its_tree_as_by_its_planes() {
+        let number =
+            |k: u32| f64::from(k.wrapping_mul(2_654_435_761) >> 8) / f64::from(1 << 24) - 0.5;
+        let point =
+            |k: u32| Vector3::new(number(3 * k), number(3 * k + 1), 0.3 * number(3 * k + 2));
+        let corners: Vec<_> = (0..200).map(point).collect();
+        let shape = Shape::convex(&corners).expect("points that span a volume");
+        let ShapeKind::Convex(hull) = shape.kind() else {
+            panic!("a hull");
+        };
+        let tree = hull_tree(hull);
+        for k in 1000..3000 {
+            let p = point(k) * 1.6;
+            let (expected, place) = shape.nearest(p);
+            let (far, found) = nearest_on_hull(p, hull, &tree);
+            assert!((far - expected).abs() < 1e-12, "{far} {expected}");
+            // Inside two sides may be as near.
+            assert!(far < 0.0 || (found - place).norm() < 1e-6);
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! A solid cut into cubes, each of which must lie in a sphere.
 
 use super::solid::Solid;
+use crate::collision::Ball;
 use crate::spatial::Vector3;
 
 /// The part of a solid in a cube.
@@ -18,17 +19,12 @@ pub(super) struct Cell {
 impl Cell {
     /// The cube, if there may be anything of the solid in it.
     fn new(solid: &Solid<'_>, centre: Vector3<f64>, half: f64) -> Option<Self> {
-        let depth = -solid.signed_distance(centre);
-        let reach = half * SQRT_3;
-        if -depth >= reach {
-            return None;
-        }
+        let probe = solid.probe(centre, half * SQRT_3)?;
+        let depth = -probe.distance;
         // Of a convex body all points are nearer to the nearest one than to what is outside.
-        let projects = depth < 0.0 && solid.is_convex_near(centre, reach);
-        let heart = if projects {
-            solid.nearest(centre)
-        } else {
-            centre
+        let heart = match depth < 0.0 && probe.is_convex {
+            true => probe.nearest,
+            false => centre,
         };
         Some(Self {
             centre,
@@ -55,6 +51,14 @@ impl Cell {
             .min((self.heart - about).norm() + self.reach())
     }
 
+    /// Whether a ball surely holds the part.
+    pub(super) fn is_in(&self, ball: &Ball) -> bool {
+        // What it needs is at least the way to its middle: most are told by that, without a root.
+        let away = (self.centre - ball.centre).norm_squared();
+        away <= ball.radius * ball.radius * (1.0 + ROUNDING)
+            && self.needs(ball.centre) <= ball.radius
+    }
+
     /// A point of the solid, where one is known.
     pub(super) fn point(&self) -> Option<Vector3<f64>> {
         // What is outside knows one where that was the nearest.
@@ -76,6 +80,8 @@ impl Cell {
     }
 }
 
+/// What rounding may hide of a square.
+const ROUNDING: f64 = 1e-12;
 const SQRT_3: f64 = 1.732_050_807_568_877_4;
 /// A link of so many cells is finer than anything needs.
 const MOST: usize = 4_000_000;

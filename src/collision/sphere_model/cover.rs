@@ -46,16 +46,12 @@ pub(super) fn cover(
 }
 
 fn holds(balls: &[Ball], cell: &Cell) -> bool {
-    balls
-        .iter()
-        .any(|ball| cell.needs(ball.centre) <= ball.radius)
+    balls.iter().any(|ball| cell.is_in(ball))
 }
 
 fn greedy(cells: &[Cell], candidates: &[Ball]) -> Vec<Ball> {
     let held = |ball: &Ball| -> Vec<u32> {
-        let holds = |(index, cell): (usize, &Cell)| {
-            (cell.needs(ball.centre) <= ball.radius).then_some(index as u32)
-        };
+        let holds = |(index, cell): (usize, &Cell)| cell.is_in(ball).then_some(index as u32);
         cells.iter().enumerate().filter_map(holds).collect()
     };
     let held: Vec<Vec<u32>> = candidates.iter().map(held).collect();
@@ -101,7 +97,7 @@ fn greedy(cells: &[Cell], candidates: &[Ball]) -> Vec<Ball> {
 /// Gives each cell to one of the balls that hold it, such that those need to grow least.
 fn assign(balls: Vec<Ball>, mut cells: Vec<Cell>) -> Cover {
     let holders = |cell: &Cell| {
-        let holding = |ball: &&Ball| cell.needs(ball.centre) <= ball.radius;
+        let holding = |ball: &&Ball| cell.is_in(ball);
         balls.iter().filter(holding).count()
     };
     // Those without a choice first.
@@ -111,9 +107,12 @@ fn assign(balls: Vec<Ball>, mut cells: Vec<Cell>) -> Cover {
     for cell in cells {
         let mut best: Option<(f64, usize, f64)> = None;
         for (k, ball) in balls.iter().enumerate() {
+            if !cell.is_in(ball) {
+                continue;
+            }
             let needs = cell.needs(ball.centre);
             let more = (needs - needed[k]).max(0.0);
-            if needs <= ball.radius && best.is_none_or(|(least, ..)| more < least) {
+            if best.is_none_or(|(least, ..)| more < least) {
                 best = Some((more, k, needs));
             }
         }

@@ -79,11 +79,7 @@ fn within(objects: &[&CollisionObject], overhang: f64) -> Option<Covered> {
     if solid.is_empty() {
         return Some((balls, out));
     }
-    let free = |cell: &Cell| {
-        !balls
-            .iter()
-            .any(|ball| cell.needs(ball.centre) <= ball.radius)
-    };
+    let free = |cell: &Cell| !balls.iter().any(|ball| cell.is_in(ball));
     let (mut surface, mut inner) = cells(&solid, overhang / FINER)?;
     surface.retain(free);
     inner.retain(free);
