@@ -311,3 +311,29 @@ def test_a_rig_balances_by_the_volume_of_its_mesh():
     bare = kinopt.Rig(rig.skeleton)
     with pytest.raises(kinopt.InvalidValueError, match="has no mesh"):
         bare.center_of_mass(q)
+
+
+def test_a_figure_on_balls_has_the_masses_of_its_rig():
+    rig = kinopt.Rig.read(MODELS / "humanoid" / "humanoid.json")
+    masses = rig.masses
+    rest = rig.skeleton.model.neutral()
+    kilograms = np.array([kg for kg, _ in masses.values()])
+    assert kilograms.min() > 0 and 40 < kilograms.sum() < 110
+    placed = [kinopt.frame_placement(rig, frame, rest) for frame in masses]
+    places = [at[:3, :3] @ place + at[:3, 3] for at, (_, place) in zip(placed, masses.values(), strict=True)]
+    centre = kilograms @ np.array(places) / kilograms.sum()
+    assert np.allclose(centre, rig.center_of_mass(rest), atol=1e-12)
+    figure = kinopt.BallSkeleton(rig.skeleton, root="free")
+    aim = centre + [0.02, -0.03, 0.01]
+    task = kinopt.tasks.CenterOfMass(aim, masses=masses, tolerance=1e-4)
+    hold = [
+        kinopt.tasks.Point(figure.tip(foot), kinopt.frame_placement(rig, rig.skeleton.tip(foot), rest)[:3, 3])
+        for foot in ("left_foot", "right_foot")
+    ]
+    solution = kinopt.Solver().solve(kinopt.Problem(figure.model, [task, *hold]), figure.model.neutral())
+    assert solution.reached
+    placed = [kinopt.frame_placement(figure.model, frame, solution.q) for frame in masses]
+    places = [at[:3, :3] @ place + at[:3, 3] for at, (_, place) in zip(placed, masses.values(), strict=True)]
+    assert np.allclose(kilograms @ np.array(places) / kilograms.sum(), aim, atol=2e-4)
+    with pytest.raises(kinopt.InvalidValueError, match="has no mesh"):
+        _ = kinopt.Rig(rig.skeleton).masses

@@ -3,9 +3,11 @@
 //!     cargo run --release -p kinopt-models              # the rigs
 //!     cargo run --release -p kinopt-models -- picture   # docs/humanoid.png
 //!     cargo run --release -p kinopt-models -- dragged   # docs/dragged.png
+//!     cargo run --release -p kinopt-models -- crouching # docs/crouching.png
 //!     cargo run --release -p kinopt-models -- look DIR  # the rigs from several sides, as PNG
 
 mod contact_sheet;
+mod crouching;
 mod dragged;
 mod figure;
 mod humanoid;
@@ -59,6 +61,11 @@ fn run() -> Result<(), Failure> {
             let rig = Rig::read(rig_path("humanoid"))?;
             dragged::dragged(&rig, &root().join("docs/dragged.png"))?;
         }
+        ["crouching"] => {
+            let rig = Rig::read(rig_path("humanoid"))?;
+            let cones = root().join("models/humanoid/cones.json");
+            crouching::crouching(&rig, &cones, &root().join("docs/crouching.png"))?;
+        }
         ["look", folder] => {
             for name in ["robot-arm", "humanoid"] {
                 let rig = Rig::read(rig_path(name))?;
@@ -69,7 +76,7 @@ fn run() -> Result<(), Failure> {
                 }
             }
         }
-        _ => return Err("usage: kinopt-models [picture | dragged | look DIR]".into()),
+        _ => return Err("usage: kinopt-models [picture | dragged | crouching | look DIR]".into()),
     }
     Ok(())
 }

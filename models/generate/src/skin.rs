@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use kinopt::io::rig::Rig;
+use kinopt::skeleton::BonePlacements;
 use kinopt::skinning::{SkinningMethod, single_precision_transform};
 
 use crate::Failure;
@@ -15,10 +16,20 @@ pub(crate) fn add_posed(
     shift: DVec3,
     colour: DVec3,
 ) -> Result<(), Failure> {
+    add_placed(scene, rig, &rig.skeleton.pose(q)?, shift, colour)
+}
+
+/// Adds the rig's skin where bones stand, moved by `shift`.
+pub(crate) fn add_placed(
+    scene: &mut Scene,
+    rig: &Rig,
+    placements: &BonePlacements,
+    shift: DVec3,
+    colour: DVec3,
+) -> Result<(), Failure> {
     let (Some(mesh), Some(weights)) = (&rig.mesh, &rig.weights) else {
         return Err("the rig has no skin".into());
     };
-    let placements = rig.skeleton.pose(q)?;
     let transforms = placements.skinning_transforms(&rig.skeleton);
     let transforms: Vec<_> = transforms.map(|t| single_precision_transform(&t)).collect();
     let skin = SkinningMethod::LinearBlend.mesh(mesh, weights, &transforms)?;

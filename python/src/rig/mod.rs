@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 
 use kinopt::collision::{Checker, CollisionModel};
 use pyo3::prelude::*;
-use pyo3::types::PyType;
+use pyo3::types::{PyDict, PyType};
 
 pub(crate) use self::posing::RigPosing;
 use crate::animation::EulerClip;
@@ -238,6 +238,21 @@ impl Rig {
         py.detach(|| self.inner.posed_mesh(q, by))
             .or_raise()
             .map(TriangleMesh::from)
+    }
+
+    /// What goes with each bone by the volume of the mesh, at 1000 kg a cubic metre: {"frame": (kg, (x, y, z))}, the place in the
+    /// frame's coordinates. So tasks of the same bones on ball joints have them: `masses=rig.masses`.
+    ///
+    /// Raises `InvalidValueError` as `center_of_mass`.
+    #[getter]
+    fn masses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let masses = py.detach(|| self.inner.masses(DENSITY)).or_raise()?;
+        let (frames, by_frame) = (self.inner.skeleton.model().frames(), PyDict::new(py));
+        for point in masses.points() {
+            let [x, y, z] = point.at.to_array();
+            by_frame.set_item(&frames[point.frame.index()].name, (point.mass, (x, y, z)))?;
+        }
+        Ok(by_frame)
     }
 
     /// Where the centre of mass is: shape (3,) for a configuration `q` of shape (nq,), (N, 3) for (N, nq); in the rig's

@@ -1,0 +1,109 @@
+//! The picture of balance: the humanoid on a free base within a person's cones, its feet held flat, at a stance, and with its
+//! hand led down, ahead and up, its centre of mass over its soles.
+
+use std::path::Path;
+
+use glam::DVec3;
+use kinopt::Problem;
+use kinopt::ik::{Drag, bent_stance};
+use kinopt::io::cones;
+use kinopt::io::rig::Rig;
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::{Masses, ParameterMap};
+use kinopt::skeleton::{BallSkeleton, SkeletonRoot};
+use kinopt::spatial::Vector3;
+use kinopt::task::{Point, Pose, Posture, SupportPolygon, Task};
+
+use crate::Failure;
+use crate::picture::{AT_REST, PAPER, POSED, ring};
+use crate::render::{Scene, View, linear, render};
+use crate::skin::add_placed;
+
+/// Where the left hand goes, in metres, and where the figure stands on the picture, from its middle to the right.
+const PLACES: [(Option<[f64; 3]>, f64); 4] = [
+    (None, -2.05),
+    (Some([0.4, 0.3, 0.35]), -0.75),
+    (Some([0.85, 0.2, 0.8]), 0.5),
+    (Some([0.75, 0.2, 1.75]), 1.9),
+];
+/// From where it is seen, and what is to the right from there, along the ground.
+const SEEN_FROM: DVec3 = DVec3::new(5.0, -6.0, 1.0);
+const RIGHT: DVec3 = DVec3::new(0.768, 0.64, 0.0);
+const SIZE: [usize; 2] = [1000, 400];
+/// Frames on the way, and until the body rests at most.
+const FRAMES: [u32; 2] = [60, 300];
+/// How far behind its toes a sole ends, in metres.
+const LENGTH: f64 = 0.2;
+/// How wide it is to either side.
+const HALF_WIDTH: f64 = 0.035;
+/// How far within the soles' edges the mass stays.
+const MARGIN: f64 = 0.02;
+/// Kilograms a cubic metre; the centre is the same for any.
+const DENSITY: f64 = 1000.0;
+
+/// The figure whose left hand is led to a place, from the stance.
+fn led(body: &BallSkeleton, masses: &Masses, to: Option<[f64; 3]>) -> Result<Vec<f64>, Failure> {
+    let model = body.model();
+    let hand = body.tip(body.bone("left_hand")?);
+    let feet = [body.bone("left_foot")?, body.bone("right_foot")?].map(|foot| body.tip(foot));
+    let map = ParameterMap::free(model);
+    let stance = bent_stance(model, &map, &feet, &model.neutral(), Vector3::UNITS[2])?;
+    let Some(to) = to.map(Vector3::from) else {
+        return Ok(stance);
+    };
+    let mut kinematics = ForwardKinematics::new(model);
+    let placed = kinematics.place(&stance)?;
+    let from = placed[hand.index()].translation;
+    let mut tasks = Problem::builder(model);
+    let target = tasks.add(Point::new(hand, from));
+    let mut balance = SupportPolygon::new(masses).with_margin(MARGIN);
+    for foot in feet {
+        let toes = placed[foot.index()].translation;
+        let corners = [0.0, -LENGTH].map(|x| [-HALF_WIDTH, HALF_WIDTH].map(|y| (x, y)));
+        let corners = corners.into_iter().flatten();
+        balance = balance.with_points(corners.map(|(x, y)| toes + Vector3::new(x, y, 0.0)));
+        tasks.add(Task::new(Pose::new(foot, placed[foot.index()])).times(10.0));
+    }
+    tasks.add(Task::new(balance).times(10.0));
+    tasks.add(Posture::new(model, &stance).upright(model));
+    let mut drag = Drag::new(tasks.build()?, &stance)?;
+    for frame in 1..=FRAMES[0] {
+        let share = f64::from(frame) / f64::from(FRAMES[0]);
+        drag.target_mut(target)?
+            .set_target(from + (to - from) * share);
+        drag.advance();
+    }
+    let solution = drag.settle(FRAMES[1] as usize);
+    match solution.reached {
+        true => Ok(solution.q.clone()),
+        false => Err(solution.explain().to_string().into()),
+    }
+}
+
+/// Draws the four figures.
+pub(crate) fn crouching(rig: &Rig, cones: &Path, path: &Path) -> Result<(), Failure> {
+    let body = BallSkeleton::new(
+        rig.skeleton.clone(),
+        &cones::read(cones)?,
+        SkeletonRoot::FREE,
+    )?;
+    let masses = rig.masses(DENSITY)?;
+    let mut scene = Scene {
+        paper: linear(PAPER),
+        ..Scene::default()
+    };
+    for (to, aside) in PLACES {
+        let placements = body.pose(&led(&body, &masses, to)?)?;
+        let colour = if to.is_some() { POSED } else { AT_REST };
+        add_placed(&mut scene, rig, &placements, RIGHT * aside, linear(colour))?;
+    }
+    let centre = DVec3::new(0.1, 0.0, 0.9);
+    let view = View::new(centre + SEEN_FROM, centre, 2.3);
+    let mut image = render(&scene, &view, SIZE, 3);
+    for (to, aside) in PLACES {
+        if let Some(to) = to {
+            ring(&mut image, &view, DVec3::from(to) + RIGHT * aside);
+        }
+    }
+    image.write(path)
+}
