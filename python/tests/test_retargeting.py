@@ -330,6 +330,12 @@ def test_a_robot_keeps_clear_of_a_world() -> None:
         found = kinopt.retarget(places, robot, MAP, world=world, margin=0.002, whole=whole)
         assert {pair.frame for pair in found.touching} == {k for k, q in enumerate(found.q) if apart.collisions(q)}
         assert len(found.touching) == 0
+    # Where the pole stands about a person, it is farther and thicker.
+    persons = world.scaled(1 / plain.stride)
+    found = kinopt.retarget(places, robot, MAP, world=persons.scaled(plain.stride), margin=0.002)
+    assert len(found.touching) == 0 and not any(apart.collisions(q) for q in found.q)
+    with pytest.raises(InvalidValueError, match="times"):
+        world.scaled(0.0)
     follower = kinopt.RetargetFollower(places, robot, MAP, world=world, margin=0.002)
     assert not apart.collisions(follower.step(places[0]))
     with pytest.raises(InvalidValueError, match="give one of them"):

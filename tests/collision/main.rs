@@ -20,6 +20,7 @@ mod mesh_files;
 mod narrow_gaps;
 mod paths_keep_clear;
 mod sampled_pairs;
+mod scaled_worlds;
 mod shapes;
 mod sphere_covers;
 mod sphere_files;

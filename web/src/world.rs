@@ -47,6 +47,12 @@ impl World {
         self.inner.to_json()
     }
 
+    /// The same obstacles `times` as large and as far from the world's origin: a person's boxes are `stride` times as large where a robot goes.
+    pub fn scaled(&self, times: f64) -> Result<Self, JsError> {
+        let inner = self.inner.scaled(times).map_err(raise)?;
+        Ok(Self { inner })
+    }
+
     /// A box of whole lengths along x, y and z. A pose is a placement, or a place of three numbers.
     #[wasm_bindgen(js_name = addBox)]
     pub fn add_box(

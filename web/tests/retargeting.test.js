@@ -96,6 +96,8 @@ test("a robot keeps clear of a world, whole and live, and what touches all the s
     const apart = retargetClear(robot, capture.clip, shapes, far, undefined, { fps: 10, margin: 0.001 });
     assert.deepEqual([...apart.touching], []);
     assert.ok(Math.abs(apart.meanError - plain.meanError) < 0.02 && apart.stride === plain.stride && plain.stride < 0.005);
+    assert.deepEqual(JSON.parse(far.scaled(0.5).toJson()).boxes[0].position, [2.5, 0, 0]);
+    assert.throws(() => far.scaled(0), /times/);
     // From what it holds itself there is no way.
     const held = World.fromJson('{"boxes": [{"name": "crate", "size": [1, 1, 1], "attached": "torso"}]}');
     assert.equal(retargetClear(robot, capture.clip, shapes, held, undefined, { fps: 10 }).touching.length, plain.frames);

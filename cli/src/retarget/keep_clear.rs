@@ -16,6 +16,24 @@ use crate::help_headings::COLLISIONS;
 use crate::number_list::not_negative;
 use crate::{output, world_file};
 
+/// How many times as large obstacles are made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum WorldScale {
+    Times(f64),
+    /// As many as the robot's steps are longer than the person's.
+    Stride,
+}
+
+impl WorldScale {
+    fn parse(text: &str) -> Result<Self, String> {
+        match (text, text.parse::<f64>()) {
+            ("stride", _) => Ok(Self::Stride),
+            (_, Ok(times)) if times > 0.0 && times.is_finite() => Ok(Self::Times(times)),
+            _ => Err("a number above 0, or stride".into()),
+        }
+    }
+}
+
 /// Options about collisions.
 #[derive(Args, Clone, Debug)]
 pub(super) struct KeepClearOptions {
@@ -29,10 +47,14 @@ pub(super) struct KeepClearOptions {
     /// Keep the robot clear of the obstacles of a file in every frame, and of itself.
     ///
     /// Our JSON (`{"boxes": [{"name", "size", "position", "quaternion"}], "spheres": …}`), or a planning scene of MoveIt's (.yaml), in
-    /// metres where the robot goes: a person's boxes are as many times as large as `stride` in --json says. Feet stand on
-    /// obstacles as on the ground. Default: nothing is in the way.
+    /// metres where the robot goes. Feet stand on obstacles as on the ground. Default: nothing is in the way.
     #[arg(long, value_name = "FILE", help_heading = COLLISIONS)]
     world: Option<PathBuf>,
+
+    /// How many times as large the obstacles are, and as far from the origin: a number, or `stride` where they stood about the person,
+    /// for as many as the robot's steps are. Default: 1.
+    #[arg(long, value_name = "TIMES", value_parser = WorldScale::parse, requires = "world", help_heading = COLLISIONS)]
+    world_scale: Option<WorldScale>,
 
     /// How far all is to be apart at least, in metres; without --world of the robot's own links, as --keep-clear. Default: 0.
     #[arg(long, value_name = "M", value_parser = not_negative, conflicts_with = "keep_clear", help_heading = COLLISIONS)]
@@ -48,16 +70,34 @@ pub(super) struct KeepClearOptions {
 /// What is to be kept clear of, and in which world.
 #[derive(Clone, Debug)]
 pub(super) struct Clear {
-    pub(super) checker: Checker,
+    /// Without the obstacles of a person, which are made as large as the robot's steps are.
+    checker: Checker,
     /// The obstacles of a file, if one was given.
     world: Option<World>,
+    scale: WorldScale,
 }
 
 impl Clear {
+    /// What a movement is kept clear of whose steps are so many times as large as the person's.
+    ///
+    /// # Errors
+    /// Obstacles that are then too small or too large.
+    pub(super) fn at_stride(&self, stride: f64) -> Outcome<Checker> {
+        let checker = self.checker.clone();
+        Ok(match (&self.world, self.scale) {
+            (Some(world), WorldScale::Stride) => checker.with_world(&world.scaled(stride)?)?,
+            _ => checker,
+        })
+    }
+
     /// Says in a folder's question what is kept clear.
     pub(super) fn ask(&self, question: &mut FolderQuestion<'_>) {
         question.keep_clear = Some(self.checker.margin());
         question.world = self.world.as_ref().map(World::to_json);
+        let of_person = self.scale == WorldScale::Stride;
+        question
+            .more
+            .extend(of_person.then(|| "world of the person".to_owned()));
     }
 }
 
@@ -91,12 +131,21 @@ impl KeepClearOptions {
                 target.loaded.kind()
             ));
         }
-        let world = world_file::read(self.world.as_deref())?;
+        let mut world = world_file::read(self.world.as_deref())?;
+        let scale = self.world_scale.unwrap_or(WorldScale::Times(1.0));
+        if let WorldScale::Times(times) = scale {
+            world = world.scaled(times)?;
+        }
         let checker = self.spheres.checker(self.shapes.model(&target.robot)?)?;
         let margin = self.margin.or(self.keep_clear).unwrap_or(0.0);
+        let checker = checker.with_margin(margin)?;
         Ok(Some(Clear {
-            checker: checker.with_world(&world)?.with_margin(margin)?,
+            checker: match scale {
+                WorldScale::Times(_) => checker.with_world(&world)?,
+                WorldScale::Stride => checker,
+            },
             world: self.world.is_some().then_some(world),
+            scale,
         }))
     }
 }

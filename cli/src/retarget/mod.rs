@@ -36,8 +36,8 @@ Examples:
                                                all frames as one: smooth; told is how still feet stand
   kinopt retarget walk.bvh g1.urdf --base-joint free --keep-clear 0.01 --out walk.npz
                                                no link nearer than 1 cm to another
-  kinopt retarget climb.npy g1.urdf --map g1.json --base-joint free --world boxes.json --out climb.npz
-                                               clear of boxes, and of itself
+  kinopt retarget climb.npy g1.urdf --map g1.json --base-joint free --world boxes.json --world-scale stride --out climb.npz
+                                               clear of the boxes that the person climbed, and of itself
   kinopt retarget walk.bvh g1.urdf --print-map > map.json
                                                which joint would drive which frame, to be corrected
   kinopt retarget poses.npy g1.urdf --map smpl --base-joint free --out poses.csv
@@ -230,19 +230,16 @@ impl<'a> Job<'a> {
         // What the command says comes first.
         map.up = Some(read.up);
         let fitted = Retargeting::new(robot, &map, &read.capture, self.options());
-        let mut stride = 1.0;
-        let found = fitted.and_then(|retargeting| {
-            self.target.tell_up(retargeting.model_stands_along());
-            stride = retargeting.stride();
-            let retargeting = match &self.clear {
-                Some(clear) => retargeting.keep_clear(&clear.checker),
-                None => retargeting,
-            };
-            match self.arguments.whole {
-                true => retargeting.whole(),
-                false => retargeting.per_frame(),
-            }
-        });
+        let mut fitted = fitted.map_err(|error| self.map.failed(&file, &error))?;
+        self.target.tell_up(fitted.model_stands_along());
+        let stride = fitted.stride();
+        if let Some(clear) = &self.clear {
+            fitted = fitted.keep_clear(&clear.at_stride(stride)?);
+        }
+        let found = match self.arguments.whole {
+            true => fitted.whole(),
+            false => fitted.per_frame(),
+        };
         let found = found.map_err(|error| self.map.failed(&file, &error))?;
         tell_touching(&file, &found);
         let name = source.file_stem().unwrap_or_default().to_string_lossy();

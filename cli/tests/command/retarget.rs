@@ -161,6 +161,18 @@ fn a_robot_keeps_clear_of_a_world_where_it_is_to() {
         assert!(!told.contains("touches"), "{told}");
         assert_eq!(touches(), 0, "{how}");
     }
+    // A person's pole stands as many times as near as the robot's steps are shorter.
+    let stride = answer!("{asked} --world {world}")["stride"]
+        .as_f64()
+        .unwrap();
+    let persons = World::read(&world).unwrap().scaled(1.0 / stride).unwrap();
+    let persons = folder.text("persons.json", persons.to_json());
+    for scale in ["stride".to_owned(), stride.to_string()] {
+        answer!("{asked} --world {persons} --world-scale {scale}");
+        assert_eq!(touches(), 0, "{scale}");
+    }
+    refused!("{asked} --world {persons} --world-scale 0" => 2, "number above 0, or stride");
+    refused!("{asked} --world-scale 2" => 2, "--world");
     // From what it holds itself there is no way, which is told.
     let held = r#"{"boxes": [{"name": "crate", "size": [1, 1, 1], "attached": "torso"}]}"#;
     let world = folder.text("crate.json", held);

@@ -307,6 +307,15 @@ impl World {
         self.lock().detach(name, pose).or_raise()
     }
 
+    /// A new world of the same obstacles `times` as large and as far from the world's origin, as a person's surroundings are for a
+    /// robot whose steps are so many times as long (`Retargeted.stride`); attached ones as far from the origin of their frame.
+    ///
+    /// Raises `InvalidValueError` for a factor that is not positive and finite, and where an obstacle gets too small or too large.
+    fn scaled(&self, py: Python<'_>, times: f64) -> PyResult<Self> {
+        let world = self.snapshot();
+        Ok(py.detach(|| world.scaled(times)).or_raise()?.into())
+    }
+
     /// How far two obstacles are apart, or how deep one is in the other.
     ///
     /// Raises `UnknownNameError` for a name that is not there, `InvalidValueError` where one is attached to a frame, so

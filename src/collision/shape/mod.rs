@@ -8,6 +8,7 @@ mod geodesic;
 mod height_field;
 mod hull_climb;
 mod point_cloud;
+mod scaled;
 mod signed_distance;
 mod triangle_mesh;
 

@@ -1,6 +1,7 @@
 //! What can be wrong with an edit of a world.
 
 use super::Obstacle;
+use crate::bad_option::BadOption;
 use crate::collision::shape::ShapeError;
 use crate::spatial::RigidDefect;
 
@@ -33,6 +34,9 @@ pub enum WorldError {
         /// What is wrong with it.
         defect: RigidDefect,
     },
+    /// A factor that no world can be scaled by.
+    #[error(transparent)]
+    Option(#[from] BadOption),
     /// A shape that cannot be.
     #[error("obstacle {name:?}: {error}")]
     Shape {

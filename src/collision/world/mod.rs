@@ -9,6 +9,7 @@ mod moveit;
 mod names;
 mod numbered;
 mod pose;
+mod scaled;
 
 use std::sync::Arc;
 
