@@ -4,6 +4,7 @@ use std::rc::Rc;
 
 use kinopt::model::Limits;
 use kinopt::robot::{BaseJoint, Geometry};
+use kinopt::spatial::Vector3;
 use wasm_bindgen::prelude::*;
 
 use crate::given::{self, Given};
@@ -160,6 +161,22 @@ impl Robot {
         };
         let list: js_sys::Array = shapes.iter().map(shape_object).collect();
         Ok(list.unchecked_into())
+    }
+
+    /// The configuration `q` with a free base a fifteenth of its height lower, the frames `feet` where they are and the rest near `q`:
+    /// knees bent a little, so that a hand that is dragged down bends them more. z is up. A robot without a free base, and one
+    /// whose feet cannot stay, keeps `q`.
+    #[wasm_bindgen(js_name = bentStance)]
+    pub fn bent_stance(
+        &self,
+        feet: Vec<String>,
+        #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
+    ) -> Result<Vec<f64>, JsError> {
+        let model = self.inner.model();
+        let feet = feet.iter().map(|foot| model.frame(foot).map_err(raise));
+        let feet = feet.collect::<Result<Vec<_>, JsError>>()?;
+        let up = Vector3::UNITS[2];
+        kinopt::ik::bent_stance(model, self.inner.map(), &feet, q, up).map_err(raise)
     }
 
     /// Points that a foot stands on, in its frame, metres: where the links begin that are fixed to it, its own first, and the corners
