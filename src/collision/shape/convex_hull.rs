@@ -89,12 +89,22 @@ impl ConvexHull {
         pub(crate) fn middle(&self) -> Vector3<f64> = self.middle;
         /// How far its corners are from its origin at most.
         pub(crate) fn reach(&self) -> f64 = self.reach;
+        #[cfg(test)]
+        pub(super) fn climb(&self) -> Option<&HullClimb> = self.climb.as_ref();
+        #[cfg(test)]
+        pub(super) fn planes(&self) -> &[(Vector3<f64>, f64)] = &self.planes;
         /// Whether [`climbed`](Self::climbed) may stop short by rounding.
         pub(crate) fn is_climbed(&self) -> bool = self.climb.is_some();
     }
 
     /// The first of the corners that are farthest along a direction.
     pub(crate) fn farthest(&self, along: Vector3<f64>) -> Vector3<f64> {
+        let climb = self.climb.as_ref();
+        let found = climb.and_then(|c| c.surely_farthest(&self.vertices, along, self.reach));
+        found.unwrap_or_else(|| self.farthest_of_all(along))
+    }
+
+    fn farthest_of_all(&self, along: Vector3<f64>) -> Vector3<f64> {
         let mut best = (f64::NEG_INFINITY, self.vertices[0]);
         for &corner in &self.vertices {
             let far = along.dot(corner);
@@ -109,7 +119,7 @@ impl ConvexHull {
     pub(crate) fn climbed(&self, along: Vector3<f64>) -> Vector3<f64> {
         match &self.climb {
             Some(climb) => climb.farthest(&self.vertices, along),
-            None => self.farthest(along),
+            None => self.farthest_of_all(along),
         }
     }
 

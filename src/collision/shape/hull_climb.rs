@@ -1,13 +1,17 @@
 //! The corner of a hull that is farthest along a direction, found by going from corner to corner.
 //!
 //! On a convex surface a corner that no neighbour is beyond is the farthest of all (Gilbert & Foo 1990; "hill climbing" in later
-//! libraries), so that of thousands some tens are looked at. Where rounding hides which neighbour is farther, it may stop short by as much:
-//! what is to be exact asks all corners once at the end.
+//! libraries), so that of thousands some tens are looked at. Where rounding hides which neighbour is farther, it may stop short by as much.
+//! The corners that are nearly as far hang together, so that what is to be exact looks at those about it.
 
 use crate::spatial::Vector3;
 
 /// Hulls of fewer corners are looked through sooner.
 const MANY: usize = 32;
+/// Of a hull's reach: far more than rounding makes of how far along a direction a corner is.
+const NEARLY: f64 = 1e-12;
+/// Most corners that are nearly as far as the farthest: of more, as on a wide face, all are looked through.
+const AS_FAR: usize = 48;
 /// Cells along a side of the cube of directions.
 const CELLS: usize = 6;
 
@@ -64,19 +68,57 @@ impl HullClimb {
         vertices[self.from(vertices, start, along) as usize]
     }
 
+    /// The first of the corners that are farthest along a direction, of a hull that reaches so far from its origin; `None` where too
+    /// many are nearly as far.
+    pub(super) fn surely_farthest(
+        &self,
+        vertices: &[Vector3<f64>],
+        along: Vector3<f64>,
+        reach: f64,
+    ) -> Option<Vector3<f64>> {
+        let least = NEARLY * reach * along.to_array().map(f64::abs).iter().sum::<f64>();
+        let begin = self.from(vertices, self.starts[cell(along)], along);
+        let mut best = (begin, along.dot(vertices[begin as usize]));
+        if !best.1.is_finite() {
+            return None;
+        }
+        let mut near = [begin; AS_FAR];
+        let (mut looked_at, mut count) = (0, 1);
+        while looked_at < count {
+            for &other in self.beside(near[looked_at]) {
+                let far = along.dot(vertices[other as usize]);
+                if far < best.1 - least || near[..count].contains(&other) {
+                    continue;
+                }
+                *near.get_mut(count)? = other;
+                count += 1;
+                if far > best.1 || far == best.1 && other < best.0 {
+                    best = (other, far);
+                }
+            }
+            looked_at += 1;
+        }
+        Some(vertices[best.0 as usize])
+    }
+
+    fn beside(&self, corner: u32) -> &[u32] {
+        let corner = corner as usize;
+        let begin = corner.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.neighbours[begin as usize..self.ends[corner] as usize]
+    }
+
     fn from(&self, vertices: &[Vector3<f64>], start: u32, along: Vector3<f64>) -> u32 {
         let mut best = (start, along.dot(vertices[start as usize]));
         loop {
-            let corner = best.0 as usize;
-            let begin = corner.checked_sub(1).map_or(0, |before| self.ends[before]);
-            for &other in &self.neighbours[begin as usize..self.ends[corner] as usize] {
+            let corner = best.0;
+            for &other in self.beside(corner) {
                 let far = along.dot(vertices[other as usize]);
                 if far > best.1 {
                     best = (other, far);
                 }
             }
-            if best.0 as usize == corner {
-                return best.0;
+            if best.0 == corner {
+                return corner;
             }
         }
     }
@@ -111,4 +153,77 @@ fn middle(cell: usize) -> Vector3<f64> {
     v[(axis + 1) % 3] = at(row);
     v[(axis + 2) % 3] = at(column);
     Vector3::from(v)
+}
+
+#[cfg(test)]
+#[allow(clippy::panic)]
+mod tests {
+    use super::AS_FAR;
+    use crate::collision::{Shape, ShapeKind};
+    use crate::random::RandomStream;
+    use crate::spatial::Vector3;
+
+    /// Points about a ball, on a prism of many sides, of a thin disc, and of a ball's cap far from the origin.
+    fn points(kind: u64, random: &mut RandomStream) -> Vec<Vector3<f64>> {
+        let mut unit = || {
+            let v = Vector3::new(
+                random.unit() - 0.5,
+                random.unit() - 0.5,
+                random.unit() - 0.5,
+            );
+            v * v.norm().recip()
+        };
+        let all = (0..1500).map(|_| unit());
+        match kind {
+            0 => all.collect(),
+            1 => all
+                .map(|u| {
+                    Vector3::new(u.x, u.y, 0.0) * (u.x * u.x + u.y * u.y).sqrt().recip()
+                        + Vector3::new(0.0, 0.0, 1_f64.copysign(u.z))
+                })
+                .collect(),
+            2 => all.map(|u| Vector3::new(u.x, u.y, 1e-4 * u.z)).collect(),
+            _ => all
+                .map(|u| Vector3::new(1e3 + 1e-2 * u.x, 7.0 + u.y.abs(), u.z))
+                .collect(),
+        }
+    }
+
+    #[test]
+    fn the_farthest_corner_is_that_of_all() {
+        let mut random = RandomStream::new(5, 0);
+        let (mut sooner, mut asked) = (0, 0);
+        for kind in 0..4 {
+            let shape = Shape::convex(&points(kind, &mut random));
+            let Ok(ShapeKind::Convex(hull)) = shape.as_ref().map(Shape::kind) else {
+                panic!("{kind}: {shape:?}");
+            };
+            let faces = hull.planes().iter().map(|(normal, _)| *normal);
+            let corners = hull.vertices().iter().copied();
+            let drawn = (0..2000).map(|_| {
+                let mut part = || random.unit() - 0.5;
+                Vector3::new(part(), part(), part())
+            });
+            let drawn: Vec<_> = drawn.collect();
+            let axes = Vector3::UNITS
+                .into_iter()
+                .flat_map(|axis| [axis, -axis, axis * 1e-30]);
+            for along in faces.chain(corners).chain(drawn).chain(axes) {
+                let mut all = (f64::NEG_INFINITY, hull.vertices()[0]);
+                for &corner in hull.vertices() {
+                    let far = along.dot(corner);
+                    if far > all.0 {
+                        all = (far, corner);
+                    }
+                }
+                assert_eq!(hull.farthest(along), all.1, "{kind}: {along:?}");
+                asked += 1;
+                let climb = hull.climb();
+                let found =
+                    climb.and_then(|c| c.surely_farthest(hull.vertices(), along, hull.reach()));
+                sooner += u32::from(found.is_some());
+            }
+        }
+        assert!(sooner > asked / 2 && AS_FAR > 8, "{sooner} of {asked}");
+    }
 }
