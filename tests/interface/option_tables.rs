@@ -56,7 +56,7 @@ fn the_tables_are_the_code() {
     assert_same("Drags", &[("src/ik/drag.rs", "")], &[]);
     let paths = [("src/motion/path/solver.rs", "")];
     let of_paths = [
-        "CartesianPath::with_course",
+        "CartesianPath::with_traversal",
         "CartesianPath::read",
         "PathSolution::times",
     ];
