@@ -70,11 +70,11 @@ pub(super) struct KeepClearOptions {
 /// What is to be kept clear of, and in which world.
 #[derive(Clone, Debug)]
 pub(super) struct Clear {
-    /// Without the obstacles of a person, which are made as large as the robot's steps are.
     checker: Checker,
     /// The obstacles of a file, if one was given.
     world: Option<World>,
-    scale: WorldScale,
+    /// Whether they stood about the person.
+    of_person: bool,
 }
 
 impl Clear {
@@ -84,8 +84,8 @@ impl Clear {
     /// Obstacles that are then too small or too large.
     pub(super) fn at_stride(&self, stride: f64) -> Outcome<Checker> {
         let checker = self.checker.clone();
-        Ok(match (&self.world, self.scale) {
-            (Some(world), WorldScale::Stride) => checker.with_world(&world.scaled(stride)?)?,
+        Ok(match &self.world {
+            Some(world) if self.of_person => checker.with_world(&world.scaled(stride)?)?,
             _ => checker,
         })
     }
@@ -94,10 +94,8 @@ impl Clear {
     pub(super) fn ask(&self, question: &mut FolderQuestion<'_>) {
         question.keep_clear = Some(self.checker.margin());
         question.world = self.world.as_ref().map(World::to_json);
-        let of_person = self.scale == WorldScale::Stride;
-        question
-            .more
-            .extend(of_person.then(|| "world of the person".to_owned()));
+        let note = self.of_person.then(|| "world of the person".to_owned());
+        question.more.extend(note);
     }
 }
 
@@ -132,20 +130,15 @@ impl KeepClearOptions {
             ));
         }
         let mut world = world_file::read(self.world.as_deref())?;
-        let scale = self.world_scale.unwrap_or(WorldScale::Times(1.0));
-        if let WorldScale::Times(times) = scale {
+        if let Some(WorldScale::Times(times)) = self.world_scale {
             world = world.scaled(times)?;
         }
         let checker = self.spheres.checker(self.shapes.model(&target.robot)?)?;
         let margin = self.margin.or(self.keep_clear).unwrap_or(0.0);
-        let checker = checker.with_margin(margin)?;
         Ok(Some(Clear {
-            checker: match scale {
-                WorldScale::Times(_) => checker.with_world(&world)?,
-                WorldScale::Stride => checker,
-            },
+            checker: checker.with_world(&world)?.with_margin(margin)?,
             world: self.world.is_some().then_some(world),
-            scale,
+            of_person: self.world_scale == Some(WorldScale::Stride),
         }))
     }
 }

@@ -7,11 +7,11 @@ mod many_configurations;
 mod path_steps;
 mod search;
 
+use std::sync::Arc;
+
 use super::arm::Arm;
 use super::workspace::ArmWorkspace;
 use super::{ArmError, QueryError, Reply};
-use std::sync::Arc;
-
 use crate::collision::in_lanes::{self, Body, BodyChain, Rooms, SolidMoved, Solids};
 use crate::collision::{Checker, CheckerWorkspace, SphereModel, World};
 use crate::kinematics::ForwardKinematics;

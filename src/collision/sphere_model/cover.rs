@@ -45,7 +45,7 @@ pub(super) fn cover(
     assign(chosen, cells)
 }
 
-fn holds(balls: &[Ball], cell: &Cell) -> bool {
+pub(super) fn holds(balls: &[Ball], cell: &Cell) -> bool {
     balls.iter().any(|ball| cell.is_in(ball))
 }
 

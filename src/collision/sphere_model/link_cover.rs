@@ -79,7 +79,7 @@ fn within(objects: &[&CollisionObject], overhang: f64) -> Option<Covered> {
     if solid.is_empty() {
         return Some((balls, out));
     }
-    let free = |cell: &Cell| !balls.iter().any(|ball| cell.is_in(ball));
+    let free = |cell: &Cell| !cover::holds(&balls, cell);
     let (mut surface, mut inner) = cells(&solid, overhang / FINER)?;
     surface.retain(free);
     inner.retain(free);

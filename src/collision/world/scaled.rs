@@ -1,6 +1,8 @@
 //! Worlds so many times as large.
 
-use super::{World, WorldError};
+use std::sync::Arc;
+
+use super::{Obstacle, World, WorldError, rigid};
 use crate::bad_option::{BadOption, POSITIVE};
 use crate::spatial::Placement;
 
@@ -24,10 +26,10 @@ impl World {
                 translation,
             } = obstacle.placement;
             let placement = Placement::new(rotation, translation * times);
-            scaled.add(&obstacle.name, shape, placement)?;
-            if let Some(frame) = &obstacle.attached {
-                scaled.attach(&obstacle.name, frame, placement)?;
-            }
+            let placement = rigid(&obstacle.name, placement)?;
+            let attached = obstacle.attached.clone();
+            let obstacle = Obstacle::new(&obstacle.name, shape, placement, attached);
+            scaled.push(Arc::new(obstacle));
         }
         Ok(scaled)
     }
