@@ -142,6 +142,9 @@ impl Ranked<'_, '_> {
             self.memory.x.copy_from_slice(&alone);
         }
         self.memory.starts = [together, alone];
+        if self.by.extent.goes_on() && !self.is_better_than(&all.start, &mut all.keeper.residual) {
+            self.memory.x.copy_from_slice(&all.start);
+        }
 
         found.termination = Termination::Stationary;
         for rank in first.max(1)..=last {
@@ -197,6 +200,17 @@ impl Ranked<'_, '_> {
         found.attempts = found.attempts.max(more.attempts);
         found.counts += more.counts;
         more.reached
+    }
+
+    /// Whether the goals are better where the levels have come to than at x; their residual there takes the place of another.
+    fn is_better_than(&mut self, x: &[f64], residual: &mut [f64]) -> bool {
+        let problem = self.question.problem;
+        let share = problem.goals();
+        let own = &mut self.memory.residual[..problem.rows_of(share)];
+        let mut goals = Evaluation::of(share, self.question, self.scratch);
+        goals.residual(x, residual);
+        goals.residual(&self.memory.x, own);
+        is_better(problem, 1.0, own, residual)
     }
 
     /// A rank's descent from where the ranks above are; what ended it early.

@@ -60,6 +60,12 @@ impl Extent {
         }
     }
 
+    /// Whether levels that give way go on from where they began, unless their search found better: what frames of a drag are cut at
+    /// is not found again by the next ones otherwise, and the body would go to and fro.
+    pub(super) fn goes_on(self) -> bool {
+        matches!(self, Self::Frame | Self::Goals)
+    }
+
     /// Whether preferences make sense after a search of the goals that took so many steps. While a body still
     /// goes after a target that it misses, its posture can wait: a step there costs a curvature.
     pub(super) fn follows(self, reached: bool, iterations: usize) -> bool {
