@@ -253,3 +253,26 @@ fn ends_of_a_capsule_that_stick_out_are_told() {
     );
     assert_eq!(spheres(0.15).gap(), 0.0);
 }
+
+/// A checker's spheres cover what those of a file leave uncovered, and the sphere around a link's holds them as they are then: what it
+/// does not touch is not looked at any closer.
+#[test]
+fn spheres_that_are_grown_stay_within_the_one_around_them() {
+    let shapes = CollisionModel::of(&robot("franka_panda")).unwrap();
+    let text = small_spheres(&shapes);
+    let small = SphereModel::parse(text.as_bytes(), "s.yml", &shapes).unwrap();
+    let gaps: Vec<f64> = small.groups().iter().map(|group| group.gap).collect();
+    let checker = Checker::new(shapes).with_spheres(small.clone());
+    let grown = checker.spheres().unwrap();
+    assert_eq!(grown.gap(), 0.0);
+    for ((group, small), gap) in grown.groups().iter().zip(small.groups()).zip(gaps) {
+        for (ball, before) in group.spheres.iter().zip(&small.spheres) {
+            assert_eq!(
+                (ball.centre, ball.radius),
+                (before.centre, before.radius + gap)
+            );
+            let out = (ball.centre - group.bound.centre).norm() + ball.radius;
+            assert!(out <= group.bound.radius + 1e-12, "{}: {out}", group.name);
+        }
+    }
+}

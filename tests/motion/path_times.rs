@@ -100,6 +100,43 @@ fn the_sharpest_bend_takes_half_of_an_acceleration() {
     }
 }
 
+/// On a way there and back by half a circle one joint's slope falls all along, and its limit sets the pace whichever way that is.
+#[test]
+fn a_bend_to_either_side_keeps_within_its_acceleration() {
+    const RADIUS: f64 = 0.05;
+    let straight =
+        |from: f64, to: f64| (0..200).map(move |k| from + (to - from) * f64::from(k) / 200.0);
+    let there = straight(-1.0, 0.0).map(|x| [x, 0.0]);
+    let around = (0..60).map(|k| {
+        let (sin, cos) = (std::f64::consts::PI * f64::from(k) / 60.0).sin_cos();
+        [RADIUS * sin, RADIUS * (1.0 - cos)]
+    });
+    let back = straight(0.0, -1.0).map(|x| [x, 2.0 * RADIUS]);
+    let way: Vec<[f64; 2]> = there.chain(around).chain(back).collect();
+    let accelerations = [0.3, 50.0];
+    for side in [1.0, -1.0] {
+        let rows: Vec<[f64; 2]> = way.iter().map(|row| row.map(|q| side * q)).collect();
+        let rows: Vec<&[f64]> = rows.iter().map(|row| &row[..]).collect();
+        let times = trapezoid_times(&rows, &[], &[100.0; 2], &accelerations).unwrap();
+        let velocity = |row: usize, joint: usize| {
+            (rows[row + 1][joint] - rows[row][joint]) / (times[row + 1] - times[row])
+        };
+        let mut most = [0.0_f64; 2];
+        for row in 1..rows.len() - 1 {
+            let time = 0.5 * (times[row + 1] - times[row - 1]);
+            for (joint, most) in most.iter_mut().enumerate() {
+                let change = (velocity(row, joint) - velocity(row - 1, joint)) / time;
+                *most = most.max(change.abs() / accelerations[joint]);
+            }
+        }
+        let [largest, other] = most;
+        assert!(
+            largest <= 1.0 + 1e-6 && largest > 0.4 && other < 0.1,
+            "{side}: {most:?}"
+        );
+    }
+}
+
 /// A step for which the path leaves no time is told where times are kept; no other is faster than a joint may be.
 #[test]
 fn a_step_that_must_be_too_fast_is_told() {

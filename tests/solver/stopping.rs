@@ -235,6 +235,66 @@ fn a_small_step_is_told_as_one() {
     }
 }
 
+/// The cosine between the residual and what the joint that can do most about it does, each joint's column of the Jacobian
+/// counted as long as the longest.
+fn cosine(q: &[f64], target: [f64; 3]) -> f64 {
+    let links = [0.5, 0.4, 0.3];
+    let tip = support::planar_tip(&links, &[q[0], q[1], q[2]]);
+    let miss = [tip[0] - target[0], tip[1] - target[1]];
+    let (mut origin, mut angle) = ([0.0; 2], 0.0);
+    let (mut slope, mut longest) = (0.0_f64, 0.0_f64);
+    for (length, q) in links.into_iter().zip(q) {
+        let lever = [tip[0] - origin[0], tip[1] - origin[1]];
+        slope = slope.max((lever[0] * miss[1] - lever[1] * miss[0]).abs());
+        longest = longest.max(lever[0].hypot(lever[1]));
+        angle += q;
+        origin = [
+            origin[0] + length * angle.cos(),
+            origin[1] + length * angle.sin(),
+        ];
+    }
+    slope / (longest * miss[0].hypot(miss[1]))
+}
+
+/// A search ends at the first place at which no joint can do more than the gradient tolerance about what is left.
+#[test]
+fn a_gradient_within_the_tolerance_ends_a_search() {
+    let target = [2.0, 0.7, 0.0];
+    let mut steps = Vec::new();
+    for tolerance in [0.3, 1e-2, 1e-4, 1e-9] {
+        for solver in solvers() {
+            let mut cosines = Vec::new();
+            let mut watch = |iteration: &Iteration<'_>| {
+                cosines.push(cosine(iteration.x, target));
+                ControlFlow::Continue(())
+            };
+            let stopping = Stopping::default().with_gradient_tolerance(tolerance);
+            let solver = solver
+                .with_stopping(stopping.with_max_iterations(2000))
+                .with_restarts(Restarts::none());
+            let mut workspace = Workspace::new();
+            let solution = solver
+                .solve_observed(&problem(target), &START, &mut workspace, &mut watch)
+                .unwrap();
+            let label = format!("{} {tolerance}: {cosines:?}", solver.method());
+            // What is lost in rounding counts as well.
+            let at_end = tolerance.max(2e-7);
+            assert_eq!(solution.termination, Termination::Stationary, "{label}");
+            assert!(cosine(&solution.q, target) <= at_end, "{label}");
+            let [before @ .., _] = cosines.as_slice() else {
+                panic!("{label}");
+            };
+            assert!(
+                before.iter().all(|cosine| *cosine > 0.999 * tolerance),
+                "{label}"
+            );
+            steps.push(solution.iterations);
+        }
+    }
+    let (loose, strict) = (steps[0], steps[steps.len() - solvers().len()]);
+    assert!(loose < strict, "{loose} {strict}");
+}
+
 /// Who is less patient than the attempts are waits no longer.
 #[test]
 fn patience_asked_for_is_kept() {

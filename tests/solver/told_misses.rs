@@ -7,7 +7,7 @@ use kinopt::problem::Problem;
 use kinopt::solver::Termination;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Point, Pose, Quantity, Residual, Rows, Task};
-use kinopt::{Scalar, Solver};
+use kinopt::{Scalar, Solution, Solver, Workspace};
 use support::arms::robot;
 use support::planar_arm;
 use support::random::Random;
@@ -87,6 +87,32 @@ fn attempts_that_agree_are_counted_and_told() {
         "{words}"
     );
     assert_eq!(solve([1.0, 0.5, 0.0], 32).agreeing, 0);
+}
+
+/// A workspace that is used again counts the attempts of its own question alone.
+#[test]
+fn attempts_of_a_question_before_do_not_agree() {
+    let model = planar_arm(&[1.0, 0.4], Some((-2.5, 2.5)));
+    let tip = model.frame("tip").unwrap();
+    let solver = Solver::default();
+    let mut workspace = Workspace::new();
+    // The last is farther away than any before.
+    for target in [
+        [0.2, 0.1, 0.0],
+        [0.2, 0.1, 0.0],
+        [0.2, 0.05, 0.0],
+        [0.05, 0.1, 0.0],
+    ] {
+        let mut builder = Problem::builder(&model);
+        builder.add(Point::new(tip, target));
+        let problem = builder.build().unwrap();
+        let alone = solver.solve_once(&problem, &[0.3, 0.2]).unwrap();
+        let again = solver.solve(&problem, &[0.3, 0.2], &mut workspace).unwrap();
+        assert!(!alone.reached && alone.agreeing >= 3, "{target:?}");
+        assert!(again.agreeing <= again.attempts, "{target:?}: {again:?}");
+        let told = |solution: &Solution| (solution.agreeing, solution.attempts, solution.cost);
+        assert_eq!(told(again), told(&alone), "{target:?}");
+    }
 }
 
 /// What a task measures in one unit in several places is one error.

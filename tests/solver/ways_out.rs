@@ -141,6 +141,43 @@ fn a_target_out_of_reach_is_rested_at() {
     }
 }
 
+/// What is known of ways out belongs to where the body stood: put elsewhere it goes on as one that has always been there.
+#[test]
+fn a_body_that_is_put_elsewhere_takes_no_way_out_along() {
+    let mut out = 0;
+    for seed in 0..12 {
+        let random = &mut Random::new(seed);
+        let mut scene = Scene::new();
+        let up = random.within(0.36, 0.5);
+        let rest = scene.drag.q().to_vec();
+        for k in 1..=20 {
+            scene.advance(up * f64::from(k) / 20.0);
+        }
+        let mut rested = false;
+        for _ in 0..200 {
+            let before = scene.drag.q().to_vec();
+            scene.advance(up);
+            let moves = scene.drag.q().iter().zip(&before);
+            let moved = moves.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            rested |= moved < 1e-6;
+            // It has rested, and sets off again.
+            if !(rested && moved > 1e-3) || scene.drag.solution().reached {
+                continue;
+            }
+            out += 1;
+            let mut put = scene.drag.clone();
+            put.stand_at(&rest).unwrap();
+            let mut fresh = Drag::new(put.problem().clone(), &rest).unwrap();
+            let target = scene.from + Vector3::new(0.0, 0.0, up);
+            fresh.target_mut(scene.hand).unwrap().set_target(target);
+            for frame in 0..3 {
+                assert_eq!(put.advance().q, fresh.advance().q, "{seed}, frame {frame}");
+            }
+        }
+    }
+    assert!(out > 0);
+}
+
 /// Two links whose shoulder's limit is in the way of the side on which the elbow bends: only bent to the other side would
 /// they reach. A solver that may search goes there; a drag that rests does not flip.
 #[test]
