@@ -46,6 +46,11 @@ macro_rules! run {
                 }
                 $run(&stages, $prepared $(, $argument)*)
             }
+            // What has room for the longest chain takes some microseconds to make and to move.
+            None if is_short($prepared) => {
+                let stages = run!(@ $set, $lanes, FEW, 0);
+                $run(&stages, $prepared $(, $argument)*)
+            }
             None => run!(any, $set, $run, $lanes; $prepared $(, $argument)*),
         }
     };
@@ -74,6 +79,11 @@ fn usual_joints(prepared: &Prepared) -> Option<usize> {
     let joints = prepared.joints();
     let usual = prepared.links.all_revolute && !prepared.settings.weighted;
     (usual && (joints == 6 || joints == 7)).then_some(joints)
+}
+
+/// Whether a kernel with room for few joints is enough, for goals of the full pose.
+fn is_short(prepared: &Prepared) -> bool {
+    prepared.joints() <= FEW && !prepared.settings.weighted
 }
 
 /// Whether the fused functions below may run.

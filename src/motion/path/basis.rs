@@ -44,7 +44,8 @@ impl NullSpace {
                 column.swap(rank, row);
             }
             let own = self.matrix[pivot];
-            for &column in &self.order {
+            // Those before are unit columns.
+            for &column in &self.order[rank..] {
                 let column = &mut self.matrix[column];
                 column[rank] /= own[rank];
                 let by = column[rank];

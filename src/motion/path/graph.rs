@@ -19,6 +19,16 @@ pub(super) struct Chosen {
     pub(super) cost: Cost,
 }
 
+impl Chosen {
+    fn none(stations: usize) -> Self {
+        Self {
+            places: vec![0; stations],
+            joined: vec![true; stations],
+            cost: NEVER,
+        }
+    }
+}
+
 /// Which configurations of the first and the last station count; all, if none is said.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Between {
@@ -42,6 +52,33 @@ pub(super) fn fewest_reconfigurations(
     between: Between,
     apart: &[FalseEdge],
 ) -> Chosen {
+    // Most paths have one without, and those to leave a branch by are all pairs.
+    without_reconfiguration(growth, layers, weights, between, apart).unwrap_or_else(|| {
+        let chosen = best(growth, layers, weights, between, apart, true);
+        chosen.unwrap_or_else(|| Chosen::none(layers.len()))
+    })
+}
+
+/// The shortest way without a reconfiguration, if there is one.
+pub(super) fn without_reconfiguration(
+    growth: &Growth<'_>,
+    layers: &[Layer],
+    weights: &[f64],
+    between: Between,
+    apart: &[FalseEdge],
+) -> Option<Chosen> {
+    best(growth, layers, weights, between, apart, false)
+}
+
+/// The best way; none where it has to leave a branch and may not.
+fn best(
+    growth: &Growth<'_>,
+    layers: &[Layer],
+    weights: &[f64],
+    between: Between,
+    apart: &[FalseEdge],
+    may_leave: bool,
+) -> Option<Chosen> {
     let n = weights.len();
     let weights: Vec<f32> = weights.iter().map(|weight| *weight as f32).collect();
     let counts = |at: usize| layers[at].count(n);
@@ -80,12 +117,19 @@ pub(super) fn fewest_reconfigurations(
             weights: &weights,
             turns: &growth.turns,
             sorted: Sorted::of(from_layer, &limits, &growth.turns),
-            least: costs.iter().map(|cost| cost.0).min().unwrap_or(0),
+            cheapest: if may_leave {
+                cheapest(&costs)
+            } else {
+                Vec::new()
+            },
         };
         let ends = layers[to].q.chunks_exact(n).enumerate();
         let ends = ends.map(|(place, q)| step.best_to(place, q));
         let (next, places): (Vec<Cost>, Vec<u16>) = ends.unzip();
         costs = next;
+        if !may_leave && costs.iter().all(|cost| *cost == NEVER) {
+            return None;
+        }
         from.push(places);
     }
     let last = match between.last {
@@ -96,11 +140,11 @@ pub(super) fn fewest_reconfigurations(
             best.unwrap_or(0)
         }
     };
-    let mut chosen = Chosen {
-        places: vec![0; layers.len()],
-        joined: vec![true; layers.len()],
-        cost: costs.get(last).copied().unwrap_or(NEVER),
-    };
+    let mut chosen = Chosen::none(layers.len());
+    chosen.cost = costs.get(last).copied().unwrap_or(NEVER);
+    if !may_leave && chosen.cost == NEVER {
+        return None;
+    }
     let mut place = last;
     for at in (0..layers.len()).rev() {
         chosen.places[at] = place as u32;
@@ -109,7 +153,7 @@ pub(super) fn fewest_reconfigurations(
             chosen.joined[at] = before & JUMPED == 0;
         }
     }
-    chosen
+    Some(chosen)
 }
 
 /// Set in a place before where the step from it is a reconfiguration.
@@ -125,8 +169,18 @@ struct Step<'a> {
     weights: &'a [f32],
     turns: &'a Turns,
     sorted: Sorted,
-    /// Fewest reconfigurations of any configuration before.
-    least: u32,
+    /// The configurations before that came with the fewest reconfigurations, by their lengths, rising.
+    cheapest: Vec<usize>,
+}
+
+/// Those with the fewest reconfigurations, by length.
+fn cheapest(costs: &[Cost]) -> Vec<usize> {
+    let least = costs.iter().map(|cost| cost.0).min().unwrap_or(0);
+    let mut cheapest: Vec<usize> = (0..costs.len())
+        .filter(|place| costs[*place].0 == least)
+        .collect();
+    cheapest.sort_by(|a, b| costs[*a].1.total_cmp(&costs[*b].1));
+    cheapest
 }
 
 impl Step<'_> {
@@ -147,13 +201,21 @@ impl Step<'_> {
         if let Some(place) = self.layer.linked_to(own) {
             self.consider(&mut best, (place, own), q, true);
         }
-        // A reconfiguration pays only where no step is as good as what came with the fewest.
-        if best.0.0 > self.least {
-            for place in 0..self.costs.len() {
-                self.consider(&mut best, (place, own), q, false);
-            }
-        }
+        self.leave_for(&mut best, own, q);
         best
+    }
+
+    /// Takes a reconfiguration if that is better: from one of those that came with the fewest, as from another it is one more.
+    fn leave_for(&self, best: &mut (Cost, u16), own: usize, q: &[f32]) {
+        for &place in &self.cheapest {
+            let cost = self.costs[place];
+            let left = (cost.0.saturating_add(1), cost.1);
+            // The others are as long and longer before their step.
+            if order(&left, &best.0).is_ge() {
+                break;
+            }
+            self.consider(best, (place, own), q, false);
+        }
     }
 
     /// Takes a step if it is better than the best known.

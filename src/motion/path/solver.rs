@@ -3,7 +3,7 @@
 use super::bridge::bridge;
 use super::cartesian_path::{CartesianPath, Traversal};
 use super::error::PathError;
-use super::graph::{Between, Chosen, fewest_reconfigurations};
+use super::graph::{Between, Chosen, fewest_reconfigurations, without_reconfiguration};
 use super::knot_configurations::{self, Way, fill};
 use super::knots::Knots;
 use super::layers::{Growth, Layer};
@@ -176,10 +176,13 @@ impl<'a> PathSolver<'a> {
             let is_all = spare < 2 && !layers.iter().any(|layer| layer.full);
             let last = most == all || is_all;
             let between = Between::default();
-            let chosen = fewest_reconfigurations(&growth, &layers, &weights, between, &[]);
-            if chosen.cost.0 > 0 && !last {
-                continue;
-            }
+            let chosen = match last {
+                true => fewest_reconfigurations(&growth, &layers, &weights, between, &[]),
+                false => match without_reconfiguration(&growth, &layers, &weights, between, &[]) {
+                    Some(chosen) => chosen,
+                    None => continue,
+                },
+            };
             let way = self.along(&growth, &layers, (chosen, between))?;
             if best.as_ref().is_none_or(|best| way.rank() < best.rank()) {
                 best = Some(way);
