@@ -10,12 +10,13 @@ use super::solution::{MissReason, Missed, PathSolution, Reconfiguration};
 use super::solver::PathSolver;
 
 impl PathSolver<'_> {
-    /// What is true of a way.
+    /// What is true of a way, of which these knots touch something.
     pub(super) fn tell(
         &self,
         path: &CartesianPath,
         knots: &Knots,
         way: &Way,
+        touching: &[usize],
     ) -> Result<PathSolution, PathError> {
         let n = self.tools.own().joint_count();
         let weights = self.weights();
@@ -30,7 +31,8 @@ impl PathSolver<'_> {
             // The first comes again at a cyclic path's end.
             if knot < count {
                 solution.q.extend_from_slice(q);
-                if let Some(missed) = self.missed(knots, knot, way, knot)? {
+                let touches = touching.binary_search(&knot).is_ok();
+                if let Some(missed) = self.missed(knots, knot, way, touches)? {
                     solution.missed.push(missed);
                 }
             }
@@ -96,17 +98,20 @@ impl PathSolver<'_> {
         knots: &Knots,
         knot: usize,
         way: &Way,
-        index: usize,
+        touches: bool,
     ) -> Result<Option<Missed>, PathError> {
+        if way.reached[knot] && !touches {
+            return Ok(None);
+        }
         let arm = self.tools.of(knots.tool(knot));
         let q = way.row(knot, arm.joint_count());
         #[cfg(feature = "collision")]
-        let touching = arm.collisions(q)?.into_iter().next();
+        let touching = match touches {
+            true => arm.collisions(q)?.into_iter().next(),
+            false => None,
+        };
         #[cfg(not(feature = "collision"))]
         let touching = None;
-        if way.reached[knot] && touching.is_none() {
-            return Ok(None);
-        }
         let target = &knots.targets[knot];
         let (position_error, orientation_error, reached) = arm.errors_at(target, q)?;
         let reason = match (arm.falls_short(target), touching) {
@@ -115,7 +120,7 @@ impl PathSolver<'_> {
             _ => MissReason::NotFound,
         };
         Ok(Some(Missed {
-            index,
+            index: knot,
             position_error,
             orientation_error,
             reason,

@@ -110,10 +110,10 @@ impl<'a> PathSolver<'a> {
                 (best, touching) = (other, others);
             }
         }
-        self.tell(path, &knots, &best)
+        self.tell(path, &knots, &best, &touching)
     }
 
-    /// Which knots of a way touch something.
+    /// Which knots of a way touch something, rising.
     fn touching(&self, knots: &Knots, way: &Way) -> Result<Vec<usize>, PathError> {
         let (bounds, n) = (self.bounds(), self.tools.own().joint_count());
         let growth = Growth::new(&self.tools, knots, &bounds, 0);
@@ -226,7 +226,8 @@ impl<'a> PathSolver<'a> {
         growth.start = Some(&start);
         growth.end = Some(&end);
         let way = self.along(&growth, &layers, (chosen, between(turn)))?;
-        self.tell(path, &knots, &way)
+        let touching = self.touching(&knots, &way)?;
+        self.tell(path, &knots, &way, &touching)
     }
 
     /// Round once from where that is best: a reconfiguration less, if the path is entered where one would be.
