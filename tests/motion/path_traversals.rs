@@ -51,6 +51,30 @@ fn a_cyclic_path_ends_where_it_begins() {
     }
 }
 
+/// A ring has no seam: wherever it is begun, an arm with a joint to spare goes round on as short a way.
+#[test]
+fn a_cyclic_path_is_as_long_from_any_of_its_points() {
+    let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
+    let down = rotation_exp(Vector3::new(std::f64::consts::PI, 0.0, 0.0));
+    let point = |k: u32| {
+        let (sin, cos) = (TAU * f64::from(k) / 100.0).sin_cos();
+        let at = Vector3::new(0.45 + 0.12 * cos, 0.2 * sin, 0.3);
+        Placement::new(down, at)
+    };
+    let lengths = [0, 25, 50, 75].map(|begin| {
+        let points: Vec<_> = (begin..begin + 100).map(point).collect();
+        let path = CartesianPath::new(points).unwrap();
+        let path = path.with_traversal(Traversal::Cyclic);
+        let solution = PathSolver::new(&arm).solve(&path).unwrap();
+        assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
+        solution.length
+    });
+    let (least, most) = (lengths.iter()).fold((f64::MAX, 0.0_f64), |(least, most), length| {
+        (least.min(*length), most.max(*length))
+    });
+    assert!(most < least * (1.0 + 1e-4), "{lengths:?}");
+}
+
 /// A tool that turns once round itself while it goes round comes back a turn on: an arm whose last joint has limits takes that back.
 #[test]
 fn a_turn_that_is_left_is_told() {

@@ -107,7 +107,7 @@ fn guess(growth: &Growth<'_>, layers: &[Layer], chosen: &Chosen) -> Vec<f64> {
     q
 }
 
-/// Ends that were given stay as they were given.
+/// Ends that were given stay as they were given; those of a ring until it is shortened.
 pub(super) fn keep_ends(growth: &Growth<'_>, way: &mut Way) {
     let n = growth.middle.len();
     if let Some(start) = growth.start {

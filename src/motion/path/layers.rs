@@ -54,6 +54,8 @@ pub(super) struct Growth<'a> {
     /// Where the path begins and ends, if that is given.
     pub(super) start: Option<&'a [f64]>,
     pub(super) end: Option<&'a [f64]>,
+    /// Of a ring that may begin in any configuration, how far the joints have come at its end: both of those move together.
+    pub(super) ring: Option<Vec<f64>>,
     /// What joints that turn without end count from, how near one configuration may be to another by joint, and which joints slide.
     pub(super) middle: Vec<f64>,
     pub(super) merging: Vec<f32>,
@@ -91,6 +93,7 @@ impl<'a> Growth<'a> {
             looked_for: most / 2,
             start: None,
             end: None,
+            ring: None,
             middle: middle.collect(),
             merging: (arm.scales().iter())
                 .map(|scale| MERGING / *scale as f32)

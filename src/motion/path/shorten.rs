@@ -3,7 +3,7 @@
 //! Every configuration moves along the null space of its own target, q + N z, so that Σ wᵢ |q(i+1) − q(i)|² becomes least, which is a
 //! block-tridiagonal system in z; with wᵢ one over the length of a step its minimum is the shortest way (Weiszfeld's method). Then
 //! each is brought back onto its target, and the round is kept if the way has become shorter, no joint leaves its limits, no
-//! step grows longer than it may, and nothing touches.
+//! step grows longer than it may, and nothing touches. A ring is gone round: its last knot is the first one again.
 
 use super::PathError;
 use super::basis::NullSpace;
@@ -26,6 +26,8 @@ pub(super) struct Shortening<'a, 'b> {
     pub(super) weights: &'a [f64],
     /// Most rounds.
     pub(super) rounds: usize,
+    /// Of a ring, how far the joints have come at its end: the first configuration moves as well, and the last one with it.
+    pub(super) ring: Option<&'a [f64]>,
 }
 
 /// What one round works with.
@@ -88,12 +90,20 @@ impl Shortening<'_, '_> {
         let count = way.reached.len();
         room.held.clear();
         room.held.extend(way.reached.iter().map(|reached| !reached));
-        room.held[0] |= self.growth.start.is_some();
-        room.held[count - 1] |= self.growth.end.is_some();
+        let ring = self.ring;
+        if ring.is_none() {
+            room.held[0] |= self.growth.start.is_some();
+            room.held[count - 1] |= self.growth.end.is_some();
+        }
         room.slopes.resize(6 * n, 0.0);
         let mean = self.length(&way.q) / (count - 1) as f64;
+        let weight = |knot: usize| {
+            let length = step_length(way.row(knot - 1, n), way.row(knot, n), self.weights);
+            length.max(SHORTEST_SHARE * mean).max(1e-9).recip()
+        };
         room.system.begin(n, self.weights);
-        for knot in 0..count {
+        let knots_of_its_own = count - usize::from(ring.is_some());
+        for knot in 0..knots_of_its_own {
             let q = way.row(knot, n);
             let mut directions: &[f64] = &[];
             if !room.held[knot] && !room.failed[knot] {
@@ -102,17 +112,14 @@ impl Shortening<'_, '_> {
                 room.null_space.of(&room.slopes, arm.scales());
                 directions = &room.null_space.directions;
             }
-            let weight = match knot {
-                0 => 0.0,
-                _ => {
-                    let length = step_length(way.row(knot - 1, n), q, self.weights);
-                    length.max(SHORTEST_SHARE * mean).max(1e-9).recip()
-                }
-            };
+            let weight = if knot == 0 { 0.0 } else { weight(knot) };
             room.system.push(q, directions, weight);
         }
+        if let Some(turns) = ring {
+            room.system.close(turns, weight(count - 1));
+        }
         let limits: Vec<(f64, f64)> = arm.limits().map(|l| (l.lower, l.upper)).collect();
-        room.system.solve(&way.q, &limits);
+        room.system.solve(&way.q[..knots_of_its_own * n], &limits);
         Ok(())
     }
 
@@ -133,6 +140,11 @@ impl Shortening<'_, '_> {
         room.trial.clear();
         room.trial
             .extend(way.q.iter().zip(moves).map(|(q, by)| q + share * by));
+        if let Some(turns) = self.ring {
+            let last = room.trial[..n].iter().zip(turns).map(|(q, turn)| q + turn);
+            let last: Vec<f64> = last.collect();
+            room.trial.extend(last);
+        }
         let limits = self.growth.arms.own().limits();
         for (joint, limits) in limits.enumerate() {
             for row in room.trial.chunks_exact_mut(n) {
@@ -157,6 +169,7 @@ impl Shortening<'_, '_> {
                 ends.q[knot * n..(knot + 1) * n].copy_from_slice(way.row(knot, n));
             }
         }
+        self.tie(&mut ends.q);
         // A step that has become too long is taken back with its neighbours.
         let mut settled = false;
         for _ in 0..8 {
@@ -175,6 +188,13 @@ impl Shortening<'_, '_> {
                     }
                     ends.q[both.clone()].copy_from_slice(&way.q[both]);
                     room.failed[knot] = true;
+                    // What a ring's end does its begin does.
+                    let last = way.reached.len() - 1;
+                    if self.ring.is_some() && (knot == 1 || knot == last) {
+                        ends.q[..n].copy_from_slice(way.row(0, n));
+                        ends.q[last * n..].copy_from_slice(way.row(last, n));
+                        room.failed[0] |= knot == last;
+                    }
                 }
             }
             if settled {
@@ -187,6 +207,20 @@ impl Shortening<'_, '_> {
         }
         std::mem::swap(&mut way.q, &mut ends.q);
         Ok(Some(shorter))
+    }
+}
+
+impl Shortening<'_, '_> {
+    /// Puts a ring's last configuration where its first one is, so many turns on.
+    fn tie(&self, q: &mut [f64]) {
+        let Some(turns) = self.ring else {
+            return;
+        };
+        let last = q.len() - turns.len();
+        let (before, last) = q.split_at_mut(last);
+        for (last, (first, turn)) in last.iter_mut().zip(before.iter().zip(turns)) {
+            *last = first + turn;
+        }
     }
 }
 

@@ -223,6 +223,14 @@ impl<'a> PathSolver<'a> {
             return Err(PathError::Empty);
         };
         let (start, end) = growth.closing_ends(&layers, turn.0, turn.1)?;
+        if growth.start.is_none() {
+            growth.ring = Some(
+                end.iter()
+                    .zip(&start)
+                    .map(|(end, start)| end - start)
+                    .collect(),
+            );
+        }
         growth.start = Some(&start);
         growth.end = Some(&end);
         let way = self.along(&growth, &layers, (chosen, between(turn)))?;
@@ -282,18 +290,27 @@ impl<'a> PathSolver<'a> {
             }
         }
         bridge(growth, &mut way)?;
-        let shortening = Shortening {
-            growth,
-            weights: &weights,
-            rounds: ROUNDS,
-        };
+        // Of a ring what is between its ends first: all of it at once may drift far for little, and takes short steps then.
+        let rings = [None, growth.ring.as_deref()];
+        let rings = &rings[..1 + usize::from(growth.ring.is_some())];
         // Its rounds take some 300 bytes a point.
-        if growth.knots.len() <= LONGEST_SHORTENED {
+        for ring in rings
+            .iter()
+            .filter(|_| growth.knots.len() <= LONGEST_SHORTENED)
+        {
+            let shortening = Shortening {
+                growth,
+                weights: &weights,
+                rounds: ROUNDS,
+                ring: *ring,
+            };
             shortening.run(&mut way)?;
             // It has drawn the branches together.
             bridge(growth, &mut way)?;
         }
-        knot_configurations::keep_ends(growth, &mut way);
+        if growth.ring.is_none() {
+            knot_configurations::keep_ends(growth, &mut way);
+        }
         knot_configurations::rejoin(growth, &mut way);
         Ok(way)
     }
