@@ -210,7 +210,7 @@ impl Ranked<'_, '_> {
         let mut goals = Evaluation::of(share, self.question, self.scratch);
         goals.residual(x, residual);
         goals.residual(&self.memory.x, own);
-        is_better(problem, 1.0, own, residual)
+        is_better(problem, 1.0 - SAME_MISS, own, residual)
     }
 
     /// A rank's descent from where the ranks above are; what ended it early.
