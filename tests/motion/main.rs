@@ -37,6 +37,7 @@ mod retargeted_soles;
 mod retargeting;
 mod shipped_capture;
 mod slide;
+mod speeds_of_followers;
 mod spliced_keys;
 mod turning_bodies;
 mod walker;
