@@ -20,5 +20,5 @@ pub use body_miss::BodyMiss;
 pub use drag::{DragScene, at_ease, drag_targets};
 pub use figure::{every_angle_free, figure, random_targets};
 pub use sequence::Sequence;
-pub use stages::{Run, Stage, stages};
+pub use stages::{Run, Stage, cloud_of_points, panda_among, shell_of_primitives, stages};
 pub use thread_time::ThreadTime;

@@ -136,8 +136,9 @@ impl BoxTree {
                         best = visit(item, best);
                     }
                 }
-                Contents::Nodes(children) => {
-                    let [a, b] = children.map(|child| (child, bound(&self.node_bounds(child))));
+                Contents::Nodes([a, b]) => {
+                    let a = (a, bound(&self.nodes[a as usize].bounds));
+                    let b = (b, bound(&self.nodes[b as usize].bounds));
                     let (near, far) = if a.1 <= b.1 { (a, b) } else { (b, a) };
                     stack[height] = far;
                     stack[height + 1] = near;

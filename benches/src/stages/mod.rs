@@ -14,6 +14,8 @@ mod solvers;
 
 use std::error::Error;
 
+pub use obstacles::{cloud_of_points, panda_among, shell_of_primitives};
+
 /// One run of a stage.
 pub type Run = Box<dyn FnMut()>;
 

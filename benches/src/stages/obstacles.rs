@@ -29,42 +29,52 @@ pub(super) fn stages() -> Vec<Stage> {
             || spheres(&World::new()),
         ),
         stage("spheres of a Panda, 30 primitives", || {
-            spheres(&primitives(30)?)
+            spheres(&shell_of_primitives(30)?)
         }),
         stage("spheres of a Panda, 100 primitives", || {
-            spheres(&primitives(100)?)
+            spheres(&shell_of_primitives(100)?)
         }),
         stage("spheres of a Panda, 1000 primitives", || {
-            spheres(&primitives(1000)?)
+            spheres(&shell_of_primitives(1000)?)
         }),
         stage("spheres of a Panda, 10 000 primitives", || {
-            spheres(&primitives(10_000)?)
+            spheres(&shell_of_primitives(10_000)?)
         }),
         stage("spheres of a Panda, 10 000 points", || {
-            spheres(&points(10_000)?)
+            spheres(&cloud_of_points(10_000)?)
         }),
         stage("spheres of a Panda, 100 000 points", || {
-            spheres(&points(100_000)?)
+            spheres(&cloud_of_points(100_000)?)
         }),
         stage("spheres of a Panda, 1 000 000 points", || {
-            spheres(&points(1_000_000)?)
+            spheres(&cloud_of_points(1_000_000)?)
         }),
         stage("shapes of a Panda, 30 primitives", || {
-            shapes(&primitives(30)?)
+            shapes(&shell_of_primitives(30)?)
         }),
         stage("shapes of a Panda, 10 000 primitives", || {
-            shapes(&primitives(10_000)?)
+            shapes(&shell_of_primitives(10_000)?)
         }),
     ]
 }
 
-/// An arm among what stands around it, and configurations that are drawn, two of three of which are free.
-fn panda(world: &World) -> Result<(Arm, Checker, Vec<f64>), Box<dyn Error>> {
+/// A Panda that keeps clear of what stands around it.
+///
+/// # Errors
+///
+/// When the shipped robot cannot be read.
+pub fn panda_among(world: &World) -> Result<(Arm, Checker), Box<dyn Error>> {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/franka_panda.urdf");
     let robot = Robot::read(file)?;
     let checker = Checker::of(&robot)?.with_world(world)?;
     let arm = Arm::builder(&robot, "base", "flange").build()?;
     let arm = arm.with_checker(&checker, &robot.model().neutral())?;
+    Ok((arm, checker))
+}
+
+/// The same, and configurations that are drawn, two of three of which are free.
+fn panda(world: &World) -> Result<(Arm, Checker, Vec<f64>), Box<dyn Error>> {
+    let (arm, checker) = panda_among(world)?;
     let mut random = Sequence::new(0.25);
     let (mut q, mut drawn) = (Vec::new(), Vec::new());
     let mut touching = 0;
@@ -85,7 +95,11 @@ fn panda(world: &World) -> Result<(Arm, Checker, Vec<f64>), Box<dyn Error>> {
 }
 
 /// So many boxes, cylinders and balls in a shell around the base, which take up about as much room however many they are.
-fn primitives(count: usize) -> Result<World, Box<dyn Error>> {
+///
+/// # Errors
+///
+/// None.
+pub fn shell_of_primitives(count: usize) -> Result<World, Box<dyn Error>> {
     let mut random = Sequence::new(0.75);
     let size = 0.4 / (count as f64).cbrt();
     let mut world = World::new();
@@ -103,7 +117,11 @@ fn primitives(count: usize) -> Result<World, Box<dyn Error>> {
 }
 
 /// A cloud, as a camera sees it: points on a table and on a wall.
-fn points(count: usize) -> Result<World, Box<dyn Error>> {
+///
+/// # Errors
+///
+/// None.
+pub fn cloud_of_points(count: usize) -> Result<World, Box<dyn Error>> {
     let mut random = Sequence::new(0.75);
     let points = (0..count).map(|index| {
         let (u, v) = (random.unit(), random.unit());

@@ -72,5 +72,6 @@ fn near_any<V: LaneScalar>(
         }
         room.q.push(lanes);
     }
+    room.asked = count;
     near::near(chain, solids, room) & ((1u32 << count) - 1)
 }

@@ -14,6 +14,8 @@ use crate::spatial::{Matrix3, Placement, Vector3};
 pub(crate) struct Room<V> {
     /// Joint values in lanes, radians and metres.
     pub(super) q: Vec<V>,
+    /// So many lanes, the first, have a configuration of their own.
+    pub(super) asked: usize,
     /// After so many joints.
     frames: Vec<Placement<V>>,
     /// The middles of the bodies' bounds.
@@ -24,19 +26,31 @@ pub(crate) struct Room<V> {
     placed: Vec<bool>,
     /// The solids that a body's bound is near.
     near_solids: Vec<u32>,
+    /// Spheres that may be near many solids.
+    undecided: Vec<Undecided>,
     /// The spheres of a body, by place, that another's bound is near, and their radii.
     near: Vec<(usize, f64)>,
+}
+
+/// A sphere, by place, in one lane, and how near nothing is to come to its middle, metres.
+#[derive(Clone, Copy, Debug)]
+struct Undecided {
+    sphere: usize,
+    lane: usize,
+    reach: f64,
 }
 
 impl<V> Default for Room<V> {
     fn default() -> Self {
         Self {
             q: Vec::new(),
+            asked: 0,
             frames: Vec::new(),
             middles: Vec::new(),
             spheres: Vec::new(),
             placed: Vec::new(),
             near_solids: Vec::new(),
+            undecided: Vec::new(),
             near: Vec::new(),
         }
     }
@@ -49,7 +63,8 @@ impl<V> Default for Room<V> {
 pub(super) fn near<V: LaneScalar>(chain: &BodyChain, solids: &Solids, room: &mut Room<V>) -> u32 {
     let margin = solids.margin();
     place(chain, room);
-    let mut touched = none::<V>();
+    let mut touched = unasked(room);
+    room.undecided.clear();
     // Hands first, as they are where things are.
     for index in (0..chain.bodies.len()).rev() {
         // What stands with the base is as near as it is: its spheres may stick out into what it stands on.
@@ -58,7 +73,7 @@ pub(super) fn near<V: LaneScalar>(chain: &BodyChain, solids: &Solids, room: &mut
         }
         touched = near_solids(chain, index, solids, margin, room, touched);
         if let Some(many) = solids.many() {
-            touched = near_many(chain, index, many, margin, room, touched);
+            touched = roughly_near_many(chain, index, many, margin, room, touched);
         }
         if !V::any(!touched) {
             return V::mask_bits(touched);
@@ -74,13 +89,24 @@ pub(super) fn near<V: LaneScalar>(chain: &BodyChain, solids: &Solids, room: &mut
             }
         }
     }
-    V::mask_bits(touched)
+    let touched = V::mask_bits(touched);
+    match solids.many() {
+        Some(many) => near_many(many, room, touched),
+        None => touched,
+    }
 }
 
-/// No lane.
+/// The lanes without a configuration of their own: nothing is asked about them.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn none<V: LaneScalar>() -> V::Mask {
-    V::zero().less_than(V::zero())
+fn unasked<V: LaneScalar>(room: &Room<V>) -> V::Mask {
+    let mut unasked = V::zero();
+    if room.asked == V::WIDTH {
+        return unasked.less_than(unasked);
+    }
+    for lane in room.asked..V::WIDTH {
+        unasked.set_lane(lane, 1.0);
+    }
+    V::zero().less_than(unasked)
 }
 
 /// Where the bodies stand.
@@ -160,9 +186,10 @@ fn near_solids<V: LaneScalar>(
     touched
 }
 
-/// Those lanes, beside the ones known already, in which a body is near some of many solids.
+/// Those lanes, beside the ones known already, in which a body is near some of many solids, as far as that is soon told; what is not
+/// is left undecided.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn near_many<V: LaneScalar>(
+fn roughly_near_many<V: LaneScalar>(
     chain: &BodyChain,
     index: usize,
     many: &ManySolids,
@@ -185,16 +212,41 @@ fn near_many<V: LaneScalar>(
     }
     let range = place_spheres(chain, index, room);
     let mut touched = V::zero();
-    for (middle, sphere) in room.spheres[range].iter().zip(&body.spheres) {
+    for (sphere, ball) in range.zip(&body.spheres) {
+        let reach = ball.radius + margin;
         for lane in 0..V::WIDTH {
-            let asked = open >> lane & 1 == 1;
-            if asked && many.near(in_lane(middle, lane), sphere.radius + margin) {
-                touched.set_lane(lane, 1.0);
-                open &= !(1 << lane);
+            if open >> lane & 1 == 0 {
+                continue;
+            }
+            match many.roughly_near(in_lane(&room.spheres[sphere], lane), reach) {
+                Some(true) => {
+                    touched.set_lane(lane, 1.0);
+                    open &= !(1 << lane);
+                }
+                Some(false) => {}
+                None => room.undecided.push(Undecided {
+                    sphere,
+                    lane,
+                    reach,
+                }),
             }
         }
     }
     known | V::zero().less_than(touched)
+}
+
+/// Those lanes, beside the ones known already, in which an undecided sphere is near some of many solids: last, as most that touch do so
+/// elsewhere too, where it is sooner told.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn near_many<V: LaneScalar>(many: &ManySolids, room: &Room<V>, known: u32) -> u32 {
+    let mut touched = known;
+    for one in &room.undecided {
+        let middle = in_lane(&room.spheres[one.sphere], one.lane);
+        if touched >> one.lane & 1 == 0 && many.near(middle, one.reach) {
+            touched |= 1 << one.lane;
+        }
+    }
+    touched
 }
 
 /// Those lanes, beside the ones known already, in which two bodies are near each other.

@@ -25,7 +25,15 @@ impl Shape {
         }
     }
 
-    /// The same, with the place on the surface that is nearest.
+    /// Whether that is less than so far: of a cloud the first point that is so near tells.
+    pub(crate) fn is_within(&self, p: Vector3<f64>, reach: f64) -> bool {
+        match self.kind() {
+            ShapeKind::Points(cloud) => is_within_cloud(p, cloud, reach),
+            _ => self.signed_distance(p) < reach,
+        }
+    }
+
+    /// [The signed distance](Self::signed_distance), with the place on the surface that is nearest.
     pub(crate) fn nearest(&self, p: Vector3<f64>) -> Nearest {
         match self.kind() {
             ShapeKind::Sphere { radius } => from_core(p, Vector3::zero(), *radius),
@@ -193,6 +201,23 @@ fn of_cloud(p: Vector3<f64>, cloud: &PointCloud, limit: f64) -> Nearest {
         Some(point) => from_core(p, point, cloud.radius()),
         None => (f64::INFINITY, p),
     }
+}
+
+fn is_within_cloud(p: Vector3<f64>, cloud: &PointCloud, reach: f64) -> bool {
+    let within = reach + cloud.radius();
+    let least = cloud.tree().nearest(
+        within * within,
+        |bounds| bounds.squared_distance(p),
+        |index, least| {
+            let far = (p - cloud.positions()[index as usize]).norm();
+            match far - cloud.radius() < reach {
+                // No other is asked.
+                true => f64::NEG_INFINITY,
+                false => least,
+            }
+        },
+    );
+    least < 0.0
 }
 
 /// The place of a triangle that is nearest to a point (Ericson, "Real-Time Collision Detection", 5.1.5), and whether

@@ -404,6 +404,7 @@ fn divide(
 #[cfg(test)]
 mod tests {
     use super::{DAMPING_OF_A_RING, Tridiagonal};
+    use crate::scalar::elementary;
 
     /// A chain in the plane between two fixed ends, whose inner knots must stay above a line: they come to lie on it, evenly.
     #[test]
@@ -443,8 +444,8 @@ mod tests {
         let place = |knot: usize| {
             let knot = knot as f64;
             [
-                0.1 * knot + 0.05 * (knot * 1.3).sin(),
-                0.1 * (knot * 0.7).cos(),
+                0.1 * knot + 0.05 * elementary::sin_cos(knot * 1.3).0,
+                0.1 * elementary::sin_cos(knot * 0.7).1,
             ]
         };
         let weight = |knot: usize| 1.0 + 0.1 * (knot % count) as f64;
