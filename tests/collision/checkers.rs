@@ -268,3 +268,35 @@ fn what_reaches_far_at_either_end_of_a_way_is_stopped() {
         }
     }
 }
+
+/// A way that comes straight to where less than the margin is left is stopped there, by what stands as by another link.
+#[test]
+fn a_way_into_the_margin_is_stopped() {
+    let mut builder = Model::builder("two slides");
+    let (x, here, room) = (
+        Vector3::UNITS[0],
+        Placement::identity(),
+        Limits::new(0.0, 9.0),
+    );
+    let one = builder.prismatic("one", None, here, x, room);
+    let one = builder.frame("one", Some(one), here);
+    let far = Placement::translation(Vector3::new(2.0, 0.0, 0.0));
+    let other = builder.prismatic("other", None, far, -x, room);
+    let other = builder.frame("other", Some(other), here);
+    let model = builder.build().unwrap();
+    let ball = |frame| CollisionObject::new("ball", frame, here, Shape::sphere(0.1).unwrap());
+    let own = CollisionModel::new(&model, vec![ball(one), ball(other)]).unwrap();
+    // Both come to 1.8, a wall or each other 0.1 from their middles and a gap away.
+    for (gap, stops) in [(0.02, true), (0.049, true), (0.051, false)] {
+        for (to, wall_at) in [([1.0, 0.8 - gap], 9.0), ([1.0, 0.0], 1.2 + gap)] {
+            let checker = Checker::new(own.clone())
+                .with_world(&wall(wall_at))
+                .unwrap();
+            let checker = checker.with_margin(0.05).unwrap();
+            let mut workspace = checker.workspace();
+            let way = checker.way(&mut workspace, &[0.0; 2], &to).unwrap();
+            assert_eq!(way.blocked_by.is_some(), stops, "{gap} {to:?}: {way:?}");
+            assert_eq!(way.free < 1.0, stops, "{gap} {to:?}: {way:?}");
+        }
+    }
+}

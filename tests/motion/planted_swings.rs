@@ -5,7 +5,7 @@
 use glam::{DVec3, Vec3};
 use kinopt::animation::{Armature, Clip};
 
-use crate::clip_ik::{HIPS, at, bend, figure, planted, walk};
+use crate::clip_ik::{HIPS, at, bend, figure, planted, pose, walk};
 
 /// A pole is no step: a foot that would climb it goes where it went without, up to half as high again as the step itself.
 #[test]
@@ -89,5 +89,37 @@ fn an_edge_is_cleared_by_the_lower_of_two_stances() {
             .map(|at| at.y - ground(at) - lowest);
         let least = over.fold(f64::INFINITY, f64::min);
         assert!(least.abs() < 2e-3, "{raised:?}: {least} m over the edge");
+    }
+}
+
+/// Neither where a stance begins nor where it ends is nearer to the clip than the other.
+#[test]
+fn a_clip_backwards_is_planted_backwards() {
+    let armature = figure();
+    let walk = walk(&armature, true);
+    let moments: Vec<f64> = (0..=60).map(|k| f64::from(k) / 30.0).collect();
+    let times: Vec<f32> = moments.iter().map(|time| *time as f32).collect();
+    let poses = moments.iter().rev();
+    let poses: Vec<_> = poses.map(|time| pose(&armature, &walk, *time)).collect();
+    let back = Clip::through_poses("back", &armature, &times, &poses).unwrap();
+    for height in [0.0, 0.12] {
+        let solve = |clip: &Clip| {
+            let stairs = move |at: DVec3| height * (at.z / 0.4).floor().max(0.0);
+            planted(&armature)
+                .with_ground(move |at| stairs(at.into()))
+                .with_keys_per_second(30.0)
+                .solve(clip)
+                .unwrap()
+        };
+        let [there, back] = [&walk, &back].map(solve);
+        assert_eq!(there.stances.len(), back.stances.len());
+        for time in &moments {
+            for foot in ["foot.l", "foot.r"] {
+                let one = at(&armature, &there.clip, foot, *time);
+                let other = at(&armature, &back.clip, foot, 2.0 - time);
+                let off = one.distance(other);
+                assert!(off < 2e-4, "{foot} at {time} s, {height} m: {off} m");
+            }
+        }
     }
 }

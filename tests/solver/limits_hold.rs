@@ -5,10 +5,11 @@
 use std::ops::ControlFlow;
 
 use kinopt::ik::Restarts;
-use kinopt::model::{Limits, Model};
+use kinopt::model::{Limits, Model, ParameterMap};
 use kinopt::problem::{Derivatives, Problem};
 use kinopt::solver::{Iteration, Stopping};
-use kinopt::task::{Orientation, Point, Pose};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{Orientation, Point, Pose, Posture};
 use kinopt::{Solver, Workspace};
 use support::bones::RandomRig;
 use support::maps::maps_of;
@@ -205,4 +206,31 @@ fn a_problems_bounds_on_followers_hold_too() {
             }
         }
     }
+}
+
+/// Where its leader is on its bound, a follower is on its own or within it, whatever rounding says.
+#[test]
+fn rounding_takes_no_follower_beyond_a_problems_bound() {
+    let mut random = Random::new(12);
+    let (mut on_bound, wide) = (0, Limits::new(-20.0, 20.0));
+    for case in 0..200 {
+        let (here, z) = (Placement::identity(), Vector3::UNITS[2]);
+        let mut builder = Model::builder("leader and follower");
+        let leader = builder.revolute("leader", None, here, z, wide);
+        let follower = builder.revolute("follower", Some(leader), here, z, wide);
+        let model = builder.build().unwrap();
+        let (ratio, offset) = (random.within(0.2, 3.0), random.within(-1.0, 1.0));
+        let room = Limits::new(random.within(-3.0, -2.0), random.within(2.0, 3.0));
+        let map = ParameterMap::builder(&model).with_coupled(follower, leader, ratio, offset);
+        let mut builder = Problem::builder(&model);
+        builder.parameters(map.build().unwrap());
+        builder.bound(follower, room);
+        let far = if case % 2 == 0 { 19.0 } else { -19.0 };
+        builder.add(Posture::of_joints([(leader, far)]));
+        let solution = Solver::default().solve_once(&builder.build().unwrap(), &[0.0; 2]);
+        let q = solution.unwrap().q[1];
+        assert!(room.contains(q), "{case}: {q:?} in {room:?}");
+        on_bound += usize::from(q == room.lower || q == room.upper);
+    }
+    assert!(on_bound > 100, "{on_bound}");
 }

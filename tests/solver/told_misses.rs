@@ -170,6 +170,30 @@ fn out_of_reach_is_beyond_the_tolerance() {
     }
 }
 
+/// What is reached is not out of reach, whatever the same workspace or drag was asked before.
+#[test]
+fn what_is_reached_is_not_out_of_reach() {
+    let model = planar_arm(&[1.0, 0.4], Some((-2.5, 2.5)));
+    let tip = model.frame("tip").unwrap();
+    let mut builder = Problem::builder(&model);
+    let hand = builder.add(Point::new(tip, [3.0, 0.0, 0.0]));
+    let problem = builder.build().unwrap();
+    let solver = Solver::default();
+    let mut workspace = Workspace::new();
+    let far = solver.solve(&problem, &[0.3, 0.2], &mut workspace).unwrap();
+    assert!(far.is_out_of_reach());
+    let mut builder = Problem::builder(&model);
+    builder.add(Point::new(tip, [1.0, 0.5, 0.0]));
+    let near = builder.build().unwrap();
+    let near = solver.solve(&near, &[0.3, 0.2], &mut workspace).unwrap();
+    assert!(near.reached && !near.is_out_of_reach());
+    let mut drag = Drag::new(problem, &[0.3, 0.2]).unwrap();
+    assert!(drag.settle(100).is_out_of_reach());
+    drag.target_mut(hand).unwrap().set_target([1.0, 0.5, 0.0]);
+    let near = drag.settle(100);
+    assert!(near.reached && !near.is_out_of_reach());
+}
+
 /// What is within its tolerance is no miss.
 #[test]
 fn of_a_pose_only_what_is_missed_is_told() {
