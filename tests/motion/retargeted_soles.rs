@@ -127,6 +127,55 @@ fn a_foot_whose_ankle_ends_is_not_tipped_into_the_ground() {
     }
 }
 
+/// A foot that had to be held firmly in one stance is held as any other where it lands next.
+#[test]
+fn what_a_foot_did_in_one_stance_is_over_in_the_next() {
+    let robot = legs(SOLE);
+    let model = robot.model();
+    let map = BodyMap::from_json(ANKLES, "legs").unwrap();
+    let capture = Capture::new(map.joints.clone(), &person(), RATE).unwrap();
+    let fitted = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
+    let stood = fitted.targets(0).unwrap();
+    let driven = fitted.driven();
+    let is = |k: usize, what: &str| model.frames()[driven[k].index()].name.ends_with(what);
+    // Frames on the ground, in the air and on the ground again, where the body leans; in the first it goes down by so much.
+    let second_stance = |down: f64| {
+        let mut follower = fitted.follower().unwrap();
+        let mut rows = Vec::new();
+        for frame in 0..400 {
+            let share = f64::from(frame % 100) / 100.0;
+            let wave = 0.5 * (1.0 - (std::f64::consts::TAU * share).cos());
+            let (on_ground, down, aside) = match frame / 100 {
+                0 => (true, down * wave, 0.0),
+                3 => (true, 0.0, 0.25 * wave),
+                _ => (false, 0.0, 0.0),
+            };
+            let places = stood.iter().enumerate().map(|(k, at)| {
+                let by = match () {
+                    () if is(k, "pelvis") || is(k, "thigh") => Vector3::new(down, aside, -down),
+                    () if is(k, "shank") => Vector3::new(down, 0.5 * aside, 0.0),
+                    () if !on_ground => Vector3::new(0.0, 0.0, 0.1),
+                    () => Vector3::zero(),
+                };
+                *at + by
+            });
+            let places: Vec<_> = places.collect();
+            let stands: Vec<f64> = (0..places.len())
+                .map(|k| f64::from(on_ground && is(k, "foot")))
+                .collect();
+            let q = follower.advance(&places, &stands).unwrap();
+            if frame >= 250 {
+                rows.push(q.to_vec());
+            }
+        }
+        rows
+    };
+    let (deep, level) = (second_stance(0.3), second_stance(0.0));
+    let moves = deep.iter().flatten().zip(level.iter().flatten());
+    let most = moves.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(most < 1e-5, "{most} rad");
+}
+
 /// Under each corner a small ball, and a little farther in a large one that comes 1.4 cm lower though its middle is higher.
 const PADS: [([f64; 3], f64); 8] = [
     ([-0.05, -0.03, -0.03], 0.002),
