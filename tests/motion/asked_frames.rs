@@ -1,8 +1,8 @@
 //! Promise: a goal that counts for nothing in a frame is not missed there, wherever its target is; one that counts is told by its frame.
 
-use crate::slide::slide;
+use crate::slide::{rail, slide};
 use kinopt::ik::Side;
-use kinopt::motion::clip::{MotionProblem, MotionSolver, RateCost};
+use kinopt::motion::clip::{MotionBound, MotionProblem, MotionSolver, RateCost};
 use kinopt::task::Point;
 
 const FRAMES: usize = 9;
@@ -59,6 +59,36 @@ fn a_limit_that_is_far_holds_nothing() {
             match frame < 6 {
                 true => assert!(held.is_empty(), "{tolerance} {frame}: {held:?}"),
                 false => assert_eq!(held, [Side::Upper], "{tolerance} {frame}"),
+            }
+        }
+    }
+}
+
+/// A speed that is far below its limit holds nothing, however long the rail is; one that is at it does.
+#[test]
+fn a_speed_that_is_not_reached_holds_nothing() {
+    let (model, tool) = rail(1e3);
+    for (step, held) in [(0.05, false), (0.15, true)] {
+        for tolerance in [1e-3, 1e-5, 1e-7] {
+            let mut motion = MotionProblem::builder(&model, 12, 0.1);
+            let task = motion.add(Point::new(tool, [0.0; 3]));
+            motion.follow(task, move |frame, own| {
+                own.set_target([step * frame as f64, 0.0, 0.0])
+            });
+            motion.max_speed("slide", 1.0);
+            motion.rate_cost(RateCost::velocity(1e-3));
+            let motion = motion.build().unwrap();
+            let solver = MotionSolver::default().with_tolerance(tolerance);
+            let solved = solver.solve(&motion, &[0.0]).unwrap();
+            // The last may be slower, as nothing comes after it.
+            for frame in 1..11 {
+                let told: Vec<_> = solved.active_limits(frame).collect();
+                let speeds = told.iter().map(|limit| (limit.bound, limit.side));
+                let speeds: Vec<_> = speeds.collect();
+                match held {
+                    true => assert_eq!(speeds, [(MotionBound::Speed, Side::Upper)]),
+                    false => assert!(speeds.is_empty(), "{tolerance} {frame}: {speeds:?}"),
+                }
             }
         }
     }

@@ -165,6 +165,34 @@ fn of_entries_that_save_as_much_the_shortest_is_taken() {
     assert_ne!(best.entry, 0);
 }
 
+/// How far a curve is from the straight way of a step belongs to that step, wherever the path is entered.
+#[test]
+fn a_curve_is_told_of_its_own_step() {
+    let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
+    let begin = arm
+        .base_from_tool(&[0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8])
+        .unwrap();
+    // Twice round, as above, and aside at one key.
+    for key in [5, 14, 23] {
+        let turn = |k: u32| {
+            let angle = 2.0 * TAU * f64::from(k) / 30.0;
+            let turned = begin.rotation * rotation_exp(Vector3::new(0.0, 0.0, angle));
+            let aside = if k == key { 0.1 } else { 0.0 };
+            Placement::new(turned, begin.translation + Vector3::new(0.0, aside, 0.0))
+        };
+        let keys: Vec<_> = (0..30).map(turn).collect();
+        let path = CartesianPath::spline(keys, None, 1).unwrap();
+        let path = path.with_traversal(Traversal::AnyStart);
+        let solver = PathSolver::new(&arm).with_samples(24).with_max_step(0.5);
+        let told = solver.solve(&path).unwrap();
+        assert_ne!(told.entry, 0);
+        let at = (told.entry + told.largest_deviation.metres_at) % 30;
+        let near = at.abs_diff(key as usize);
+        assert!(near < 3, "entered at {}, {at} of {key}", told.entry);
+        assert!(told.largest_deviation.metres > 0.01);
+    }
+}
+
 #[test]
 fn given_ends_are_kept() {
     let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();

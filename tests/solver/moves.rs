@@ -302,6 +302,22 @@ fn a_frame_of_a_drag_turns_a_ball_as_far_as_it_may() {
     assert!(drag.solution().reached && drag.leap().is_none());
 }
 
+/// A ball that could not turn turns again where it may: what a drag was told last counts.
+#[test]
+fn a_drag_that_stood_still_goes_on() {
+    let (model, hand) = shoulder(None);
+    let target = na::UnitQuaternion::from_axis_angle(&na::Vector3::z_axis(), 1.0);
+    let start = model.neutral();
+    let drag = Drag::new(turned_to(&model, hand, target), &start).unwrap();
+    let mut drag = drag.with_max_move(1e-13).unwrap();
+    drag.advance();
+    assert_eq!(drag.q(), start);
+    let mut drag = drag.with_max_move(0.2).unwrap();
+    drag.advance();
+    let turned = angle_between(&start, drag.q());
+    assert!((turned - 0.2).abs() < 1e-9, "{turned}");
+}
+
 #[test]
 fn moves_that_are_none_are_refused_by_name() {
     let (model, hand) = shoulder(None);

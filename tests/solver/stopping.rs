@@ -235,6 +235,30 @@ fn a_small_step_is_told_as_one() {
     }
 }
 
+/// However long a step counts as none: one that reached its goal is told as that.
+#[test]
+fn a_small_step_that_reaches_is_told_as_reaching() {
+    let target = [0.2, 0.7, 0.0];
+    let there = Solver::default().solve_once(&problem(target), &START);
+    let beside: Vec<f64> = there.unwrap().q.iter().map(|q| q + 1e-5).collect();
+    let mut told = 0;
+    for solver in solvers() {
+        let ended = |tolerance: f64| {
+            let stopping = Stopping::default().with_step_tolerance(tolerance);
+            let solver = solver.clone().with_stopping(stopping);
+            let solver = solver.with_restarts(Restarts::none());
+            solver.solve_once(&problem(target), &beside).unwrap()
+        };
+        let exact = ended(1e-15);
+        if exact.reached && exact.iterations == 1 {
+            told += 1;
+            let rough = ended(1.0).termination;
+            assert_eq!(rough, Termination::Reached, "{}", solver.method());
+        }
+    }
+    assert!(told > 2, "{told}");
+}
+
 /// The cosine between the residual and what the joint that can do most about it does, each joint's column of the Jacobian
 /// counted as long as the longest.
 fn cosine(q: &[f64], target: [f64; 3]) -> f64 {
