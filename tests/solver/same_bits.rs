@@ -1,15 +1,18 @@
 //! Promise: the same input gives the same bits, whatever the workspace did before.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::problem::{Derivatives, Problem};
-use kinopt::task::{Point, Pose};
+use kinopt::ik::Restarts;
+use kinopt::model::Limits;
+use kinopt::problem::{Derivatives, Preferences, Problem, ProblemBuilder};
+use kinopt::solver::{Stopping, Termination};
+use kinopt::task::{Point, Pose, Posture, Task};
 use kinopt::{Solution, Solver, Workspace};
 use support::bones::RandomRig;
 use support::methods::solvers;
-use support::placement;
 use support::random::Random;
 use support::sample::part;
 use support::trees::RandomTree;
+use support::{placement, planar_arm};
 
 /// Everything a solution holds, bit for bit.
 fn bits(solution: &Solution) -> (Vec<u64>, String) {
@@ -49,8 +52,8 @@ fn questions() -> Vec<Question> {
 
 fn quick(solver: Solver) -> Solver {
     solver
-        .with_stopping(kinopt::solver::Stopping::default().with_max_iterations(15))
-        .with_restarts(kinopt::ik::Restarts::default().with_attempts(2))
+        .with_stopping(Stopping::default().with_max_iterations(15))
+        .with_restarts(Restarts::default().with_attempts(2))
 }
 
 #[test]
@@ -125,4 +128,87 @@ fn threads_that_share_a_problem_agree() {
             });
         }
     });
+}
+
+/// Questions on a plane arm that end in all ways: reached, out of reach, against limits, pulled at by preferences, on levels,
+/// where nothing changes any more, cut short, not a number.
+fn endings() -> Vec<(&'static str, Problem, Solver)> {
+    let model = planar_arm(&[1.0, 0.8, 0.5], Some((-2.0, 2.0)));
+    let tip = model.frame("tip").unwrap();
+    let hand = |at: [f64; 3]| Point::new(tip, at);
+    let posture = |q: [f64; 3]| Task::new(Posture::new(&model, &q));
+    let build = |state: &dyn Fn(&mut ProblemBuilder<'_>)| {
+        let mut tasks = Problem::builder(&model);
+        state(&mut tasks);
+        tasks.build().unwrap()
+    };
+    let (near, far) = ([1.2, 0.9, 0.0], [4.0, 1.0, 0.0]);
+    let of = |at: [f64; 3]| {
+        build(&|tasks| {
+            tasks.add(hand(at));
+        })
+    };
+    let limited = build(&|tasks| {
+        tasks.add(hand([-1.5, 1.0, 0.0]));
+        tasks.bound(model.joint("joint 0").unwrap(), Limits::new(0.0, 0.2));
+    });
+    let preferring = build(&|tasks| {
+        tasks.add(hand(near));
+        tasks.add(posture([0.3; 3]));
+    });
+    let traded = build(&|tasks| {
+        tasks.preferences(Preferences::Traded);
+        tasks.add(hand(near));
+        tasks.add(posture([-0.3, 1.3, -1.3]));
+    });
+    let ranked = build(&|tasks| {
+        tasks.add(hand([1.9, 1.9, 0.0]));
+        tasks.add(posture([0.9, 0.2, 0.1]).goal().at_level(1));
+    });
+    let usual = Solver::default();
+    let once = |stopping: Stopping| {
+        let once = usual.clone().with_restarts(Restarts::none());
+        once.with_stopping(stopping)
+    };
+    let steps = Stopping::default().with_max_iterations(2);
+    let exact = Stopping::default()
+        .with_gradient_tolerance(0.0)
+        .with_step_tolerance(0.0);
+    vec![
+        ("reached", of(near), usual.clone()),
+        ("far", of(far), usual.clone()),
+        ("against limits", limited, usual.clone()),
+        ("within a preference", preferring, usual.clone()),
+        ("traded", traded, usual.clone()),
+        ("on levels", ranked, usual.clone()),
+        ("to the last digit", of(far), once(exact)),
+        ("cut short", of(near), once(steps)),
+        ("no number", of([1e300, 0.0, 0.0]), usual),
+    ]
+}
+
+/// A workspace, and a solution in it, forget all that they told of the question before, however that ended.
+#[test]
+fn nothing_is_left_of_the_question_before() {
+    let (endings, start) = (endings(), [0.3, 0.4, 0.45]);
+    let fresh: Vec<_> = (endings.iter())
+        .map(|(_, problem, solver)| solver.solve_once(problem, &start).unwrap())
+        .collect();
+    // Each has something to leave.
+    assert!(fresh[1].is_out_of_reach() && fresh[7].termination == Termination::IterationLimit);
+    assert!(fresh[2].active_limits().next().is_some());
+    assert!(fresh[4].pulling_preferences().next().is_some());
+    assert_eq!(fresh[6].termination, Termination::Stationary);
+    for (first, problem, solver) in &endings {
+        for ((second, other, solver_of_other), expected) in endings.iter().zip(&fresh) {
+            let mut workspace = Workspace::new();
+            solver.solve(problem, &start, &mut workspace).unwrap();
+            let told = solver_of_other.solve(other, &start, &mut workspace);
+            assert_eq!(
+                bits(told.unwrap()),
+                bits(expected),
+                "{second} after {first}"
+            );
+        }
+    }
 }
