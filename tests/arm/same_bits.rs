@@ -168,3 +168,45 @@ fn several_answers_and_a_path() {
         assert!(runs.iter().all(|bits| *bits == once));
     }
 }
+
+/// A solution that is used again tells nothing of the question before, whichever arm answered that and however.
+#[test]
+fn a_solution_used_again_forgets() {
+    let (robot, base, tip) = panda();
+    let plain = Arm::builder(&robot, base, tip)
+        .with_atlas(false)
+        .with_attempts(8);
+    let arms = [
+        plain.clone(),
+        plain.clone().with_max_move(&[0.05; 7]),
+        plain
+            .clone()
+            .with_search(Search::Nearest)
+            .with_goal(Goal::position()),
+    ];
+    let arms = arms.map(|arm| arm.build().unwrap());
+    let mut asked = Vec::new();
+    for arm in &arms {
+        let (goals, starts) = questions(arm, 3);
+        for (goal, start) in goals.into_iter().zip(starts.chunks(7)) {
+            let told = arm.solve(goal, start).unwrap();
+            asked.push((arm, goal, start.to_vec(), format!("{told:?}")));
+        }
+        // A place that its limits keep it from: at its own foot.
+        let start = vec![0.1; 7];
+        let turned = arm.base_from_tool(&start).unwrap().rotation;
+        let low = Placement::new(turned, [-0.1, 0.0, 0.1].into());
+        let told = arm.solve(low, &start).unwrap();
+        asked.push((arm, low, start, format!("{told:?}")));
+    }
+    for (arm, goal, start, _) in &asked {
+        for (other, goal_of_other, start_of_other, expected) in &asked {
+            let mut solution = Solution::default();
+            arm.solve_into(goal, start, &mut solution).unwrap();
+            other
+                .solve_into(goal_of_other, start_of_other, &mut solution)
+                .unwrap();
+            assert_eq!(format!("{solution:?}"), *expected);
+        }
+    }
+}
