@@ -64,6 +64,31 @@ fn a_foot_held_still_in_the_air_stands_there_only_below_the_height_asked_for() {
     }
 }
 
+/// How fast a foot may creep that stands goes by the length of a leg, not of all legs: 0.25 m/s on legs of 0.9 m.
+#[test]
+fn what_creeps_stands_by_the_length_of_a_leg() {
+    let robot = legs("");
+    let map = BodyMap::from_json(MAP, "legs").unwrap();
+    let person = |speed: f64| {
+        let mut numbers = crane(0.0);
+        for (frame, places) in numbers.chunks_mut(27).enumerate() {
+            let ahead = speed * frame as f64 / RATE;
+            places.iter_mut().step_by(3).for_each(|x| *x += ahead);
+        }
+        Capture::new(map.joints.clone(), &numbers, RATE).unwrap()
+    };
+    let options = RetargetOptions::default;
+    let still = Retargeting::new(&robot, &map, &person(0.0), options()).unwrap();
+    // Metres a second of the model's, whose legs of 0.6 m stand below 0.17.
+    for (speed, stands) in [(0.12, true), (0.23, false)] {
+        let own = person(speed / still.stride());
+        let retargeting = Retargeting::new(&robot, &map, &own, options()).unwrap();
+        let found = retargeting.per_frame().unwrap();
+        let all = found.contacts.iter().filter(|contact| **contact).count();
+        assert_eq!(all > found.contacts.len() / 2, stands, "{speed}: {all}");
+    }
+}
+
 /// Both feet on the ground, the left one lifted by this much for the middle second of three, metres.
 fn lifted(armature: &Armature, lift: f32) -> Clip {
     let times: Vec<f32> = (0..=90).map(|k| k as f32 / 30.0).collect();

@@ -4,9 +4,11 @@
 use kinopt::Arm;
 use kinopt::arm::Search;
 use kinopt::motion::path::{CartesianPath, PathSolver};
+use kinopt::robot::Robot;
 use kinopt::spatial::Placement;
 use nalgebra::Isometry3;
 use support::arms::{Random, apart, base_from_tip, robot, within_limits};
+use support::follower_chains::follower_chain;
 use support::sample::{cases, few};
 
 /// Smooth in the joints through a few random configurations, so many points from one to the next.
@@ -181,4 +183,40 @@ fn a_leap_within_a_self_motion_is_shared_by_the_steps_around_it() {
                 .all(|pair| longest(pair[0], pair[1]) <= 0.2 + 1e-9)
         );
     }
+}
+
+/// What joints follow one another is led along a path as any arm is, though no lanes solve for it.
+#[test]
+fn chains_with_followers_are_led_too() {
+    let (mut random, mut whole, mut tried) = (Random(91), 0, 0);
+    for number in 0..12 {
+        let (text, tip) = follower_chain(number);
+        let Ok(robot) = Robot::parse(&text, "followers.urdf") else {
+            continue;
+        };
+        let arm = Arm::builder(&robot, "l0", &tip).with_atlas(false);
+        let arm = arm.build().unwrap();
+        let ends = [(); 2].map(|()| random.configuration(&arm));
+        let [from, to] = ends.map(|q| -> Vec<f64> { q.iter().map(|q| 0.5 * q).collect() });
+        let between = |share: f64| -> Vec<f64> {
+            let both = from.iter().zip(&to);
+            both.map(|(a, b)| a + 0.2 * share * (b - a)).collect()
+        };
+        let points = (0..=12).map(|k| arm.base_from_tool(&between(f64::from(k) / 12.0)).unwrap());
+        let points: Vec<_> = points.collect();
+        let path = CartesianPath::new(points.clone()).unwrap();
+        let told = PathSolver::new(&arm)
+            .with_start(&from)
+            .solve(&path)
+            .unwrap();
+        tried += 1;
+        whole += usize::from(told.is_whole() && told.missed.is_empty());
+        for (row, (q, point)) in told.rows().zip(&points).enumerate() {
+            assert!(within_limits(&arm, q), "{number}");
+            let missed = told.missed.iter().any(|missed| missed.index == row);
+            let off = (arm.base_from_tool(q).unwrap().translation - point.translation).norm();
+            assert!(missed || off < 1.1e-6, "chain {number}, row {row}: {off} m");
+        }
+    }
+    assert!(tried > 6 && whole == tried, "{whole} of {tried}");
 }

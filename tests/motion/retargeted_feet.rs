@@ -248,3 +248,46 @@ fn limbs_of_targets_are_as_long_as_the_models() {
         assert!(length("pelvis", "left_thigh") < 0.2);
     }
 }
+
+/// A foot that was held while its target went on comes back to it smoothly, and does not leap.
+#[test]
+fn what_is_let_go_comes_back_smoothly() {
+    let robot = legs("");
+    let map = BodyMap::from_json(MAP, "legs").unwrap();
+    let capture = Capture::new(map.joints.clone(), &person(), RATE).unwrap();
+    let fitted = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
+    let (stood, driven, model) = (fitted.targets(0).unwrap(), fitted.driven(), robot.model());
+    // The heel's is a point of the foot.
+    let is_foot = |k: usize| {
+        let name = &model.frames()[driven[k].index()].name;
+        ["left_foot", "left_heel_string", "left_toe"].contains(&name.as_str())
+    };
+    let toe = model.frame("left_toe").unwrap();
+    // How far ahead the toe is, frame by frame. It is held for half a second, while its target goes so far ahead.
+    let course = |far: f64| -> Vec<f64> {
+        let mut follower = fitted.follower().unwrap();
+        let mut kinematics = ForwardKinematics::new(model);
+        let mut course = Vec::new();
+        for frame in 0..120 {
+            let ahead = far * (f64::from(frame) / 50.0).min(1.0);
+            let places = stood.iter().enumerate().map(|(k, at)| match is_foot(k) {
+                true => *at + Vector3::new(ahead, 0.0, 0.0),
+                false => *at,
+            });
+            let places: Vec<_> = places.collect();
+            let held = |k: usize| f64::from(is_foot(k) && (10..60).contains(&frame));
+            let stands: Vec<f64> = (0..places.len()).map(held).collect();
+            let q = follower.advance(&places, &stands).unwrap();
+            course.push(kinematics.place(q).unwrap()[toe.index()].translation.x);
+        }
+        course
+    };
+    // What else moves as a foot is let go it does also where its target stayed.
+    let (gone, stayed) = (course(0.04), course(0.0));
+    let apart: Vec<f64> = gone.iter().zip(&stayed).map(|(a, b)| a - b).collect();
+    assert!(apart[59] < 0.01 && apart[119] > 0.03, "{apart:?}");
+    let most = apart[59..].windows(2).map(|pair| pair[1] - pair[0]);
+    let most = most.fold(0.0, f64::max);
+    // Over the 16 frames of a release one and a half times the mean at most.
+    assert!(most < 1.7 * 0.04 / 16.0, "{most} m in a frame");
+}

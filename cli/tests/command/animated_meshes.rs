@@ -67,6 +67,10 @@ fn frames_are_numbered_files_at_even_times() {
     }
     assert_eq!(std::fs::read_dir(&out).unwrap().count(), 8);
 
+    // 0.29 · 100 is 28.999999999999996, and the last frame is there all the same.
+    let document = answer!("animate {rig} --fps=100 --from=0 --to=0.29 --out {out}");
+    assert_eq!(list(&document["frames"]).len(), 30);
+
     // By itself it is all keyframes, 0.5 s to 2 s.
     let all = folder.file("all");
     let document = answer!("animate {rig} --fps=4 --out {all}");

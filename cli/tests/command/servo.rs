@@ -62,6 +62,16 @@ fn a_line_is_followed_within_the_file_s_velocity_limits() {
     }
     seeded.check(&numbers(&ticks[399]["q"]), &last);
     assert_eq!(ticks[399]["status"], "on target");
+    // Of each joint the fastest tick, whichever way it went.
+    let top_speeds = numbers(&document["summary"]["top_speeds"]);
+    let told: Vec<Vec<f64>> = (ticks.iter())
+        .map(|tick| numbers(&tick["velocity"]))
+        .collect();
+    for (joint, top) in top_speeds.iter().enumerate() {
+        let speeds = told.iter().map(|velocity| velocity[joint].abs());
+        assert_eq!(*top, speeds.fold(0.0, f64::max), "joint {joint}");
+    }
+    assert!(top_speeds.iter().any(|top| *top > 0.1), "{top_speeds:?}");
     let text = text!("solve {seeded} --targets {file} --servo 1000");
     assert!(text.starts_with("ticks     400 at 1000 a second"), "{text}");
     says!(text => "at last   on target");
