@@ -406,17 +406,23 @@ fn many_obstacles_are_found_through_their_tree_as_one_by_one() {
 
 #[test]
 fn what_stands_in_thousands_is_found_as_it_is_part_by_part() {
-    // Balls, a cloud and a floor; in parts so small that each is looked at one after another.
+    found_as_part_by_part([700, 4000], 0.01);
+    // Few points that are as thick as a link.
+    found_as_part_by_part([300, 120], 0.08);
+}
+
+/// Balls, a cloud of points so thick and a floor; in parts so small that each is looked at one after another.
+fn found_as_part_by_part([balls, points]: [usize; 2], thick: f64) {
     let mut random = Random::new(77);
-    let balls: Vec<_> = (0..700).map(|_| beside(&mut random)).collect();
-    let points: Vec<_> = (0..4000).map(|_| beside(&mut random)).collect();
+    let balls: Vec<_> = (0..balls).map(|_| beside(&mut random)).collect();
+    let points: Vec<_> = (0..points).map(|_| beside(&mut random)).collect();
     let floor = Placement::translation(Vector3::new(0.0, 0.0, -0.3));
     let mut whole = World::new();
     whole.add("floor", Shape::half_space(), floor).unwrap();
     whole
         .add(
             "cloud",
-            Shape::points(points.clone(), 0.01).unwrap(),
+            Shape::points(points.clone(), thick).unwrap(),
             Vector3::zero(),
         )
         .unwrap();
@@ -437,7 +443,7 @@ fn what_stands_in_thousands_is_found_as_it_is_part_by_part() {
         let name = format!("cloud {}", part.obstacles().len());
         part.add(
             &name,
-            Shape::points(few.to_vec(), 0.01).unwrap(),
+            Shape::points(few.to_vec(), thick).unwrap(),
             Vector3::zero(),
         )
         .unwrap();
