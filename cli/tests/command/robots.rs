@@ -61,6 +61,11 @@ fn fk_places_links_in_any_base() {
         fk["q"],
         json!([0.0, 0.5, 0.0, rest, 0.0, 0.0, 0.0, 0.03, 0.03])
     );
+    // One that is named is where its number says, whomever it follows.
+    let content = json!({"joints": ["finger_right_slide", "finger_left_slide"], "q": [0.01, 0.03]});
+    let file = folder.text("fingers.json", content);
+    let fingers = answer!("fk {panda} --q-file {file}");
+    assert_eq!(numbers(&fingers["q"])[7..], [0.03, 0.01]);
     // Fingers that do not go together are worth a note.
     let output = kinopt!("fk {panda} --q=0,0,0,-1,0,1,0,0.01,0.02");
     says!(stderr(&output) => "finger_right_slide");
