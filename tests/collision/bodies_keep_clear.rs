@@ -488,3 +488,65 @@ fn a_closed_loop_holds_where_something_is_in_the_way() {
     assert!(!solution.reached && solution.goals_reached() && solution.loops_closed());
     assert!((solution.collisions()[0].depth() - 0.05).abs() < 1e-5);
 }
+
+/// A workspace used again forgets what was in the way of the question before, and where that was led out of it.
+#[test]
+fn nothing_is_left_of_what_was_in_the_way() {
+    let mut builder = Model::builder("arm");
+    let z = Vector3::UNITS[2];
+    let link = Placement::translation(Vector3::UNITS[0]);
+    let (mut last, mut at, mut objects) = (None, Placement::identity(), Vec::new());
+    for k in 0..4 {
+        let limits = Limits::new(-2.0, 2.0);
+        let joint = builder.revolute(format!("joint {k}"), last, at, z, limits);
+        let end = builder.frame(format!("link {k}"), Some(joint), link);
+        let ball = Shape::sphere(0.2).unwrap();
+        let here = Placement::identity();
+        objects.push(CollisionObject::new("ball", end, here, ball));
+        (last, at) = (Some(joint), link);
+    }
+    let hand = builder.frame("hand", last, link);
+    let model = builder.build().unwrap();
+    let mut world = World::new();
+    for (name, x) in [("near", 1.0), ("far", 2.4)] {
+        world
+            .add_sphere(name, 0.3, Vector3::new(x, 1.0, 0.0))
+            .unwrap();
+    }
+    let checker = Checker::new(CollisionModel::new(&model, objects).unwrap());
+    let checker = checker.with_world(&world).unwrap();
+    let mut random = Random::new(7);
+    let solver = Solver::default().with_restarts(Restarts::default().with_attempts(6));
+    let mut tasks = Problem::builder(&model);
+    let point = tasks.add(Point::new(hand, [0.0; 3]));
+    tasks.keep_clear(&checker);
+    let problem = tasks.build().unwrap();
+    let asked = (0..10).map(|k| {
+        let mut targets = problem.targets();
+        // The last is out of reach.
+        let reach = if k == 9 { 6.0 } else { 2.6 };
+        let (sin, cos) = random.within(-0.5, 2.0).sin_cos();
+        let target = targets.get_mut(point).unwrap();
+        target.set_target([reach * cos, reach * sin, 0.0]);
+        targets
+    });
+    let asked: Vec<_> = asked.collect();
+    let asked = || {
+        asked
+            .iter()
+            .map(|targets| problem.with_targets(targets).unwrap())
+    };
+    let start = [0.6, 0.2, 0.1, 0.1];
+    let fresh = asked().map(|question| solver.solve_once(question, &start).unwrap());
+    let fresh: Vec<_> = fresh.collect();
+    assert!(fresh.iter().filter(|told| told.reached).count() > 4);
+    assert!(fresh.iter().any(|told| !told.collisions().is_empty()));
+    for question in asked() {
+        for (other, expected) in asked().zip(&fresh) {
+            let mut workspace = Workspace::new();
+            solver.solve(question, &start, &mut workspace).unwrap();
+            let told = solver.solve(other, &start, &mut workspace).unwrap();
+            assert_eq!(format!("{told:?}"), format!("{expected:?}"));
+        }
+    }
+}
