@@ -7,7 +7,7 @@ use kinopt::problem::{Preferences, Problem};
 use kinopt::solver::Stopping;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Plane, Point, Pose, Posture, Quantity, Task};
-use kinopt::{Solution, Solver};
+use kinopt::{Solution, Solver, Workspace};
 use support::arms::panda;
 use support::bodies::sledge;
 use support::random::Random;
@@ -375,5 +375,54 @@ fn a_traded_preference_is_followed_within_the_goals_tolerance() {
     // With x = −y, ½ y² + ½ x² + ½ (y − 2)² is least at 2/3.
     for (q, best) in solution.q.iter().zip([-2.0, 2.0]) {
         assert!((q - best / 3.0).abs() < 1e-6, "{:?}", solution.q);
+    }
+}
+
+/// Which levels gave way in a question before is over: a workspace used again answers as a new one.
+#[test]
+fn nothing_is_left_of_levels_that_gave_way() {
+    let mut builder = Model::builder("four links");
+    let link = Placement::translation([1.0, 0.0, 0.0].into());
+    let turns = Limits::new(-2.0, 2.0);
+    let (mut above, mut at, mut ends) = (None, Placement::identity(), Vec::new());
+    for k in 0..4 {
+        let joint = builder.revolute(format!("joint {k}"), above, at, Vector3::UNITS[2], turns);
+        ends.push(builder.frame(format!("end {k}"), Some(joint), link));
+        (above, at) = (Some(joint), link);
+    }
+    let model = builder.build().unwrap();
+    let mut tasks = Problem::builder(&model);
+    let points = [1, 2, 3].map(|k| {
+        let point = Point::new(ends[k], [0.0; 3]);
+        tasks.add(Task::new(point).at_level(k - 1))
+    });
+    let problem = tasks.build().unwrap();
+    let mut random = Random::new(41);
+    // Which of the three are out of reach.
+    let asked = (0..8).map(|case| {
+        let mut targets = problem.targets();
+        let q: [f64; 4] = [(); 4].map(|()| random.within(-1.0, 1.0));
+        let (mut angle, mut end) = (q[0], Vector3::new(q[0].cos(), q[0].sin(), 0.0));
+        for (k, &point) in points.iter().enumerate() {
+            angle += q[k + 1];
+            end += Vector3::new(angle.cos(), angle.sin(), 0.0);
+            let far = if case >> k & 1 == 1 { 9.0 } else { 1.0 };
+            targets.get_mut(point).unwrap().set_target(end * far);
+        }
+        targets
+    });
+    let asked: Vec<_> = asked.collect();
+    let asked = || asked.iter().map(|own| problem.with_targets(own).unwrap());
+    let (solver, start) = (Solver::default(), [0.2, 0.3, 0.2, 0.1]);
+    let fresh = asked().map(|question| solver.solve_once(question, &start).unwrap());
+    let fresh: Vec<_> = fresh.collect();
+    assert_eq!(fresh.iter().filter(|told| told.reached).count(), 1);
+    for question in asked() {
+        for (other, expected) in asked().zip(&fresh) {
+            let mut workspace = Workspace::new();
+            solver.solve(question, &start, &mut workspace).unwrap();
+            let told = solver.solve(other, &start, &mut workspace).unwrap();
+            assert_eq!(format!("{told:?}"), format!("{expected:?}"));
+        }
     }
 }
