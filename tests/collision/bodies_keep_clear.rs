@@ -5,7 +5,7 @@ use kinopt::collision::{Checker, Clearance, CollisionModel, CollisionObject, Sha
 use kinopt::ik::{Drag, Restarts, bent_stance};
 use kinopt::io::rig::Rig;
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::model::{Limits, Loop, Model, ParameterMap};
+use kinopt::model::{FrameId, Limits, Loop, Model, ParameterMap};
 use kinopt::problem::{Derivatives, Evaluation, TaskId};
 use kinopt::robot::{BaseJoint, Robot};
 use kinopt::solver::LeastSquares;
@@ -489,9 +489,8 @@ fn a_closed_loop_holds_where_something_is_in_the_way() {
     assert!((solution.collisions()[0].depth() - 0.05).abs() < 1e-5);
 }
 
-/// A workspace used again forgets what was in the way of the question before, and where that was led out of it.
-#[test]
-fn nothing_is_left_of_what_was_in_the_way() {
+/// An arm of four links in a plane beside two balls, its hand, and what keeps it clear.
+fn arm_beside_balls() -> (Model, FrameId, Checker) {
     let mut builder = Model::builder("arm");
     let z = Vector3::UNITS[2];
     let link = Placement::translation(Vector3::UNITS[0]);
@@ -515,6 +514,13 @@ fn nothing_is_left_of_what_was_in_the_way() {
     }
     let checker = Checker::new(CollisionModel::new(&model, objects).unwrap());
     let checker = checker.with_world(&world).unwrap();
+    (model, hand, checker)
+}
+
+/// A workspace used again forgets what was in the way of the question before, and where that was led out of it.
+#[test]
+fn nothing_is_left_of_what_was_in_the_way() {
+    let (model, hand, checker) = arm_beside_balls();
     let mut random = Random::new(7);
     let solver = Solver::default().with_restarts(Restarts::default().with_attempts(6));
     let mut tasks = Problem::builder(&model);
@@ -547,6 +553,34 @@ fn nothing_is_left_of_what_was_in_the_way() {
             solver.solve(question, &start, &mut workspace).unwrap();
             let told = solver.solve(other, &start, &mut workspace).unwrap();
             assert_eq!(format!("{told:?}"), format!("{expected:?}"));
+        }
+    }
+}
+
+/// Where a search from elsewhere is asked for and its way is not free, the body does not leap, and is not told to.
+#[test]
+fn a_leap_is_told_where_it_is_made() {
+    let (model, hand, checker) = arm_beside_balls();
+    let mut random = Random::new(8);
+    for _ in 0..40 {
+        let mut tasks = Problem::builder(&model);
+        let (sin, cos) = random.within(-3.0, 3.0).sin_cos();
+        let reach = random.within(1.0, 3.9);
+        tasks.add(Point::new(hand, [reach * cos, reach * sin, 0.0]));
+        tasks.keep_clear(&checker);
+        let start = [(); 4].map(|()| random.within(-2.0, 2.0));
+        let drag = Drag::new(tasks.build().unwrap(), &start).unwrap();
+        let mut drag = drag.with_search(Restarts::default()).unwrap();
+        for _ in 0..60 {
+            let before = drag.q().to_vec();
+            drag.advance();
+            let moved = drag.q().iter().zip(&before).map(|(a, b)| (a - b).abs());
+            let moved = moved.fold(0.0, f64::max);
+            let told = drag.leap().map_or(0.0, |leap| leap.distance);
+            match told > 0.0 {
+                true => assert!((moved - told).abs() < 1e-12, "{moved} {told}"),
+                false => assert!(moved <= 0.15 + 1e-12, "{moved}"),
+            }
         }
     }
 }
