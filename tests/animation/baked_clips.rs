@@ -67,7 +67,7 @@ fn what_stands_still_has_one_key_and_none_at_rest() {
 
 #[test]
 fn a_baked_clip_is_the_clip_at_its_samples() {
-    let rig = Rig::read("models/humanoid/humanoid.json").unwrap();
+    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let armature = Armature::of_skeleton(&rig.skeleton);
     let mut builder = Clip::builder("keys", &armature);
     builder.euler_clip(&rig.clip).unwrap();

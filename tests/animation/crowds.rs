@@ -97,7 +97,6 @@ fn a_frame_is_that_of_its_parts() {
     }
 }
 
-#[cfg(feature = "rayon")]
 #[test]
 fn threads_change_no_bit() {
     let (mut serial, ..) = crowd(&mut Random::new(32));

@@ -175,7 +175,7 @@ fn a_base_in_another_branch() {
 
 #[test]
 fn a_tool_on_any_frame() {
-    let file = "models/franka_panda.urdf";
+    let file = "../models/franka_panda.urdf";
     let (robot, tree) = (Robot::read(file).unwrap(), Tree::read(file));
     let mut tool = about([1.0, -2.0, 0.5], 0.8);
     (tool[0][3], tool[1][3], tool[2][3]) = (0.12, -0.05, 0.2);
@@ -203,7 +203,7 @@ fn a_tool_on_any_frame() {
 
 #[test]
 fn a_subset_of_the_joints() {
-    let file = "models/franka_panda.urdf";
+    let file = "../models/franka_panda.urdf";
     let (robot, tree) = (Robot::read(file).unwrap(), Tree::read(file));
     // Six joints are left: one locked away from 0.
     let builder = Arm::builder(&robot, "base", "flange");
@@ -336,7 +336,7 @@ fn ids_and_the_world() {
         assert_eq!(again.q, solution.q);
     }
     // An id of a larger model is told as a name would be.
-    let larger = Robot::read("models/aldebaran_nao.urdf").unwrap();
+    let larger = Robot::read("../models/aldebaran_nao.urdf").unwrap();
     let far = larger.model().frame_ids().last().unwrap();
     let error = Arm::new(&robot, Base::World, far).unwrap_err().to_string();
     assert!(error.contains("camera"), "{error}");

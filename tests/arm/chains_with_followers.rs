@@ -75,7 +75,7 @@ fn poses_in_narrow_valleys_are_found() {
 fn nao_reaches_from_foot_to_foot() {
     let (nao, tree) = (
         robot("aldebaran_nao"),
-        Tree::read("models/aldebaran_nao.urdf"),
+        Tree::read("../models/aldebaran_nao.urdf"),
     );
     for way in [("left_sole", "right_sole"), ("right_sole", "left_sole")] {
         let arm = Arm::new(&nao, way.0, way.1).unwrap();

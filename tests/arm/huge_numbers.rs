@@ -41,7 +41,7 @@ fn nothing_is_said_to_be_reached_that_is_not() {
     let (mut reached, mut built) = (0, 0);
     for case in 0..cases(4000, 25) {
         let (file, base, tip) = CHAINS[case % CHAINS.len()];
-        let mut text = std::fs::read_to_string(format!("models/{file}.urdf")).unwrap();
+        let mut text = std::fs::read_to_string(format!("../models/{file}.urdf")).unwrap();
         for _ in 0..1 + (random.unit() * 2.0) as usize {
             let places = numbers(&text);
             let (from, to) = places[(random.unit() * places.len() as f64) as usize];

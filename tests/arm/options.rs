@@ -11,7 +11,7 @@ use support::arms::{Random, distance, within_limits};
 use support::sample::cases;
 use support::urdf_matrices::{Matrix, Tree, apart, inverse, placement, product};
 
-const FILE: &str = "models/franka_panda.urdf";
+const FILE: &str = "../models/franka_panda.urdf";
 const POSTURE: [f64; 7] = [0.0, 0.0, 0.5, -1.5, 0.2, 1.8, 0.4];
 
 fn builder() -> ArmBuilder<'static> {

@@ -157,7 +157,7 @@ fn fixed_joints_fold_in_the_right_order() {
 
 #[test]
 fn floating_and_planar_joints_move_and_are_not_turned_fixed() {
-    let text = std::fs::read_to_string("models/franka_panda.urdf").unwrap();
+    let text = std::fs::read_to_string("../models/franka_panda.urdf").unwrap();
     let read = |kind: &str| {
         let changed = text.replacen(
             r#"name="joint4" type="revolute""#,

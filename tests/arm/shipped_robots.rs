@@ -14,7 +14,7 @@ fn all_solved(name: &str, base: &str, tip: &str, count: usize) {
     let asked = std::env::var("KINOPT_POSES").ok();
     let count = cases(count, count / 3);
     let count = asked.map_or(count, |count| count.parse().unwrap());
-    let file = format!("models/{name}.urdf");
+    let file = format!("../models/{name}.urdf");
     let (robot, tree) = (Robot::read(&file).unwrap(), Tree::read(&file));
     for search in [Search::Start, Search::First] {
         let arm = Arm::builder(&robot, base, tip);

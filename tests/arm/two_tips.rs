@@ -8,7 +8,7 @@ use kinopt::task::Pose;
 use kinopt::{Problem, Solver, Workspace};
 use support::urdf_matrices::{Matrix, Tree, apart, placement};
 
-const FILE: &str = "models/rethink_baxter.urdf";
+const FILE: &str = "../models/rethink_baxter.urdf";
 const TIPS: [&str; 2] = ["left_tool", "right_tool"];
 
 struct Torso {

@@ -25,7 +25,7 @@ struct Nao {
 
 impl Nao {
     fn standing() -> Self {
-        let robot = Robot::read("models/aldebaran_nao.urdf").unwrap();
+        let robot = Robot::read("../models/aldebaran_nao.urdf").unwrap();
         let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
         let model = robot.model();
         let feet = ["left_sole", "right_sole"].map(|foot| model.frame(foot).unwrap());
@@ -359,7 +359,7 @@ fn the_derivative_of_a_clearance_is_that_of_its_differences() {
 #[test]
 fn a_checker_of_another_model_is_refused() {
     let nao = Nao::standing();
-    let other = Robot::read("models/universal_ur5e.urdf").unwrap();
+    let other = Robot::read("../models/universal_ur5e.urdf").unwrap();
     let checker = Checker::new(CollisionModel::of(&other).unwrap());
     let mut tasks = Problem::builder(nao.robot.model());
     let hand = nao.robot.model().frame("left_hand").unwrap();
@@ -374,7 +374,7 @@ fn a_checker_of_another_model_is_refused() {
 
 #[test]
 fn a_figure_s_hand_stops_at_its_belly() {
-    let rig = Rig::read("models/humanoid/humanoid.json").unwrap();
+    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let (mesh, weights) = (rig.mesh.as_ref().unwrap(), rig.weights.as_ref().unwrap());
     let skeleton = &rig.skeleton;
     let checker = Checker::new(CollisionModel::of_skin(skeleton, mesh, weights).unwrap());

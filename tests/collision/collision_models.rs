@@ -118,7 +118,7 @@ fn shipped_robots_stand_free_where_they_are_shown() {
 
 #[test]
 fn the_shipped_world_leaves_the_panda_room() {
-    let world = kinopt::collision::World::read("models/worlds/table.json").unwrap();
+    let world = kinopt::collision::World::read("../models/worlds/table.json").unwrap();
     let model = CollisionModel::of(&robot("franka_panda")).unwrap();
     let model = model.with_pairs_sampled(500, 1).unwrap();
     let checker = kinopt::collision::Checker::new(model)

@@ -8,7 +8,7 @@ use kinopt::task::Point;
 use kinopt::{Problem, Solver};
 
 fn humanoid() -> (Rig, CollisionModel) {
-    let rig = Rig::read("models/humanoid/humanoid.json").unwrap();
+    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let (mesh, weights) = (rig.mesh.as_ref().unwrap(), rig.weights.as_ref().unwrap());
     let model = CollisionModel::of_skin(&rig.skeleton, mesh, weights).unwrap();
     (rig, model)

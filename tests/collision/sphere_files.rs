@@ -93,7 +93,7 @@ fn what_is_wrong_is_told_with_its_line() {
 
 #[test]
 fn both_formats_give_back_the_same_spheres() {
-    let path = "models/franka_panda.urdf";
+    let path = "../models/franka_panda.urdf";
     let robot = robot("franka_panda");
     let shapes = CollisionModel::of(&robot).unwrap();
     let spheres = SphereModel::of(&shapes, Fineness::Overhang(0.05)).unwrap();

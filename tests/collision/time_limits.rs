@@ -40,7 +40,7 @@ fn all_blocked(robot: &Robot, with_spheres: bool) -> Checker {
 
 /// A question that is answered where it starts, but for what is in the way, and no time for another.
 fn ends_at_once(search: Search, with_spheres: bool, most: (usize, usize)) {
-    let robot = Robot::read("models/franka_panda.urdf").unwrap();
+    let robot = Robot::read("../models/franka_panda.urdf").unwrap();
     let checker = all_blocked(&robot, with_spheres);
     let rest = robot.model().neutral();
     let arm = |change: fn(ArmBuilder<'_>) -> ArmBuilder<'_>| {
@@ -83,7 +83,7 @@ fn an_arm_with_no_time_begins_no_further_attempt() {
 
 #[test]
 fn a_body_with_no_time_is_led_nowhere() {
-    let robot = Robot::read("models/franka_panda.urdf").unwrap();
+    let robot = Robot::read("../models/franka_panda.urdf").unwrap();
     let checker = all_blocked(&robot, false);
     let model = robot.model();
     let start = model.neutral();

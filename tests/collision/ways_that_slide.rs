@@ -27,7 +27,7 @@ fn world(round: usize, random: &mut Random) -> World {
 
 #[test]
 fn what_slides_along_something_is_free_as_far_as_is_said() {
-    let robot = Robot::read("models/franka_panda.urdf").unwrap();
+    let robot = Robot::read("../models/franka_panda.urdf").unwrap();
     let own = Checker::of(&robot).unwrap();
     let limits: Vec<_> = robot.model().limits().collect();
     let mut random = Random::new(5);

@@ -12,6 +12,8 @@ use crate::arms_keep_clear::drawn;
 
 /// Changes between two comparisons at most.
 const CHANGES: usize = 40;
+/// A place further away than so far, metres, is not told apart.
+const FARTHEST: f64 = 0.1;
 
 fn vector(random: &mut Random, size: f64) -> Vector3<f64> {
     let drawn = random.vector(size);
@@ -96,10 +98,14 @@ fn told(checker: &Checker, arm: &Arm, random: &mut Random) -> String {
     for index in 0..8 {
         let q = drawn(arm, random);
         several.extend_from_slice(&q);
+        // Exact distances to hundreds take long, unoptimised.
+        if index >= cases(8, 3) {
+            continue;
+        }
         let mut to = from.clone();
         to[..q.len()].copy_from_slice(&q);
         let collisions = checker.collisions(&to).unwrap();
-        let nearest = checker.nearest(&mut workspace, &to, 0.3).unwrap();
+        let nearest = checker.nearest(&mut workspace, &to, FARTHEST).unwrap();
         let way = checker.way(&mut workspace, &from, &to).unwrap();
         told += &format!("{collisions:?} {nearest:?} {way:?}\n");
         from = to;

@@ -133,7 +133,7 @@ fn within_limits(model: &Model, solution: &Solution) -> bool {
 }
 
 fn rig(name: &str) -> Rig {
-    let models = concat!(env!("CARGO_MANIFEST_DIR"), "/models");
+    let models = concat!(env!("CARGO_MANIFEST_DIR"), "/../models");
     Rig::read(format!("{models}/{name}/{name}.json")).unwrap()
 }
 

@@ -277,7 +277,7 @@ fn five_tips_of_the_humanoid_come_nearer() {
 fn humanoid() -> Rig {
     Rig::read(concat!(
         env!("CARGO_MANIFEST_DIR"),
-        "/models/humanoid/humanoid.json"
+        "/../models/humanoid/humanoid.json"
     ))
     .unwrap()
 }
@@ -286,7 +286,7 @@ fn humanoid() -> Rig {
 /// stands: a few passes come to the same angles here and five metres away.
 #[test]
 fn a_figure_elsewhere_bends_alike() {
-    let rig = Rig::read("models/humanoid/humanoid.json").unwrap();
+    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let away = Vector3::new(3.0, -4.0, 1.0);
     let place = kinopt::spatial::Placement::translation(away);
     let bent = |skeleton: &kinopt::Skeleton, shift: Vector3<f64>| {

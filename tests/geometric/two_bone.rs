@@ -166,7 +166,10 @@ fn an_arm_on_a_turning_base() {
 /// reached again, elbow and all.
 #[test]
 fn a_limb_of_a_rig_follows_its_pole() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/models/humanoid/humanoid.json");
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../models/humanoid/humanoid.json"
+    );
     let rig = Rig::read(path).unwrap();
     let (skeleton, model) = (&rig.skeleton, rig.skeleton.model());
     let limits: Vec<Limits> = model.limits().collect();

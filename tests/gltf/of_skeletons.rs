@@ -8,7 +8,7 @@ use kinopt::skinning::{MeshWeights, SkinningMethod, single_precision_transform};
 
 #[test]
 fn the_skin_goes_where_the_rig_s_does() {
-    let rig = Rig::read("models/humanoid/humanoid.json").unwrap();
+    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let (mesh, weights) = (rig.mesh.as_ref().unwrap(), rig.weights.as_ref().unwrap());
     let mut scene = Scene::of_skeleton(&rig.skeleton, Some((mesh, weights))).unwrap();
     let mut builder = Clip::builder("keys", &scene.armature);
@@ -52,7 +52,7 @@ fn the_skin_goes_where_the_rig_s_does() {
 
 #[test]
 fn bones_alone_are_a_scene_too() {
-    let rig = Rig::read("models/humanoid/humanoid.json").unwrap();
+    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let scene = Scene::of_skeleton(&rig.skeleton, None).unwrap();
     let bytes = gltf::to_bytes(&scene, &WriteOptions::default()).unwrap();
     let again = gltf::from_bytes(&bytes, "bones.glb", |_| unreachable!()).unwrap();

@@ -8,6 +8,9 @@ use std::path::Path;
 use kinopt::model::{JointKind, Limits, Model};
 use kinopt::spatial::{Placement, Vector3};
 
+/// Where these tests run from the root.
+const ROOT: &str = "../";
+
 /// Every source below a folder that names one of some kinds, by its path from the root.
 fn naming(kinds: &[&str], folder: &Path, found: &mut BTreeSet<String>) {
     for entry in std::fs::read_dir(folder).unwrap() {
@@ -19,7 +22,8 @@ fn naming(kinds: &[&str], folder: &Path, found: &mut BTreeSet<String>) {
             let mut whole = kinds.iter().map(|kind| format!("JointKind::{kind}"));
             let named = path.ends_with("model/joint.rs") || whole.any(|kind| text.contains(&kind));
             if named {
-                found.insert(path.to_str().unwrap().replace('\\', "/"));
+                let path = path.to_str().unwrap().replace('\\', "/");
+                found.insert(path.strip_prefix(ROOT).unwrap().to_owned());
             }
         }
     }
@@ -27,7 +31,7 @@ fn naming(kinds: &[&str], folder: &Path, found: &mut BTreeSet<String>) {
 
 #[test]
 fn a_kind_is_added_where_the_page_says() {
-    let page = std::fs::read_to_string("CONTRIBUTING.md").unwrap();
+    let page = std::fs::read_to_string("../CONTRIBUTING.md").unwrap();
     let (_, page) = page.split_once("## A kind of joint").unwrap();
     let (page, _) = page.split_once("\n## ").unwrap();
     // Those of one number first, then the one of four.
@@ -39,7 +43,7 @@ fn a_kind_is_added_where_the_page_says() {
         let files: BTreeSet<String> = files.map(str::to_owned).collect();
         let mut found = BTreeSet::new();
         for folder in ["src", "cli/src"] {
-            naming(kinds, Path::new(folder), &mut found);
+            naming(kinds, &Path::new(ROOT).join(folder), &mut found);
         }
         assert_eq!(found, files);
     }

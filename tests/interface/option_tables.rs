@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 /// What a section's table has in its column of Rust, between the signs for code.
 fn named(section: &str) -> BTreeSet<String> {
-    let page = std::fs::read_to_string("docs/options.md").unwrap();
+    let page = std::fs::read_to_string("../docs/options.md").unwrap();
     let (_, part) = page.split_once(&format!("\n## {section}\n")).unwrap();
     let part = part.split("\n## ").next().unwrap();
     let rows = part.lines().filter(|line| line.starts_with('|'));
@@ -16,9 +16,9 @@ fn named(section: &str) -> BTreeSet<String> {
     names.map(str::to_owned).collect()
 }
 
-/// The public functions of a source, by how they begin, with what stands before them in the table.
+/// The public functions of a source, from the root, by how they begin, with what stands before them in the table.
 fn public(source: &str, begin: &str, before: &str) -> BTreeSet<String> {
-    let text = std::fs::read_to_string(source).unwrap();
+    let text = std::fs::read_to_string(format!("../{source}")).unwrap();
     let after = text.split("pub fn ").skip(1);
     let names = after.map(|rest| rest.split(['(', '<']).next().unwrap());
     let names = names.filter(|name| name.starts_with(begin));

@@ -76,7 +76,7 @@ fn models_and_skeletons() {
         assert_eq!(read.bones(), skeleton.bones());
         same_model(skeleton.model());
     }
-    same_model(Robot::read("models/franka_panda.urdf").unwrap().model());
+    same_model(Robot::read("../models/franka_panda.urdf").unwrap().model());
     let held = RandomTree::new(20, 9).model;
     let mut builder = ModelBuilder::from_model(&held);
     let (frame, place) = (
@@ -93,7 +93,7 @@ fn models_and_skeletons() {
 
 #[test]
 fn parameter_maps() {
-    let robot = Robot::read("models/franka_panda.urdf").unwrap();
+    let robot = Robot::read("../models/franka_panda.urdf").unwrap();
     same(robot.map());
     for seed in 0..20 {
         let model = RandomTree::new(seed, 9).model;
@@ -167,7 +167,7 @@ fn options() {
     same(&Preferences::Traded);
     same(&ContactDetection::default());
     same(&KeyTolerance::EXACT.with_rotation(1e-3));
-    let nao = Robot::read("models/aldebaran_nao.urdf").unwrap();
+    let nao = Robot::read("../models/aldebaran_nao.urdf").unwrap();
     let options = RetargetOptions::default().with_up(UpAxis::Y);
     same(&options.with_shapes(FootShapes::of_files(&nao)));
 }
@@ -209,7 +209,7 @@ fn motions_and_paths() {
     assert_eq!(bits(read.q()), bits(solved.q()));
     assert_eq!(format!("{read:?}"), format!("{solved:?}"));
 
-    let robot = Robot::read("models/franka_panda.urdf").unwrap();
+    let robot = Robot::read("../models/franka_panda.urdf").unwrap();
     let arm = Arm::builder(&robot, "base", "flange")
         .with_atlas(false)
         .build()

@@ -287,7 +287,7 @@ fn counts_of_nothing() {
     let keys = vec![Placement::identity(); 2];
     let told = CartesianPath::spline(keys, None, 0).unwrap_err();
     assert!(told.to_string().contains("steps"), "{told}");
-    let robot = Robot::read("models/franka_panda.urdf").unwrap();
+    let robot = Robot::read("../models/franka_panda.urdf").unwrap();
     let builder = CollisionModel::builder(&robot).with_meshes(MeshUse::Pieces(0));
     let told = builder.build().unwrap_err();
     assert!(told.to_string().contains("pieces"), "{told}");

@@ -1,6 +1,5 @@
 //! Promise: of a leg whose knee and ankle are driven by rods, read from an MJCF file, the passive joints follow the
 //! motors, and every solution keeps the rods' lengths.
-#![cfg(feature = "mjcf")]
 
 use kinopt::ik::LoopClosure;
 use kinopt::kinematics::ForwardKinematics;
@@ -9,7 +8,7 @@ use kinopt::task::{Point, Pose};
 use kinopt::{Problem, Solver};
 
 fn leg() -> Robot {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/loops/files/knee.xml");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/loops/files/knee.xml");
     Robot::read_mjcf(file).unwrap()
 }
 

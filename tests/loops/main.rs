@@ -6,7 +6,6 @@ mod four_bars;
 mod grippers;
 mod knees;
 mod mechanisms;
-#[cfg(all(feature = "mjcf", feature = "urdf"))]
 mod minima;
 mod nearest_assemblies;
 mod stewart_platforms;

@@ -64,7 +64,7 @@ fn mechanism(own: &Statement) -> (Model, Option<ParameterMap>, Vec<f64>) {
             (stewart.model, None, start)
         }
         "knee" => {
-            let robot = Robot::read_mjcf(file("tests/loops/files/knee.xml")).unwrap();
+            let robot = Robot::read_mjcf(file("loops/files/knee.xml")).unwrap();
             let model = robot.model().clone();
             let mut start = vec![0.0; model.configuration_len()];
             for (segment, value) in model.neutral().iter().enumerate().skip(3) {

@@ -1,5 +1,4 @@
 //! Promise: two hands on one box are a loop like any other: wherever the box goes, both hold it where they did.
-#![cfg(feature = "urdf")]
 
 use kinopt::ik::LoopClosure;
 use kinopt::kinematics::ForwardKinematics;
@@ -18,7 +17,7 @@ pub(crate) fn grips() -> [Placement<f64>; 2] {
 }
 
 pub(crate) fn robot() -> Robot {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/models/rethink_baxter.urdf");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/rethink_baxter.urdf");
     let robot = Robot::read(file).unwrap();
     let tools = ["left_tool", "right_tool"].map(|name| robot.model().frame(name).unwrap());
     robot

@@ -6,7 +6,6 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![allow(unsafe_code)] // A counting allocator cannot be written without it.
 
-#[cfg(feature = "gltf")]
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
@@ -314,7 +313,6 @@ fn damaged_rig() {
 }
 
 /// Reads a scene, poses it in every way and writes it; whatever fails must say so.
-#[cfg(feature = "gltf")]
 fn reads_gltf(bytes: &[u8]) -> bool {
     use kinopt::animation::{Cursor, Playback};
     use kinopt::io::gltf::{self, ScenePosing, WriteOptions};
@@ -348,7 +346,6 @@ fn reads_gltf(bytes: &[u8]) -> bool {
     true
 }
 
-#[cfg(feature = "gltf")]
 #[test]
 fn damaged_gltf() {
     let (numbers, rest) = support::gltf_text::small();
@@ -357,7 +354,6 @@ fn damaged_gltf() {
     bombard(11, rounds, &numbers.glb(&rest), reads_gltf);
 }
 
-#[cfg(feature = "gltf")]
 #[test]
 fn gltf_cut_off_anywhere() {
     let (numbers, rest) = support::gltf_text::small();
@@ -392,7 +388,7 @@ fn damaged_mjcf() {
     let walker = include_str!("../mjcf/files/walker.xml");
     let gripper = kinopt::robot::mjcf_with_includes(concat!(
         env!("CARGO_MANIFEST_DIR"),
-        "/tests/mjcf/files/gripper.xml"
+        "/mjcf/files/gripper.xml"
     ));
     for (seed, good) in [(11, walker), (12, &gripper.unwrap())] {
         bombard(seed, 3000, good.as_bytes(), |bytes| {
@@ -421,7 +417,7 @@ const SRDF: &str = r#"<robot name="ur5e">
 
 #[test]
 fn damaged_srdf() {
-    let robot = concat!(env!("CARGO_MANIFEST_DIR"), "/models/universal_ur5e.urdf");
+    let robot = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/universal_ur5e.urdf");
     let robot = Robot::read(robot).unwrap();
     let q = robot.model().neutral();
     bombard(13, 4000, SRDF.as_bytes(), |bytes| {

@@ -61,7 +61,7 @@ struct ReferenceInertial {
 }
 
 fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/mjcf")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("mjcf")
 }
 
 fn reference() -> Vec<(Robot, ReferenceFile)> {

@@ -73,7 +73,7 @@ fn outcome(text: &str, seed: u64) -> String {
 fn a_changed_document_is_a_named_error_or_a_robot() {
     let gripper = mjcf_with_includes(concat!(
         env!("CARGO_MANIFEST_DIR"),
-        "/tests/mjcf/files/gripper.xml"
+        "/mjcf/files/gripper.xml"
     ));
     let documents = [
         SMALL,

@@ -21,7 +21,7 @@ const JOINTS: [&str; 9] = [
 ];
 
 fn nao() -> Robot {
-    let nao = Robot::read("models/aldebaran_nao.urdf").unwrap();
+    let nao = Robot::read("../models/aldebaran_nao.urdf").unwrap();
     nao.with_base_joint(BaseJoint::FREE).unwrap()
 }
 

@@ -91,7 +91,7 @@ fn short_clips_cost_what_an_interior_method_with_exact_hessians_finds() {
     let solver = MotionSolver::default().with_tolerance(1e-9);
     let mut bound = 0;
     for (number, clip) in reference.problems.iter().enumerate() {
-        let robot = Robot::read(&clip.robot).unwrap();
+        let robot = Robot::read(format!("../{}", clip.robot)).unwrap();
         let motion = clip.problem(&robot);
         let near = clip.near.iter();
         let near: Vec<f64> = near.flat_map(|x| clip.configuration(&robot, x)).collect();

@@ -142,7 +142,7 @@ fn a_loop_that_cannot_close_is_told() {
 /// Both hands of a Baxter on one box that the left one lifts by 15 cm; `apart`, in metres, is where the right hand is
 /// asked to be beside the left one, which the box does not let it.
 fn lift(rest: f64, apart: Option<f64>) -> (MotionSolution, Robot) {
-    let robot = Robot::read("models/rethink_baxter.urdf").unwrap();
+    let robot = Robot::read("../models/rethink_baxter.urdf").unwrap();
     let tools = ["left_tool", "right_tool"].map(|tool| robot.model().frame(tool).unwrap());
     let places = [1.0, -1.0].map(|side| {
         let turn = rotation_exp(Vector3::new(side * FRAC_PI_2, 0.0, 0.0));

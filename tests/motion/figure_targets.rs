@@ -48,7 +48,7 @@ fn off(figure: &FigureTarget, armature: &Armature) -> (f64, f64) {
 
 #[test]
 fn a_capture_whose_y_points_upward() {
-    let read = kinopt::io::bvh::read("models/captures/steps.bvh").unwrap();
+    let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
     let turning = read.turning_bones();
     let figure = FigureTarget::of_armature(&read.armature, &turning, UpAxis::Y).unwrap();
     // At rest its head is above its feet.
@@ -63,7 +63,7 @@ fn a_capture_whose_y_points_upward() {
 
 #[test]
 fn a_rig_whose_z_points_upward() {
-    let rig = Rig::read("models/humanoid/humanoid.json").unwrap();
+    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let figure = FigureTarget::new(&rig.skeleton, UpAxis::Z).unwrap();
     let (most, tall) = off(&figure, &Armature::of_skeleton(&rig.skeleton));
     assert!(most < 2e-6 * tall, "{most} of {tall}");
@@ -72,7 +72,7 @@ fn a_rig_whose_z_points_upward() {
 /// What the command warns by: a figure whose file is said to have another axis upward lies down.
 #[test]
 fn the_way_that_a_figure_stands_is_told_from_its_feet() {
-    let read = kinopt::io::bvh::read("models/captures/steps.bvh").unwrap();
+    let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
     let capture = Capture::of_clip(&read.armature, &read.clip, 30.0).unwrap();
     for (said, stands) in [(UpAxis::Y, UpAxis::Z), (UpAxis::Z, UpAxis::Y)] {
         let turning = read.turning_bones();
@@ -94,8 +94,8 @@ fn the_way_that_a_figure_stands_is_told_from_its_feet() {
 
 #[test]
 fn another_armature_is_refused() {
-    let read = kinopt::io::bvh::read("models/captures/steps.bvh").unwrap();
-    let rig = Rig::read("models/humanoid/humanoid.json").unwrap();
+    let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
+    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let figure = FigureTarget::new(&rig.skeleton, UpAxis::Z).unwrap();
     let q = figure.robot().model().neutral();
     let refused = figure.clip("moved", &read.armature, &q, 10.0).unwrap_err();

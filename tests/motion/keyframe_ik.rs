@@ -14,7 +14,7 @@ const SPAN: [f64; 2] = [1.2, 3.0];
 const HAND: &str = "right_hand";
 
 fn rig() -> Rig {
-    Rig::read("models/humanoid/humanoid.json").unwrap()
+    Rig::read("../models/humanoid/humanoid.json").unwrap()
 }
 
 /// Keys every 0.2 s on all that moves the right arm, through what the rig's own keys do.

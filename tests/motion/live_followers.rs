@@ -12,7 +12,7 @@ const MAP: &str = r#"{"joints": ["hips", "left", "right"], "contacts": ["left", 
 
 fn nao() -> Robot {
     // Its file states no speeds.
-    let text = std::fs::read_to_string("models/aldebaran_nao.urdf").unwrap();
+    let text = std::fs::read_to_string("../models/aldebaran_nao.urdf").unwrap();
     let text = text.replace("velocity=\"0\"", "velocity=\"3\"");
     let nao = Robot::reader().parse(&text, "nao.urdf").unwrap();
     nao.with_base_joint(BaseJoint::FREE).unwrap()

@@ -43,7 +43,7 @@ impl Drop for Folders {
 }
 
 fn nao() -> Robot {
-    let robot = Robot::read("models/aldebaran_nao.urdf").unwrap();
+    let robot = Robot::read("../models/aldebaran_nao.urdf").unwrap();
     robot.with_base_joint(BaseJoint::FREE).unwrap()
 }
 
@@ -137,7 +137,7 @@ fn what_is_another_question_is_told() {
         assert_eq!(differs(&folders, other, other), "", "{name}");
     }
     // Robots whose head turns less or slower, or sits higher, and one with larger hands.
-    let text = fs::read_to_string("models/aldebaran_nao.urdf").unwrap();
+    let text = fs::read_to_string("../models/aldebaran_nao.urdf").unwrap();
     for (old, new) in [
         ("upper=\"2.0857\"", "upper=\"2\""),
         ("velocity=\"0\"", "velocity=\"1\""),

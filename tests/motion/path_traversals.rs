@@ -285,7 +285,7 @@ fn points_for_two_tools() {
 /// The same turn by an arm whose last joint has no limits: it goes on round, and nothing is taken back.
 #[test]
 fn a_joint_without_limits_goes_round_and_round() {
-    let text = std::fs::read_to_string("models/universal_ur5e.urdf").unwrap();
+    let text = std::fs::read_to_string("../models/universal_ur5e.urdf").unwrap();
     let endless = text.replace(
         r#"<joint name="joint6" type="revolute">"#,
         r#"<joint name="joint6" type="continuous">"#,

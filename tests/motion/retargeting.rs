@@ -19,7 +19,7 @@ const MAP: &str = r#"{
 }"#;
 
 fn nao() -> Robot {
-    let robot = Robot::read("models/aldebaran_nao.urdf").unwrap();
+    let robot = Robot::read("../models/aldebaran_nao.urdf").unwrap();
     robot.with_base_joint(BaseJoint::FREE).unwrap()
 }
 

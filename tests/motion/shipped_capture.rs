@@ -11,9 +11,9 @@ const STANDS: f64 = 0.06;
 
 #[test]
 fn steps_come_onto_the_nao() {
-    let robot = Robot::read("models/aldebaran_nao.urdf").unwrap();
+    let robot = Robot::read("../models/aldebaran_nao.urdf").unwrap();
     let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
-    let read = kinopt::io::bvh::read("models/captures/steps.bvh").unwrap();
+    let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
     assert_eq!(read.frames, 181);
     let capture = Capture::of_clip(&read.armature, &read.clip, 30.0).unwrap();
     let guess = BodyMap::guess(&capture, robot.model()).unwrap();
@@ -49,7 +49,7 @@ fn steps_come_onto_the_nao() {
 /// At a rate of which no memory would hold the frames, 6 s are refused: they ended the process.
 #[test]
 fn more_frames_than_memory_holds_are_refused() {
-    let read = kinopt::io::bvh::read("models/captures/steps.bvh").unwrap();
+    let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
     for rate in [1e9, f64::MAX] {
         let refused = Capture::of_clip(&read.armature, &read.clip, rate).unwrap_err();
         let words = refused.to_string();

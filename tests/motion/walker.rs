@@ -22,7 +22,7 @@ pub(crate) struct Walker {
 
 impl Walker {
     pub(crate) fn new() -> Self {
-        let robot = Robot::read("models/aldebaran_nao.urdf").unwrap();
+        let robot = Robot::read("../models/aldebaran_nao.urdf").unwrap();
         let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
         let model = robot.model();
         let feet = ["left_sole", "right_sole"].map(|name| model.frame(name).unwrap());

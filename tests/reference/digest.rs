@@ -107,7 +107,7 @@ static FILE: Mutex<()> = Mutex::new(());
 /// Compares digests with those of the file, or puts them there where that is asked for.
 pub(crate) fn check(found: &[(&str, u64)]) {
     let _turn = FILE.lock().unwrap_or_else(PoisonError::into_inner);
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference/same_bits.tsv");
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("reference/same_bits.tsv");
     let text = std::fs::read_to_string(&file).unwrap();
     let mut known: BTreeMap<&str, [String; 2]> = BTreeMap::new();
     for line in text.lines().filter(|line| !line.starts_with('#')) {

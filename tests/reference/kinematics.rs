@@ -84,7 +84,7 @@ fn tips(file: &str) -> &'static [&'static str] {
 }
 
 fn path(file: &str) -> std::path::PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(file)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(file)
 }
 
 fn rigs() -> Vec<(ReferenceRig, Model, ParameterMap)> {

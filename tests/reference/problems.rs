@@ -120,7 +120,9 @@ pub(super) struct Loaded {
 }
 
 fn load(reference: &ReferenceModel) -> Loaded {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(&reference.file);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("..")
+        .join(&reference.file);
     let (model, map) = if reference.file.ends_with(".json") {
         let model = Rig::read(path).unwrap().skeleton.model().clone();
         let map = ParameterMap::free(&model);

@@ -209,7 +209,7 @@ fn skins(rig: &Rig) -> [u64; 2] {
 #[test]
 fn digests_of_answers_are_those_of_every_other_machine() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let rig = Rig::read(root.join("models/humanoid/humanoid.json")).unwrap();
+    let rig = Rig::read(root.join("../models/humanoid/humanoid.json")).unwrap();
     let ([alone, batch], [solved, geometric], [packed, skin]) =
         (lanes(), bodies(&rig), skins(&rig));
     let found: [(&str, u64); 9] = [

@@ -165,7 +165,7 @@ fn retargeted() -> [u64; 2] {
     let robot = robot("aldebaran_nao")
         .with_base_joint(BaseJoint::FREE)
         .unwrap();
-    let read = kinopt::io::bvh::read("models/captures/steps.bvh").unwrap();
+    let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
     let capture = Capture::of_clip(&read.armature, &read.clip, 30.0).unwrap();
     let guess = BodyMap::guess(&capture, robot.model()).unwrap();
     let contacts = ContactDetection::default().with_speed(0.06);

@@ -262,7 +262,7 @@ fn geometric(rig: &Skeleton) -> u64 {
 
 fn humanoid() -> Rig {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    Rig::read(root.join("models/humanoid/humanoid.json")).unwrap()
+    Rig::read(root.join("../models/humanoid/humanoid.json")).unwrap()
 }
 
 #[test]

@@ -29,7 +29,7 @@ fn poses(search: Search) -> u64 {
 
 /// The humanoid's left hand on its way across and out of reach, the other pins held.
 fn drag() -> u64 {
-    let rig = Rig::read("models/humanoid/humanoid.json").unwrap();
+    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let (skeleton, rest) = (&rig.skeleton, rig.skeleton.model().neutral());
     let hand = skeleton.bone("left_hand").unwrap();
     let tips = rig.constrained.iter().map(|&bone| skeleton.tip(bone));

@@ -20,7 +20,7 @@ fn of_weights(weights: &SkinWeights) -> u64 {
 #[test]
 fn of_weights_and_volumes() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let rig = Rig::read(root.join("models/humanoid/humanoid.json")).unwrap();
+    let rig = Rig::read(root.join("../models/humanoid/humanoid.json")).unwrap();
     let mesh = rig.mesh.as_ref().unwrap();
     let by_distance = AutomaticWeights::default().for_skeleton(mesh, &rig.skeleton);
     let by_heat = HeatWeights::default()

@@ -89,7 +89,7 @@ fn spheres() -> u64 {
 
 /// The arm among the obstacles of a file of `models/`.
 fn among(file: &str) -> Arm {
-    let world = World::read(format!("models/worlds/{file}.json")).unwrap();
+    let world = World::read(format!("../models/worlds/{file}.json")).unwrap();
     let robot = robot("franka_panda");
     let arm = Arm::new(&robot, "base", "flange").unwrap();
     let rest = vec![0.0; robot.model().configuration_len()];
@@ -138,7 +138,7 @@ fn add_path(digest: &mut Digest, found: &PathSolution) {
 
 fn paths() -> u64 {
     let mut digest = Digest::new();
-    let file = "models/paths/pipe_seam.csv";
+    let file = "../models/paths/pipe_seam.csv";
     let (seam, _) = CartesianPath::read(file, QuaternionOrder::WFirst).unwrap();
     let robot = robot("franka_panda");
     let alone = Arm::new(&robot, "base", "tool").unwrap();

@@ -18,13 +18,13 @@ fn numbers(value: &Value) -> Vec<f64> {
 }
 
 fn reference() -> Value {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference/skinning.json");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("reference/skinning.json");
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
 }
 
 fn rig(entry: &Value) -> Rig {
     let file = entry["file"].as_str().unwrap();
-    Rig::read(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).unwrap()
+    Rig::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(file)).unwrap()
 }
 
 fn transforms(rig: &Rig, pose: &Value) -> Vec<Affine3A> {

@@ -11,7 +11,7 @@ use kinopt::task::Point;
 use kinopt::{Problem, Solver};
 
 fn humanoid() -> Rig {
-    Rig::read("models/humanoid/humanoid.json").unwrap()
+    Rig::read("../models/humanoid/humanoid.json").unwrap()
 }
 
 #[test]

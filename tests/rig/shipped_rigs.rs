@@ -10,7 +10,7 @@ const NAMES: [&str; 2] = ["robot-arm", "humanoid"];
 
 fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("models")
+        .join("../models")
         .join(name)
 }
 

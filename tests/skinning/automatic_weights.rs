@@ -80,7 +80,7 @@ fn one_smoothing_step_is_the_documented_mean() {
 fn a_figure_s_limbs_follow_their_own_bones() {
     let rig = Rig::read(concat!(
         env!("CARGO_MANIFEST_DIR"),
-        "/models/humanoid/humanoid.json"
+        "/../models/humanoid/humanoid.json"
     ));
     let rig = rig.unwrap();
     let (mesh, given) = (rig.mesh.unwrap(), rig.weights.unwrap());

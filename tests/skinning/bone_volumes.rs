@@ -146,7 +146,7 @@ fn what_does_not_close_is_refused() {
 
 #[test]
 fn a_rig_weighs_what_its_mesh_holds() {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/humanoid/humanoid.json");
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/humanoid/humanoid.json");
     let rig = Rig::read(file).unwrap();
     let masses = rig.masses(1000.0).unwrap();
     let whole = rig.mesh.as_ref().unwrap().signed_volume();

@@ -322,7 +322,10 @@ fn the_unit_of_length_does_not_matter() {
 /// The humanoid: limbs follow their own bones, and no weight jumps along an edge.
 #[test]
 fn a_figure_is_smooth_and_follows_its_own_bones() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/models/humanoid/humanoid.json");
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../models/humanoid/humanoid.json"
+    );
     let rig = Rig::read(path).unwrap();
     let (mesh, given) = (rig.mesh.unwrap(), rig.weights.unwrap());
     let made = HeatWeights::default()

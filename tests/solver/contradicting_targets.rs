@@ -12,7 +12,7 @@ use support::random::Random;
 
 #[test]
 fn a_hand_drawn_too_far_while_the_other_tips_hold() {
-    let rig = Rig::read("models/humanoid/humanoid.json").unwrap();
+    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let model = rig.skeleton.model();
     let rest = model.neutral();
     let pose = rig.skeleton.pose(&rest).unwrap();
@@ -73,7 +73,7 @@ fn a_hand_drawn_too_far_while_the_other_tips_hold() {
 /// same twenty searches take 1 290 steps instead of 1 100.
 #[test]
 fn what_a_curved_step_promises_is_curved() {
-    let rig = Rig::read("models/humanoid/humanoid.json").unwrap();
+    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let model = rig.skeleton.model();
     let rest = model.neutral();
     let pose = rig.skeleton.pose(&rest).unwrap();

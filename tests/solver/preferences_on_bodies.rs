@@ -13,7 +13,7 @@ use support::random::Random;
 /// their limits.
 #[test]
 fn postures_of_a_body_on_its_limits_are_stationary() {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/models/aldebaran_nao.urdf");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/aldebaran_nao.urdf");
     let robot = Robot::read(file).unwrap();
     let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
     let model = robot.model();

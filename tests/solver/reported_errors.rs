@@ -215,7 +215,7 @@ fn solutions_tell_the_truth() {
 
 #[test]
 fn lengths_are_told_in_the_models_own_unit() {
-    let rig = kinopt::io::rig::Rig::read("models/humanoid/humanoid.json").unwrap();
+    let rig = kinopt::io::rig::Rig::read("../models/humanoid/humanoid.json").unwrap();
     let hand = rig.skeleton.tip(rig.skeleton.bone("left_hand").unwrap());
     let mut builder = Problem::builder(rig.skeleton.model());
     builder.add(Point::new(hand, [0.0, 50.0, 0.0]));

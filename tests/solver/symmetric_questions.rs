@@ -13,7 +13,10 @@ use kinopt::task::{Point, Quantity};
 const SYMMETRIC: f64 = 1e-3;
 
 fn humanoid() -> Rig {
-    let models = concat!(env!("CARGO_MANIFEST_DIR"), "/models/humanoid/humanoid.json");
+    let models = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../models/humanoid/humanoid.json"
+    );
     Rig::read(models).unwrap()
 }
 

@@ -26,7 +26,7 @@ struct Scene {
 
 impl Scene {
     fn new() -> Self {
-        let rig = Rig::read("models/humanoid/humanoid.json").unwrap();
+        let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
         let (model, rest) = (rig.skeleton.model(), rig.skeleton.model().neutral());
         let hand = rig.skeleton.bone("left_hand").unwrap();
         let tips: Vec<FrameId> = (rig.constrained.iter())

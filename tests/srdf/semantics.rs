@@ -25,7 +25,7 @@ const PANDA: &str = r#"<?xml version="1.0"?>
 fn panda() -> Robot {
     Robot::read(concat!(
         env!("CARGO_MANIFEST_DIR"),
-        "/models/franka_panda.urdf"
+        "/../models/franka_panda.urdf"
     ))
     .unwrap()
 }

@@ -34,7 +34,8 @@ impl Random {
 }
 
 pub fn robot(name: &str) -> Robot {
-    Robot::read(format!("models/{name}.urdf")).unwrap()
+    let models = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models");
+    Robot::read(format!("{models}/{name}.urdf")).unwrap()
 }
 
 /// world_from_frame at a configuration of the whole model.

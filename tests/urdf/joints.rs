@@ -141,7 +141,7 @@ fn a_quaternion_origin_is_exact_where_pitch_is_a_quarter_turn() {
 
 #[test]
 fn quarter_turns_have_exact_zeros() {
-    let robot = Robot::read("models/universal_ur5e.urdf").unwrap();
+    let robot = Robot::read("../models/universal_ur5e.urdf").unwrap();
     for joint in robot.model().joints() {
         let rotation = joint.parent_from_joint.rotation;
         for entry in [rotation.x, rotation.y, rotation.z].map(|column| column.to_array()) {
@@ -164,7 +164,7 @@ fn a_fixed_joint_with_a_master_is_fixed() {
 
 #[test]
 fn a_byte_order_mark_is_no_harm() {
-    let text = std::fs::read_to_string("models/kuka_iiwa14.urdf").unwrap();
+    let text = std::fs::read_to_string("../models/kuka_iiwa14.urdf").unwrap();
     let robot = Robot::parse(&format!("\u{feff}{text}"), "iiwa").unwrap();
     assert_eq!(robot.model().degrees_of_freedom(), 7);
 }

@@ -82,7 +82,7 @@ fn every_link_of_every_robot_stands_where_pinocchio_puts_it() {
         cases,
     } in &robots
     {
-        let robot = Robot::read(file).unwrap();
+        let robot = Robot::read(format!("../{file}")).unwrap();
         let model = robot.model();
         let order: Vec<&str> = (model.moving_joints().iter())
             .map(|id| model.joints()[id.index()].name.as_str())
@@ -99,7 +99,7 @@ fn every_link_of_every_robot_stands_where_pinocchio_puts_it() {
 fn mimic_joints_follow_as_in_pinocchio() {
     let mut followers = 0;
     for ReferenceRobot { file, cases, .. } in &reference() {
-        let robot = Robot::read(file).unwrap();
+        let robot = Robot::read(format!("../{file}")).unwrap();
         followers += robot.mimics().len();
         let map = robot.map();
         assert_eq!(

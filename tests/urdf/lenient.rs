@@ -225,7 +225,7 @@ fn what_would_need_a_guess_stays_an_error() {
 
 #[test]
 fn sound_files_need_no_repair() {
-    for entry in std::fs::read_dir("models").unwrap() {
+    for entry in std::fs::read_dir("../models").unwrap() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|e| e == "urdf") {
             let (strict, lenient) = (Robot::read(&path), Robot::reader().lenient().read(&path));

@@ -337,11 +337,11 @@ fn of_a_ring_a_joint_that_is_part_of_it_is_named() {
 
 #[test]
 fn a_file_that_is_not_there_or_not_text_is_named() {
-    let error = Robot::read("models/no_such_robot.urdf").unwrap_err();
+    let error = Robot::read("../models/no_such_robot.urdf").unwrap_err();
     let message = error.to_string();
-    assert!(message.starts_with("models/no_such_robot.urdf: cannot be read: "));
-    let message = Robot::read("models").unwrap_err().to_string();
-    assert_eq!(message, "models: is not a regular file");
+    assert!(message.starts_with("../models/no_such_robot.urdf: cannot be read: "));
+    let message = Robot::read("../models").unwrap_err().to_string();
+    assert_eq!(message, "../models: is not a regular file");
 
     let path = std::env::temp_dir().join(format!("kinopt_latin1_{}.urdf", std::process::id()));
     std::fs::write(&path, b"<robot name='\xe9t\xe9'/>").unwrap();

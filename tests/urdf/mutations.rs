@@ -8,14 +8,14 @@ use kinopt::kinematics::ForwardKinematics;
 use kinopt::robot::{Robot, RobotFileError};
 
 const FILES: [&str; 8] = [
-    "models/adept_cobra_s600.urdf",
-    "models/aldebaran_nao.urdf",
-    "models/franka_panda.urdf",
-    "models/kuka_iiwa14.urdf",
-    "models/rethink_baxter.urdf",
-    "models/universal_ur10e.urdf",
-    "models/universal_ur5e.urdf",
-    "tests/reference/oblique.urdf",
+    "../models/adept_cobra_s600.urdf",
+    "../models/aldebaran_nao.urdf",
+    "../models/franka_panda.urdf",
+    "../models/kuka_iiwa14.urdf",
+    "../models/rethink_baxter.urdf",
+    "../models/universal_ur10e.urdf",
+    "../models/universal_ur5e.urdf",
+    "reference/oblique.urdf",
 ];
 
 /// Steele, Lea and Flood's SplitMix64: a fixed stream from a seed.

@@ -14,7 +14,7 @@ fn names(robot: &Robot, joints: &[JointId]) -> Vec<String> {
 
 #[test]
 fn a_chain_leads_from_base_to_tip_over_the_common_ancestor() {
-    let robot = Robot::read("models/rethink_baxter.urdf").unwrap();
+    let robot = Robot::read("../models/rethink_baxter.urdf").unwrap();
     let arm = robot.chain("torso", "left_tool").unwrap();
     let seven = ["s0", "s1", "e0", "e1", "w0", "w1", "w2"];
     assert_eq!(names(&robot, &arm), seven.map(|n| format!("left_{n}")));
@@ -41,18 +41,18 @@ fn tips_are_where_the_tree_ends() {
         let name = |id: kinopt::model::FrameId| robot.model().frames()[id.index()].name.clone();
         robot.tips().into_iter().map(name).collect()
     };
-    assert_eq!(tips("models/universal_ur5e.urdf"), ["flange"]);
+    assert_eq!(tips("../models/universal_ur5e.urdf"), ["flange"]);
     assert_eq!(
-        tips("models/rethink_baxter.urdf"),
+        tips("../models/rethink_baxter.urdf"),
         ["left_tool", "right_tool"]
     );
-    let panda = tips("models/franka_panda.urdf");
+    let panda = tips("../models/franka_panda.urdf");
     assert_eq!(panda, ["tool", "finger_left", "finger_right"]);
 }
 
 #[test]
 fn a_subset_moves_while_the_rest_stays_where_it_was_put() {
-    let robot = Robot::read("models/kuka_iiwa14.urdf").unwrap();
+    let robot = Robot::read("../models/kuka_iiwa14.urdf").unwrap();
     let rest = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7];
     let wrist = robot.joints(&["joint7", "joint5"]).unwrap();
     let map = robot.parameters().with_only(&wrist, &rest).build().unwrap();
@@ -71,7 +71,7 @@ fn a_tool_hangs_on_its_frame_at_every_configuration() {
         rotation_exp(Vector3::new(0.3, -0.2, 1.1)),
         Vector3::new(0.01, -0.02, 0.2),
     );
-    let robot = Robot::read("models/franka_panda.urdf").unwrap();
+    let robot = Robot::read("../models/franka_panda.urdf").unwrap();
     let coordinates = robot.model().degrees_of_freedom();
     let robot = robot.with_tool("welder", "hand", offset).unwrap();
     assert_eq!(robot.model().degrees_of_freedom(), coordinates);
@@ -94,7 +94,7 @@ fn a_tool_hangs_on_its_frame_at_every_configuration() {
 
 #[test]
 fn a_tool_that_cannot_be_is_an_error() {
-    let robot = Robot::read("models/universal_ur5e.urdf").unwrap();
+    let robot = Robot::read("../models/universal_ur5e.urdf").unwrap();
     let put = |name, link, placement| robot.clone().with_tool(name, link, placement).unwrap_err();
     assert!(matches!(
         put("tool", "hand", Placement::identity()),

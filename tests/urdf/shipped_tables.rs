@@ -93,7 +93,7 @@ fn ur5e() {
         [0.0, 0.0997, -FRAC_PI_2],
         [0.0, 0.0996, 0.0],
     ];
-    assert_serial("models/universal_ur5e.urdf", &rows, &[360.0; 6]);
+    assert_serial("../models/universal_ur5e.urdf", &rows, &[360.0; 6]);
 }
 
 #[test]
@@ -106,7 +106,7 @@ fn ur10e() {
         [0.0, 0.11985, -FRAC_PI_2],
         [0.0, 0.11655, 0.0],
     ];
-    assert_serial("models/universal_ur10e.urdf", &rows, &[360.0; 6]);
+    assert_serial("../models/universal_ur10e.urdf", &rows, &[360.0; 6]);
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn iiwa14() {
         [0.0, 0.126, 0.0],
     ];
     let limits = [170.0, 120.0, 170.0, 120.0, 170.0, 120.0, 175.0];
-    assert_serial("models/kuka_iiwa14.urdf", &rows, &limits);
+    assert_serial("../models/kuka_iiwa14.urdf", &rows, &limits);
 }
 
 #[test]
@@ -135,7 +135,7 @@ fn panda_with_its_hand() {
         [0.0, 0.0, FRAC_PI_2],
         [0.088, 0.0, FRAC_PI_2],
     ];
-    let robot = Robot::read("models/franka_panda.urdf").unwrap();
+    let robot = Robot::read("../models/franka_panda.urdf").unwrap();
     for q in configurations(&robot) {
         let wrist = rows
             .iter()
@@ -187,7 +187,7 @@ fn baxter() {
         [0.0, 0.0, FRAC_PI_2],
     ];
     let offsets = [0.0, FRAC_PI_2, 0.0, 0.0, 0.0, 0.0, 0.0];
-    let robot = Robot::read("models/rethink_baxter.urdf").unwrap();
+    let robot = Robot::read("../models/rethink_baxter.urdf").unwrap();
     for q in configurations(&robot) {
         for (side, frame, q_arm) in [(1.0, "left_tool", &q[..7]), (-1.0, "right_tool", &q[7..])] {
             let mount = shift(0.064, side * 0.259, 0.1296) * turn_z(side * FRAC_PI_4);
@@ -212,7 +212,7 @@ fn baxter() {
 
 #[test]
 fn cobra() {
-    let robot = Robot::read("models/adept_cobra_s600.urdf").unwrap();
+    let robot = Robot::read("../models/adept_cobra_s600.urdf").unwrap();
     for q in configurations(&robot) {
         let wanted = standard([0.325, 0.387, 0.0], q[0])
             * standard([0.275, 0.0, PI], q[1])

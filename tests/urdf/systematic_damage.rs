@@ -21,7 +21,7 @@ const ROBOTS: [&str; 7] = [
 ];
 
 fn text(name: &str) -> String {
-    std::fs::read_to_string(format!("models/{name}.urdf")).unwrap()
+    std::fs::read_to_string(format!("../models/{name}.urdf")).unwrap()
 }
 
 /// An attribute of a file.

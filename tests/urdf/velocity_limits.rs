@@ -58,7 +58,7 @@ fn nothing_zero_and_less_are_no_speed_and_no_force() {
     assert_eq!(speeds(&robot), [None; 4]);
     let mut ids = robot.model().joint_ids();
     assert!(ids.all(|joint| robot.effort_limit(joint).is_none()));
-    let other = Robot::read("models/franka_panda.urdf").unwrap();
+    let other = Robot::read("../models/franka_panda.urdf").unwrap();
     let beyond = other.model().joint_ids().last().unwrap();
     assert_eq!(robot.velocity_limit(beyond), None);
 }
@@ -84,7 +84,7 @@ fn every_moving_joint_of_a_shipped_arm_has_its_speed() {
         "universal_ur5e",
         "rethink_baxter",
     ] {
-        let robot = Robot::read(format!("models/{file}.urdf")).unwrap();
+        let robot = Robot::read(format!("../models/{file}.urdf")).unwrap();
         let tool = robot.clone().with_tool(
             "probe",
             robot.model().frames()[0].name.as_str(),
@@ -102,7 +102,7 @@ fn every_moving_joint_of_a_shipped_arm_has_its_speed() {
             }
         }
     }
-    let panda = Robot::read("models/franka_panda.urdf").unwrap();
+    let panda = Robot::read("../models/franka_panda.urdf").unwrap();
     let first = panda.model().joint("joint1").unwrap();
     assert_eq!(panda.velocity_limit(first), Some(2.175));
 }
