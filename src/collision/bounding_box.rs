@@ -49,14 +49,6 @@ impl BoundingBox {
         }
     }
 
-    /// What is in both; empty, with least above greatest, where nothing is.
-    pub(crate) fn intersection(self, other: Self) -> Self {
-        Self {
-            min: greatest(self.min, other.min),
-            max: least(self.max, other.max),
-        }
-    }
-
     /// Larger by `by` on all sides.
     pub(crate) fn grown(self, by: f64) -> Self {
         let by = Vector3::new(by, by, by);

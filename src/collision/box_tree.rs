@@ -1,6 +1,7 @@
 //! A tree of boxes over many things, for clouds, meshes and height fields.
 
 use super::bounding_box::BoundingBox;
+use super::wide_nodes::{Small, WideNodes};
 use crate::spatial::Vector3;
 
 /// Things in one leaf at most.
@@ -14,6 +15,7 @@ pub(crate) struct BoxTree {
     nodes: Vec<Node>,
     /// The things' numbers, so that those of one leaf stand together.
     items: Vec<u32>,
+    wide: WideNodes,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -36,9 +38,20 @@ pub(crate) enum Contents<'a> {
 impl BoxTree {
     /// Over `count` things, at most 2³¹, with their boxes.
     pub(crate) fn new(count: usize, bounds: impl Fn(usize) -> BoundingBox) -> Self {
+        Self::of(count, Small::Boxes, bounds)
+    }
+
+    /// Over points.
+    pub(crate) fn of_points(points: &[Vector3<f64>]) -> Self {
+        let bounds = |place: usize| BoundingBox::around([points[place]]);
+        Self::of(points.len(), Small::Points, bounds)
+    }
+
+    fn of(count: usize, small: Small, bounds: impl Fn(usize) -> BoundingBox) -> Self {
         let mut tree = Self {
             nodes: Vec::with_capacity(count.div_ceil(LEAF) * 2),
             items: (0..count as u32).collect(),
+            wide: WideNodes::default(),
         };
         if count == 0 {
             return tree;
@@ -46,7 +59,10 @@ impl BoxTree {
         let centres: Vec<_> = (0..count).map(|i| bounds(i).centre()).collect();
         // Ranges that are still to be split, each with the node it becomes.
         let mut left = vec![(0, count, tree.push())];
+        let mut ranges = Vec::with_capacity(tree.nodes.capacity());
         while let Some((start, end, node)) = left.pop() {
+            ranges.resize(tree.nodes.len(), [0; 2]);
+            ranges[node] = [start as u32, end as u32];
             let items = &mut tree.items[start..end];
             if items.len() <= LEAF {
                 let around = items.iter().map(|&i| bounds(i as usize));
@@ -74,6 +90,7 @@ impl BoxTree {
                 tree.nodes[node].bounds = a.union(b);
             }
         }
+        tree.wide = WideNodes::new(&tree, &ranges, small, bounds);
         tree
     }
 
@@ -94,6 +111,11 @@ impl BoxTree {
             .map_or(BoundingBox::EMPTY, |node| node.bounds)
     }
 
+    /// The things' numbers, so that those of one node stand together.
+    pub(super) fn items(&self) -> &[u32] {
+        &self.items
+    }
+
     /// The box around a node.
     #[inline]
     pub(crate) fn node_bounds(&self, node: u32) -> BoundingBox {
@@ -108,6 +130,18 @@ impl BoxTree {
             true => Contents::Items(&self.items[node.first as usize..node.second as usize]),
             false => Contents::Nodes([node.first, node.second]),
         }
+    }
+
+    /// Whether `is_met` says so of any of the things whose boxes are nearer to a point than so far, in no order; some that are farther are
+    /// asked as well.
+    #[inline]
+    pub(crate) fn any(
+        &self,
+        point: Vector3<f64>,
+        reach: f64,
+        is_met: impl FnMut(u32) -> bool,
+    ) -> bool {
+        self.wide.any(&self.items, point, reach, is_met)
     }
 
     /// Visits things in the order of nearness, as far as boxes tell: `bound` is the least that a box may hold,

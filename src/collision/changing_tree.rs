@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use super::bounding_box::BoundingBox;
 use super::box_tree::BoxTree;
+use crate::spatial::Vector3;
 
 /// Things in the order of their numbers, and a tree over their boxes.
 #[derive(Clone, Debug)]
@@ -88,16 +89,6 @@ impl<T> ChangingTree<T> {
         pub(crate) fn is_empty(&self) -> bool = self.old.numbers.len() == self.gone.len() && !self.has_new();
         /// Whether anything is in the small tree.
         pub(crate) fn has_new(&self) -> bool = !self.new.numbers.is_empty();
-        /// The box around what there was when the large tree was made.
-        pub(crate) fn old_bounds(&self) -> BoundingBox = self.old.tree.bounds();
-        /// Whether the large tree is another's too.
-        pub(crate) fn shares_old(&self, other: &Self) -> bool = Arc::ptr_eq(&self.old, &other.old);
-    }
-
-    /// The boxes of what is no more.
-    pub(crate) fn gone_bounds(&self) -> impl Iterator<Item = &BoundingBox> {
-        let gone = self.gone.iter();
-        gone.map(|&place| &self.old.bounds[place as usize])
     }
 
     /// The stock that a place is in, and where in that.
@@ -129,47 +120,47 @@ impl<T> ChangingTree<T> {
         stock.numbers[at]
     }
 
-    /// Visits places as [`BoxTree::nearest`] does.
+    /// Whether the large tree is another's too.
+    #[cfg(test)]
+    pub(crate) fn shares_old(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.old, &other.old)
+    }
+
+    /// Whether a place in the large tree is of what is no more.
     #[inline]
+    fn is_gone(&self, place: u32) -> bool {
+        !self.gone.is_empty() && self.gone.binary_search(&place).is_ok()
+    }
+
+    /// Asks about places as [`BoxTree::any`] does.
+    #[inline]
+    pub(crate) fn any(
+        &self,
+        point: Vector3<f64>,
+        reach: f64,
+        mut is_met: impl FnMut(u32) -> bool,
+    ) -> bool {
+        let met = |place| !self.is_gone(place) && is_met(place);
+        if self.old.tree.any(point, reach, met) {
+            return true;
+        }
+        let first = self.old.numbers.len() as u32;
+        self.has_new() && (self.new.tree).any(point, reach, |place| is_met(first + place))
+    }
+
+    /// Visits places as [`BoxTree::nearest`] does.
     pub(crate) fn nearest(
         &self,
         best: f64,
         bound: impl Fn(&BoundingBox) -> f64,
         mut visit: impl FnMut(u32, f64) -> f64,
     ) -> f64 {
-        let best = self.old.tree.nearest(best, &bound, |place, best| {
-            match !self.gone.is_empty() && self.gone.binary_search(&place).is_ok() {
-                true => best,
-                false => visit(place, best),
-            }
+        let best = (self.old.tree).nearest(best, &bound, |place, best| match self.is_gone(place) {
+            true => best,
+            false => visit(place, best),
         });
-        if !self.has_new() {
-            return best;
-        }
-        self.nearest_new(best, bound, visit)
-    }
-
-    /// The same of the small tree alone.
-    pub(crate) fn nearest_new(
-        &self,
-        best: f64,
-        bound: impl Fn(&BoundingBox) -> f64,
-        mut visit: impl FnMut(u32, f64) -> f64,
-    ) -> f64 {
         let first = self.old.numbers.len() as u32;
-        self.new
-            .tree
-            .nearest(best, bound, |place, best| visit(first + place, best))
-    }
-
-    /// The same of all that there was when the large tree was made.
-    pub(crate) fn nearest_old(
-        &self,
-        best: f64,
-        bound: impl Fn(&BoundingBox) -> f64,
-        visit: impl FnMut(u32, f64) -> f64,
-    ) -> f64 {
-        self.old.tree.nearest(best, bound, visit)
+        (self.new.tree).nearest(best, bound, |place, best| visit(first + place, best))
     }
 }
 
@@ -222,7 +213,6 @@ impl<T> Default for ChangingTree<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spatial::Vector3;
 
     fn around(x: f64) -> BoundingBox {
         BoundingBox::around([Vector3::new(x, 0.0, 0.0), Vector3::new(x + 0.5, 1.0, 1.0)])
@@ -239,6 +229,13 @@ mod tests {
             best
         });
         met.sort_unstable();
+        let mut asked = Vec::new();
+        tree.any(Vector3::new(x, 0.5, 0.5), 1e-9, |place| {
+            asked.push((tree.number(place), *tree.thing(place)));
+            false
+        });
+        asked.sort_unstable();
+        assert_eq!(met, asked);
         met
     }
 
@@ -251,7 +248,6 @@ mod tests {
         assert!(moved.shares_old(&first));
         assert!(met(&moved, 10.2).is_empty() && met(&moved, 11.2).is_empty());
         assert_eq!(met(&moved, 20.2), [(10, "new"), (20, "old")]);
-        assert_eq!(moved.gone_bounds().count(), 2);
         // One again and again is one.
         let mut again = moved.clone();
         for step in 0..500 {

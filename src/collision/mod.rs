@@ -30,6 +30,7 @@ mod mesh_folders;
 mod model;
 mod shape;
 mod sphere_model;
+mod wide_nodes;
 pub(crate) mod world;
 
 pub use crate::problem::{BodyKind, Collision};

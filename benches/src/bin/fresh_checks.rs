@@ -1,7 +1,6 @@
-//! Processor time of checks of configurations that nobody asked about before, among many obstacles: what a grid of distances remembers of
-//! others helps, what it remembers of themselves does not.
+//! Processor time of checks of configurations that nobody asked about before, among many obstacles.
 //!
-//! `fresh_checks [WORDS…]`: in portions, so that it shows how a check gets cheaper with what was asked; the worlds whose names hold all words.
+//! `fresh_checks [WORDS…]`: in portions, so that it shows what the first ones take and whether a check gets cheaper with what was asked; the worlds whose names hold all words.
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;

@@ -4,7 +4,6 @@
 //! sampling-based planning"): a sphere round each body first, and its own spheres where that one comes near.
 
 mod bodies;
-mod distance_field;
 mod instruction_set;
 mod many_solids;
 mod near;

@@ -26,18 +26,8 @@ pub(crate) struct Room<V> {
     placed: Vec<bool>,
     /// The solids that a body's bound is near.
     near_solids: Vec<u32>,
-    /// Spheres that may be near many solids.
-    undecided: Vec<Undecided>,
     /// The spheres of a body, by place, that another's bound is near, and their radii.
     near: Vec<(usize, f64)>,
-}
-
-/// A sphere, by place, in one lane, and how near nothing is to come to its middle, metres.
-#[derive(Clone, Copy, Debug)]
-struct Undecided {
-    sphere: usize,
-    lane: usize,
-    reach: f64,
 }
 
 impl<V> Default for Room<V> {
@@ -50,7 +40,6 @@ impl<V> Default for Room<V> {
             spheres: Vec::new(),
             placed: Vec::new(),
             near_solids: Vec::new(),
-            undecided: Vec::new(),
             near: Vec::new(),
         }
     }
@@ -64,7 +53,6 @@ pub(super) fn near<V: LaneScalar>(chain: &BodyChain, solids: &Solids, room: &mut
     let margin = solids.margin();
     place(chain, room);
     let mut touched = unasked(room);
-    room.undecided.clear();
     // Hands first, as they are where things are.
     for index in (0..chain.bodies.len()).rev() {
         // What stands with the base is as near as it is: its spheres may stick out into what it stands on.
@@ -73,7 +61,7 @@ pub(super) fn near<V: LaneScalar>(chain: &BodyChain, solids: &Solids, room: &mut
         }
         touched = near_solids(chain, index, solids, margin, room, touched);
         if let Some(many) = solids.many() {
-            touched = roughly_near_many(chain, index, many, margin, room, touched);
+            touched = near_many(chain, index, many, margin, room, touched);
         }
         if !V::any(!touched) {
             return V::mask_bits(touched);
@@ -89,11 +77,7 @@ pub(super) fn near<V: LaneScalar>(chain: &BodyChain, solids: &Solids, room: &mut
             }
         }
     }
-    let touched = V::mask_bits(touched);
-    match solids.many() {
-        Some(many) => near_many(many, room, touched),
-        None => touched,
-    }
+    V::mask_bits(touched)
 }
 
 /// The lanes without a configuration of their own: nothing is asked about them.
@@ -186,10 +170,9 @@ fn near_solids<V: LaneScalar>(
     touched
 }
 
-/// Those lanes, beside the ones known already, in which a body is near some of many solids, as far as that is soon told; what is not
-/// is left undecided.
+/// Those lanes, beside the ones known already, in which a body is near some of many solids.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn roughly_near_many<V: LaneScalar>(
+fn near_many<V: LaneScalar>(
     chain: &BodyChain,
     index: usize,
     many: &ManySolids,
@@ -203,7 +186,7 @@ fn roughly_near_many<V: LaneScalar>(
     for lane in 0..V::WIDTH {
         let unknown = known_bits >> lane & 1 == 0;
         let middle = in_lane(&room.middles[index], lane);
-        if unknown && !many.surely_apart(middle, body.bound.radius + margin) {
+        if unknown && many.near(middle, body.bound.radius + margin) {
             open |= 1 << lane;
         }
     }
@@ -212,41 +195,16 @@ fn roughly_near_many<V: LaneScalar>(
     }
     let range = place_spheres(chain, index, room);
     let mut touched = V::zero();
-    for (sphere, ball) in range.zip(&body.spheres) {
-        let reach = ball.radius + margin;
+    for (middle, sphere) in room.spheres[range].iter().zip(&body.spheres) {
         for lane in 0..V::WIDTH {
-            if open >> lane & 1 == 0 {
-                continue;
-            }
-            match many.roughly_near(in_lane(&room.spheres[sphere], lane), reach) {
-                Some(true) => {
-                    touched.set_lane(lane, 1.0);
-                    open &= !(1 << lane);
-                }
-                Some(false) => {}
-                None => room.undecided.push(Undecided {
-                    sphere,
-                    lane,
-                    reach,
-                }),
+            let asked = open >> lane & 1 == 1;
+            if asked && many.near(in_lane(middle, lane), sphere.radius + margin) {
+                touched.set_lane(lane, 1.0);
+                open &= !(1 << lane);
             }
         }
     }
     known | V::zero().less_than(touched)
-}
-
-/// Those lanes, beside the ones known already, in which an undecided sphere is near some of many solids: last, as most that touch do so
-/// elsewhere too, where it is sooner told.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn near_many<V: LaneScalar>(many: &ManySolids, room: &Room<V>, known: u32) -> u32 {
-    let mut touched = known;
-    for one in &room.undecided {
-        let middle = in_lane(&room.spheres[one.sphere], one.lane);
-        if touched >> one.lane & 1 == 0 && many.near(middle, one.reach) {
-            touched |= 1 << one.lane;
-        }
-    }
-    touched
 }
 
 /// Those lanes, beside the ones known already, in which two bodies are near each other.

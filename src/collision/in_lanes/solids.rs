@@ -111,8 +111,7 @@ impl Solids {
             .map(|(number, shape, at)| (number, Placed::new(shape, at)));
         Self {
             listed: Arc::new(Listed::new(placed, chain, margin)),
-            many: (!many.is_empty())
-                .then(|| ManySolids::new(many, &chain.rooms(), farthest(chain, margin))),
+            many: (!many.is_empty()).then(|| ManySolids::new(many)),
             simple,
             margin,
         }
@@ -151,8 +150,7 @@ impl Solids {
                     Some((number, shape, at))
                 });
                 let added: Vec<_> = added.collect();
-                (!added.is_empty())
-                    .then(|| ManySolids::new(added, &chain.rooms(), farthest(chain, self.margin)))
+                (!added.is_empty()).then(|| ManySolids::new(added))
             }
         };
         let listed = match listed.is_empty() {
@@ -321,12 +319,6 @@ impl Placed {
             solid: Solid::of(shape),
         }
     }
-}
-
-/// The farthest that many solids are asked about, metres.
-fn farthest(chain: &BodyChain, margin: f64) -> f64 {
-    let bodies = chain.bodies.iter();
-    bodies.fold(0.0, |most: f64, body| most.max(body.bound.radius)) + margin
 }
 
 /// Whether so many that are soon looked at are not looked at one after another.

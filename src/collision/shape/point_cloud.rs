@@ -26,11 +26,10 @@ impl PointCloud {
             });
         }
         check_points("point", "points", &positions)?;
-        let tree = BoxTree::new(positions.len(), |i| BoundingBox::around([positions[i]]));
         Ok(Self {
+            tree: BoxTree::of_points(&positions),
             positions,
             radius,
-            tree,
         })
     }
 

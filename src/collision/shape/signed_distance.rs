@@ -17,18 +17,25 @@ impl Shape {
         self.nearest(point).0
     }
 
-    /// The same where that is less than so far, else so far or more: a cloud is searched no farther.
-    pub(crate) fn signed_distance_within(&self, p: Vector3<f64>, limit: f64) -> f64 {
-        match self.kind() {
-            ShapeKind::Points(cloud) => of_cloud(p, cloud, limit).0,
-            _ => self.signed_distance(p),
-        }
-    }
-
-    /// Whether that is less than so far: of a cloud the first point that is so near tells.
+    /// Whether that is less than so far: of many parts the first that is so near tells.
     pub(crate) fn is_within(&self, p: Vector3<f64>, reach: f64) -> bool {
         match self.kind() {
-            ShapeKind::Points(cloud) => is_within_cloud(p, cloud, reach),
+            ShapeKind::Mesh(mesh) => {
+                let near = mesh.tree().any(p, reach, |index| {
+                    far_from_triangle(p, mesh.triangle(index as usize)) < reach
+                });
+                near || mesh.is_closed() && self.signed_distance(p) < reach
+            }
+            ShapeKind::HeightField(field) => {
+                let near = field.tree().any(p, reach, |index| {
+                    far_from_triangle(p, field.triangle(index as usize)) < reach
+                });
+                near || field.holds(p) && (reach > 0.0 || self.signed_distance(p) < reach)
+            }
+            ShapeKind::Points(cloud) => cloud.tree().any(p, reach + cloud.radius(), |index| {
+                let far = (p - cloud.positions()[index as usize]).norm();
+                far - cloud.radius() < reach
+            }),
             _ => self.signed_distance(p) < reach,
         }
     }
@@ -47,7 +54,7 @@ impl Shape {
             ShapeKind::Convex(hull) => convex(p, hull),
             ShapeKind::Mesh(mesh) => of_mesh(p, mesh),
             ShapeKind::HeightField(field) => of_field(p, field),
-            ShapeKind::Points(cloud) => of_cloud(p, cloud, f64::INFINITY),
+            ShapeKind::Points(cloud) => of_cloud(p, cloud),
         }
     }
 }
@@ -181,12 +188,10 @@ fn of_field(p: Vector3<f64>, field: &HeightField) -> Nearest {
     }
 }
 
-/// Infinite where nothing is nearer than `limit`.
-fn of_cloud(p: Vector3<f64>, cloud: &PointCloud, limit: f64) -> Nearest {
+fn of_cloud(p: Vector3<f64>, cloud: &PointCloud) -> Nearest {
     let mut nearest = None;
-    let within = limit + cloud.radius();
     cloud.tree().nearest(
-        within * within,
+        f64::INFINITY,
         |bounds| bounds.squared_distance(p),
         |index, least| {
             let point = cloud.positions()[index as usize];
@@ -203,21 +208,8 @@ fn of_cloud(p: Vector3<f64>, cloud: &PointCloud, limit: f64) -> Nearest {
     }
 }
 
-fn is_within_cloud(p: Vector3<f64>, cloud: &PointCloud, reach: f64) -> bool {
-    let within = reach + cloud.radius();
-    let least = cloud.tree().nearest(
-        within * within,
-        |bounds| bounds.squared_distance(p),
-        |index, least| {
-            let far = (p - cloud.positions()[index as usize]).norm();
-            match far - cloud.radius() < reach {
-                // No other is asked.
-                true => f64::NEG_INFINITY,
-                false => least,
-            }
-        },
-    );
-    least < 0.0
+fn far_from_triangle(p: Vector3<f64>, corners: [Vector3<f64>; 3]) -> f64 {
+    (p - nearest_on_triangle(p, corners).0).norm()
 }
 
 /// The place of a triangle that is nearest to a point (Ericson, "Real-Time Collision Detection", 5.1.5), and whether

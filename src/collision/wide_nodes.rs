@@ -1,0 +1,348 @@
+//! A tree of boxes eight wide, by which what is near a point is found.
+//!
+//! Eight boxes are looked at at once, in single precision: they are rounded outward and the point's own rounding is added to how far is
+//! asked, so that what is left out is farther, and who asks looks at the rest exactly.
+
+use super::bounding_box::BoundingBox;
+use super::box_tree::{BoxTree, Contents};
+use crate::spatial::Vector3;
+
+/// Boxes of a node: three halvings.
+const WIDE: usize = 8;
+const HALVINGS: usize = 3;
+/// Of each lane.
+const BITS: [u32; WIDE] = [1, 2, 4, 8, 16, 32, 64, 128];
+/// More nodes than are open on the way down through 2³¹ things.
+const DEEP: usize = 12;
+/// In place of a number of things: a node.
+const NODE: u8 = u8::MAX;
+/// A bit more than half the distance of two single-precision numbers, of their size, and than what their arithmetic loses.
+const ROUNDING: f64 = 1.2e-7;
+
+/// Nodes over the things of a [`BoxTree`].
+#[derive(Clone, Debug, Default)]
+pub(super) struct WideNodes {
+    nodes: Vec<WideNode>,
+}
+
+/// Eight boxes, coordinate by coordinate, and what is in them.
+#[derive(Clone, Copy, Debug)]
+struct WideNode {
+    min: [[f32; WIDE]; 3],
+    max: [[f32; WIDE]; 3],
+    /// A node, or the first of the things.
+    first: [u32; WIDE],
+    /// How many things, or [`NODE`].
+    count: [u8; WIDE],
+}
+
+/// What a box of a node holds, of the tree that it is made from.
+#[derive(Clone, Copy)]
+pub(super) enum Small {
+    /// A thing each, by its own box.
+    Boxes,
+    /// Up to eight: points, to which boxes are no nearer.
+    Points,
+}
+
+impl WideNodes {
+    /// Of a tree, where the things of each node begin and end among its items, and the box around each thing.
+    pub(super) fn new(
+        tree: &BoxTree,
+        ranges: &[[u32; 2]],
+        small: Small,
+        bounds: impl Fn(usize) -> BoundingBox,
+    ) -> Self {
+        let mut wide = Self::default();
+        if ranges.is_empty() {
+            return wide;
+        }
+        let is_small = |node: u32| -> bool {
+            let [start, end] = ranges[node as usize];
+            (end - start) as usize <= WIDE
+        };
+        // A node for each 3 or 4 things, or for each 27 points.
+        wide.nodes.reserve(match small {
+            Small::Boxes => tree.items().len().div_ceil(3),
+            Small::Points => tree.items().len().div_ceil(24),
+        });
+        wide.nodes.push(WideNode::EMPTY);
+        // Nodes that are still to be filled, each with what it is made from.
+        let mut left = vec![(0, 0)];
+        while let Some((from, node)) = left.pop() {
+            if is_small(from) && matches!(small, Small::Boxes) {
+                let [start, end] = ranges[from as usize];
+                for (lane, at) in (start..end).enumerate() {
+                    let item = tree.items()[at as usize];
+                    wide.nodes[node].fill(lane, &bounds(item as usize), at, 1);
+                }
+                continue;
+            }
+            let (parts, count) = parted(tree, from, is_small);
+            for (lane, &part) in parts[..count].iter().enumerate() {
+                let around = tree.node_bounds(part);
+                let [start, end] = ranges[part as usize];
+                if is_small(part) && matches!(small, Small::Points) {
+                    wide.nodes[node].fill(lane, &around, start, (end - start) as u8);
+                    continue;
+                }
+                let made = wide.nodes.len();
+                wide.nodes.push(WideNode::EMPTY);
+                wide.nodes[node].fill(lane, &around, made as u32, NODE);
+                left.push((part, made));
+            }
+        }
+        wide
+    }
+
+    /// Whether `is_met` says so of any of the things whose boxes are nearer to a point than so far; some that are farther are asked as
+    /// well.
+    #[inline]
+    pub(super) fn any(
+        &self,
+        items: &[u32],
+        point: Vector3<f64>,
+        reach: f64,
+        mut is_met: impl FnMut(u32) -> bool,
+    ) -> bool {
+        if self.nodes.is_empty() {
+            return false;
+        }
+        let place = point.to_array().map(|along| along as f32);
+        let size = point.x.abs() + point.y.abs() + point.z.abs();
+        let reach = (reach.abs() + size * ROUNDING) * (1.0 + 16.0 * ROUNDING);
+        // The squares of what is very near have few digits.
+        let within = (reach * reach) as f32 + f32::MIN_POSITIVE;
+        // Nodes with boxes that are still to be opened, bit by bit.
+        let mut stack = [(0_u32, 0_u32); DEEP];
+        let mut height = 0;
+        let mut node = 0;
+        let mut open = self.nodes[0].near(place, within);
+        loop {
+            while open == 0 {
+                if height == 0 {
+                    return false;
+                }
+                height -= 1;
+                (node, open) = stack[height];
+            }
+            let lane = open.trailing_zeros() as usize % WIDE;
+            open &= open - 1;
+            let opened = &self.nodes[node as usize];
+            let first = opened.first[lane];
+            match opened.count[lane] {
+                NODE => {
+                    let near = self.nodes[first as usize].near(place, within);
+                    if near != 0 {
+                        stack[height] = (node, open);
+                        height += usize::from(open != 0);
+                        (node, open) = (first, near);
+                    }
+                }
+                count => {
+                    let first = first as usize;
+                    for &item in &items[first..first + usize::from(count)] {
+                        if is_met(item) {
+                            return true;
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The nodes of a tree three halvings below one, or fewer where they are small, and how many there are.
+fn parted(tree: &BoxTree, node: u32, is_small: impl Fn(u32) -> bool) -> ([u32; WIDE], usize) {
+    let (mut parts, mut count) = ([node; WIDE], 1);
+    for _ in 0..HALVINGS {
+        let (whole, of_whole) = (parts, count);
+        count = 0;
+        for &part in &whole[..of_whole] {
+            let halves = match tree.contents(part) {
+                Contents::Nodes(halves) if !is_small(part) => halves,
+                _ => [part; 2],
+            };
+            parts[count] = halves[0];
+            count += 1;
+            if halves[1] != halves[0] {
+                parts[count] = halves[1];
+                count += 1;
+            }
+        }
+    }
+    (parts, count)
+}
+
+impl WideNode {
+    /// Boxes around nothing, with nothing in them.
+    const EMPTY: Self = Self {
+        min: [[f32::INFINITY; WIDE]; 3],
+        max: [[f32::NEG_INFINITY; WIDE]; 3],
+        first: [0; WIDE],
+        count: [0; WIDE],
+    };
+
+    fn fill(&mut self, lane: usize, bounds: &BoundingBox, first: u32, count: u8) {
+        let (min, max) = (bounds.min.to_array(), bounds.max.to_array());
+        for axis in 0..3 {
+            self.min[axis][lane] = below(min[axis]);
+            self.max[axis][lane] = -below(-max[axis]);
+        }
+        self.first[lane] = first;
+        self.count[lane] = count;
+    }
+
+    /// Its boxes, bit by bit, that are no farther from a point than so far, squared. Where numbers are too large for single precision, all
+    /// are.
+    #[inline(always)]
+    fn near(&self, point: [f32; 3], within: f32) -> u32 {
+        // So written, and not by shifts, the compiler takes four lanes together.
+        let mut near = [0; WIDE];
+        for lane in 0..WIDE {
+            let gap = |axis: usize| {
+                let before = self.min[axis][lane] - point[axis];
+                let behind = point[axis] - self.max[axis][lane];
+                // Not `f32::max`, which asks which of both is no number.
+                let gap = if before > behind { before } else { behind };
+                if gap > 0.0 { gap } else { 0.0 }
+            };
+            let [x, y, z] = [gap(0), gap(1), gap(2)];
+            let is_near = x * x + y * y + z * z <= within;
+            near[lane] = if is_near { BITS[lane] } else { 0 };
+        }
+        for lane in 0..WIDE / 2 {
+            near[lane] |= near[lane + WIDE / 2];
+        }
+        near[0] | near[1] | near[2] | near[3]
+    }
+}
+
+/// The greatest single-precision number that is not greater.
+fn below(value: f64) -> f32 {
+    let single = value as f32;
+    match f64::from(single) > value {
+        true => single.next_down(),
+        false => single,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers within [-1, 1] that never change.
+    struct Numbers(u32);
+
+    impl Numbers {
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(self.0 >> 8) / f64::from(1 << 23) - 1.0
+        }
+
+        fn point(&mut self, size: f64) -> Vector3<f64> {
+            Vector3::new(self.next(), self.next(), self.next()) * size
+        }
+    }
+
+    /// Those that are asked about, of which none comes twice.
+    fn asked(tree: &BoxTree, point: Vector3<f64>, reach: f64) -> Vec<u32> {
+        let mut asked = Vec::new();
+        let met = tree.any(point, reach, |item| {
+            asked.push(item);
+            false
+        });
+        assert!(!met);
+        asked.sort_unstable();
+        assert!(asked.windows(2).all(|pair| pair[0] < pair[1]));
+        asked
+    }
+
+    #[test]
+    fn all_boxes_that_are_near_are_asked_about_and_few_others() {
+        let numbers = &mut Numbers(7);
+        for (scale, far) in [
+            (1.0, 0.0),
+            (1e-12, 0.0),
+            (1e-30, 0.0),
+            (1e15, 0.0),
+            (1.0, 1e6),
+        ] {
+            for count in [0, 1, 2, 7, 8, 9, 33, 64, 65, 700] {
+                let middle = Vector3::new(far, -far, far);
+                let boxes: Vec<_> = (0..count)
+                    .map(|_| {
+                        let at = middle + numbers.point(scale);
+                        BoundingBox::around([at, at + numbers.point(0.05 * scale)])
+                    })
+                    .collect();
+                let points: Vec<_> = boxes.iter().map(|bounds| bounds.min).collect();
+                let trees = [
+                    (BoxTree::new(count, |i| boxes[i]), false),
+                    (BoxTree::of_points(&points), true),
+                ];
+                let (mut more, mut near_ones) = (0, 0);
+                for _ in 0..200 {
+                    let point = middle + numbers.point(1.2 * scale);
+                    let reach = (0.15 + 0.15 * numbers.next()) * scale;
+                    for (tree, are_points) in &trees {
+                        let near = |item: &u32| {
+                            let bounds = match are_points {
+                                true => BoundingBox::around([points[*item as usize]]),
+                                false => boxes[*item as usize],
+                            };
+                            bounds.squared_distance(point) < reach * reach
+                        };
+                        let asked = asked(tree, point, reach);
+                        let expected: Vec<u32> = (0..count as u32).filter(near).collect();
+                        let missing = expected.iter().find(|item| !asked.contains(item));
+                        assert_eq!(missing, None, "{scale} {far} {count}");
+                        if !are_points {
+                            more += asked.len() - expected.len();
+                            near_ones += expected.len();
+                        }
+                    }
+                }
+                // Squares of the smallest are nothing in single precision.
+                assert!(scale < 1e-20 || far > 0.0 || 100 * more <= near_ones);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_too_large_or_no_number_is_asked_about_exactly() {
+        let boxes = [1e39, -1e39, 3.0, 1e300].map(|x| {
+            let at = Vector3::new(x, 0.0, 0.0);
+            BoundingBox::around([at, at * 1.5])
+        });
+        let tree = BoxTree::new(4, |i| boxes[i]);
+        for (at, reach) in [
+            (1.2e39, 1.0),
+            (-1e39, 1e38),
+            (2.5, 0.6),
+            (1.2e300, 1e299),
+            (0.0, 1e301),
+        ] {
+            let point = Vector3::new(at, 0.0, 0.0);
+            let asked = asked(&tree, point, reach);
+            for (item, bounds) in boxes.iter().enumerate() {
+                let gap = (bounds.min.x - at).max(at - bounds.max.x);
+                assert!(gap >= reach || asked.contains(&(item as u32)));
+            }
+        }
+        assert!(!tree.any(Vector3::new(f64::NAN, 0.0, 0.0), 1.0, |_| false));
+    }
+
+    #[test]
+    fn the_first_that_is_met_ends_the_search() {
+        let tree = BoxTree::new(100, |i| {
+            BoundingBox::around([Vector3::new(i as f64, 0.0, 0.0)])
+        });
+        let mut count = 0;
+        assert!(tree.any(Vector3::zero(), 200.0, |item| {
+            count += 1;
+            item == 40
+        }));
+        assert!(count < 100);
+    }
+}
