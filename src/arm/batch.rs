@@ -169,6 +169,7 @@ impl Arm {
             search: options.search.lanes(),
             attempts_from: None,
             attempts: options.attempts.min(TOGETHER),
+            carries: false,
             q,
             outcomes,
         });

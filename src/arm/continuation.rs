@@ -58,6 +58,33 @@ impl Arm {
             search: Prefer::Start,
             attempts_from: None,
             attempts: 1,
+            carries: false,
+            q: &mut ends.q,
+            outcomes: &mut ends.outcomes,
+        });
+        Ok(())
+    }
+
+    /// The same to one target, and only so closely that one can go on from there: within some 1e-4 of the arm's length where a target is reached.
+    pub(crate) fn carry_all(
+        &self,
+        target: &Placement<f64>,
+        starts: &[f64],
+        ends: &mut Ends,
+    ) -> Reply<()> {
+        let count = starts.len() / self.joint_count();
+        let Some(lanes) = (self.lanes.as_ref()).filter(|_| self.options.goal.is_full_pose()) else {
+            return self.continue_all(&vec![*target; count], starts, ends);
+        };
+        refill(&mut ends.q, starts.len(), 0.0);
+        refill(&mut ends.outcomes, count, PoseOutcome::default());
+        lanes.run(Work {
+            targets: std::slice::from_ref(target),
+            starts,
+            search: Prefer::Start,
+            attempts_from: None,
+            attempts: 1,
+            carries: true,
             q: &mut ends.q,
             outcomes: &mut ends.outcomes,
         });
@@ -85,6 +112,7 @@ impl Arm {
                 search: Prefer::Start,
                 attempts_from: Some(first),
                 attempts: 1,
+                carries: false,
                 q,
                 outcomes,
             });
@@ -218,5 +246,67 @@ impl Arm {
             Source::Constant(_) | Source::Rotation { .. } => None,
         });
         motions.collect()
+    }
+}
+
+#[cfg(all(test, feature = "urdf"))]
+mod tests {
+    use super::{Arm, Ends};
+    use crate::random::mix;
+    use crate::robot::Robot;
+    use crate::spatial::{Placement, Vector3, rotation_exp};
+
+    /// What is carried on stands within some 1e-4 of the arm's length of its target, also beside limits, where a closer look reaches it as
+    /// well; nothing is out of reach of everyone but reached.
+    #[test]
+    #[allow(clippy::unwrap_used)]
+    fn what_is_carried_on_is_near_its_target() {
+        let robot = Robot::read("models/franka_panda.urdf").unwrap();
+        let arm = Arm::new(&robot, "base", "tool").unwrap();
+        let (n, mut state) = (arm.joint_count(), 7);
+        let mut unit = || {
+            state = mix(state);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let (mut carried, mut closer) = (Ends::default(), Ends::default());
+        let (mut reached, mut both) = (0, 0);
+        for case in 0..200 {
+            let starts: Vec<f64> = (0..3)
+                .flat_map(|_| arm.limits())
+                .map(|l| l.lower + (1.1 * unit() - 0.05).clamp(0.0, 1.0) * (l.upper - l.lower))
+                .collect();
+            let here = arm.base_from_tool(&starts[..n]).unwrap();
+            let far = if case % 4 == 0 { 3.0 } else { 0.03 };
+            let mut by = || Vector3::new(unit() - 0.5, unit() - 0.5, unit() - 0.5) * far;
+            let target =
+                Placement::new(here.rotation * rotation_exp(by()), here.translation + by());
+            arm.carry_all(&target, &starts, &mut carried).unwrap();
+            arm.continue_all(&[target; 3], &starts, &mut closer)
+                .unwrap();
+            for place in 0..3 {
+                let [carry, close] = [&carried, &closer].map(|ends| ends.outcomes[place].reached);
+                (reached, both) = (
+                    reached + usize::from(close),
+                    both + usize::from(carry && close),
+                );
+                let q = &carried.q[place * n..(place + 1) * n];
+                let mut limits = arm.limits().zip(q);
+                assert!(
+                    limits.all(|(l, q)| l.lower <= *q && *q <= l.upper),
+                    "{case}"
+                );
+                if carry {
+                    let (metres, radians, _) = arm.errors_at(&target, q).unwrap();
+                    assert!(
+                        metres < 4e-4 && radians < 4e-4,
+                        "{case}: {metres} {radians}"
+                    );
+                }
+            }
+        }
+        assert!(
+            reached > 150 && both > reached * 98 / 100,
+            "{reached} {both}"
+        );
     }
 }

@@ -104,6 +104,7 @@ impl Arm {
             search: lanes::Prefer::Start,
             attempts_from: Some(first),
             attempts: 1,
+            carries: false,
             q: &mut workspace.found[begun * n..],
             outcomes: &mut workspace.outcomes[begun..],
         });

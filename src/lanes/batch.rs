@@ -1,5 +1,6 @@
 //! Many queries: every lane works on its own, and takes the next when it is done.
 
+use super::carry::carry;
 use super::chain::MAX_JOINTS;
 use super::evaluation::Errors;
 use super::group::Group;
@@ -24,6 +25,8 @@ pub(crate) struct Work<'a> {
     pub(crate) attempts_from: Option<u32>,
     /// Most attempts of one query.
     pub(crate) attempts: u32,
+    /// Whether the starts are [carried on](super::carry) to a single target: outcomes say whether they reach it, and nothing else.
+    pub(crate) carries: bool,
     pub(crate) q: &'a mut [f64],
     pub(crate) outcomes: &'a mut [PoseOutcome],
 }
@@ -36,6 +39,10 @@ pub(crate) fn batch<V: LaneScalar, const L: usize, const N: usize>(
     prepared: &Prepared,
     work: Work<'_>,
 ) {
+    if work.carries {
+        carry::<V, L, N>(stages, prepared, work);
+        return;
+    }
     let mut batch = Batch::<V, L, N>::new(stages, prepared, work);
     // At first every lane is done with nothing.
     let (mut over, mut ended) = ((1u32 << L) - 1, Ended::none());

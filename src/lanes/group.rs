@@ -66,6 +66,13 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
         q: &[f64],
         settings: &Settings,
     ) {
+        self.aim(lane, goal_from_first);
+        self.begin(lane, q, settings);
+    }
+
+    /// Gives `lane` its goal.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn aim(&mut self, lane: usize, goal_from_first: &Placement<f64>) {
         let set = |to: &mut Vector3<V>, from: Vector3<f64>| {
             to.x.set_lane(lane, from.x);
             to.y.set_lane(lane, from.y);
@@ -76,6 +83,11 @@ impl<V: LaneScalar, const N: usize> Group<V, N> {
         set(&mut to.rotation.y, from.rotation.y);
         set(&mut to.rotation.z, from.rotation.z);
         set(&mut to.translation, from.translation);
+    }
+
+    /// Starts an attempt in `lane` at the goal that it has. The values of `q` lie within the bounds.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn begin(&mut self, lane: usize, q: &[f64], settings: &Settings) {
         for (i, &value) in q.iter().enumerate().take(self.joints) {
             self.q[i].set_lane(lane, value);
             self.accepted[i].set_lane(lane, value);

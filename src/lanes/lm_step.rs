@@ -43,6 +43,9 @@ const WAY_KEPT: f64 = 0.25;
 /// Twice the cost below which the goal is near, the solver's lengths squared. Convergence may be slow
 /// there but sure (a singular goal), so that an iteration counts as this much of one.
 const NEAR: f64 = 1e-6;
+/// The longest step that ends an attempt to carry on, the sum of all joints' moves, radians and the solver's lengths. Half its square is
+/// the most that its linear model leaves out.
+const LONGEST_LAST_STEP: f64 = 0.02;
 const ITERATION_WHEN_NEAR: f64 = 0.1;
 
 /// Which lanes ended, bit by bit.
@@ -84,11 +87,14 @@ pub(crate) fn step<V: LaneScalar, const N: usize, const JOINTS: usize, const AXE
     let accept = twice_cost.less_than(group.accepted_twice_cost) | reached;
     adapt_damping(group, twice_cost, accept);
     let stalled = note_progress(group, twice_cost, settings);
-    let closing = twice_cost.less_than(V::constant(settings.closing_twice_cost)) & accept;
-
     leave_out_blocked_joints::<V, N, JOINTS>(group, links, &weighed);
     let y = solve_dual::<V, N, JOINTS, AXES>(group, &weighed, settings);
     move_on::<V, N, JOINTS>(group, links, accept, y);
+    let closing = accept
+        & match settings.carries {
+            true => leads_on::<V, N, JOINTS>(group, weighed.twist, tp, to),
+            false => twice_cost.less_than(V::constant(settings.closing_twice_cost)),
+        };
     Ended {
         reached: V::mask_bits(reached),
         stalled: V::mask_bits(stalled),
@@ -223,4 +229,24 @@ fn move_on<V: LaneScalar, const N: usize, const JOINTS: usize>(
         group.accepted[i] = V::select(accept, q, old);
         group.q[i] = V::select(accept, moved, back);
     }
+}
+
+/// Where the step just made leads onto the goal by its linear model, bounds and damping included, and is so short that this is true.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn leads_on<V: LaneScalar, const N: usize, const JOINTS: usize>(
+    group: &Group<V, N>,
+    (mut p, mut s): (Vector3<V>, Vector3<V>),
+    squared_position: f64,
+    squared_orientation: f64,
+) -> V::Mask {
+    let mut moved = V::zero();
+    for i in 0..group.joints::<JOINTS>() {
+        let by = group.q[i] - group.accepted[i];
+        p = group.linear[i].mul_add(by, p);
+        s = group.angular[i].mul_add(by, s);
+        moved += by.abs();
+    }
+    moved.less_than(V::constant(LONGEST_LAST_STEP))
+        & p.norm_squared().less_than(V::constant(squared_position))
+        & s.norm_squared().less_than(V::constant(squared_orientation))
 }

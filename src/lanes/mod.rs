@@ -12,6 +12,7 @@ mod atlas;
 mod axis_goal;
 mod axis_residual;
 mod batch;
+mod carry;
 mod chain;
 mod check;
 mod evaluation;

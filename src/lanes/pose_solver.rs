@@ -178,6 +178,7 @@ impl PoseSolver {
             search,
             attempts_from: None,
             attempts: self.attempts(),
+            carries: false,
             q,
             outcomes,
         });
@@ -214,6 +215,7 @@ impl PoseSolver {
                     search,
                     attempts_from: None,
                     attempts: self.attempts(),
+                    carries: false,
                     q,
                     outcomes,
                 });
@@ -247,6 +249,7 @@ impl PoseSolver {
             search,
             attempts_from: Some(first),
             attempts: 1,
+            carries: false,
             q,
             outcomes,
         });

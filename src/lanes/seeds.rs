@@ -121,7 +121,7 @@ fn start_value(links: &Links, link: &Link, start: f64) -> f64 {
 
 /// The start, within the bounds; an unbounded angle within half a turn of zero if it is large.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn fill_start(links: &Links, start: &[f64], q: &mut [f64]) {
+pub(super) fn fill_start(links: &Links, start: &[f64], q: &mut [f64]) {
     for ((q, link), &start) in q.iter_mut().zip(&links.links).zip(start) {
         *q = start_value(links, link, start);
         *q = q.max(link.lower).min(link.upper);

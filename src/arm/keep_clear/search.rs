@@ -206,6 +206,7 @@ impl Arm {
             search: lanes::Prefer::Start,
             attempts_from: None,
             attempts: 1,
+            carries: false,
             q: &mut workspace.found[begun * n..],
             outcomes: &mut workspace.outcomes[begun..],
         });

@@ -7,7 +7,6 @@ use super::knots::{NEAR, between};
 use super::layers::{Growth, Layer};
 use super::sorted::Sorted;
 use crate::arm::{Ends, QueryError};
-use crate::spatial::Placement;
 
 /// The share of the last motion that a step begins with.
 const MOMENTUM: f64 = 0.9;
@@ -24,7 +23,6 @@ pub(super) struct Carrier {
     motions: Vec<f64>,
     stand: Vec<f64>,
     starts: Vec<f64>,
-    targets: Vec<Placement<f64>>,
     ends: Ends,
     again: Ends,
     limits: Vec<f64>,
@@ -69,6 +67,9 @@ impl Carrier {
         let (known, asked) = (&layers[to].q, &layers[from].q);
         self.known
             .take(known, asked, &growth.merging, &growth.turns);
+        layers[to]
+            .q
+            .reserve(if begun == 0 { self.ends.q.len() } else { 0 });
         for place in 0..self.came.len() {
             let Some(in_parts) = self.came[place] else {
                 continue;
@@ -131,20 +132,14 @@ impl Carrier {
             *q += MOMENTUM * by;
         }
         let target = knots.targets[ends[1]];
-        self.targets.clear();
-        self.targets.resize(self.came.len(), target);
-        arm.continue_all(&self.targets, &self.starts, &mut self.ends)?;
+        arm.carry_all(&target, &self.starts, &mut self.ends)?;
         self.take_near(n, false);
         self.failed.clear();
         let failed = moving.filter(|place| self.came[*place].is_none());
         self.failed.extend(failed);
         if !self.failed.is_empty() {
             self.stand_failed(n);
-            arm.continue_all(
-                &self.targets[..self.failed.len()],
-                &self.starts,
-                &mut self.again,
-            )?;
+            arm.carry_all(&target, &self.starts, &mut self.again)?;
             self.put_back(n);
             self.take_near(n, false);
         }
@@ -221,9 +216,7 @@ impl Carrier {
                 true => to,
                 false => between(&from, &to, share),
             };
-            self.targets.clear();
-            self.targets.resize(self.failed.len(), target);
-            arm.continue_all(&self.targets, &self.starts, &mut self.again)?;
+            arm.carry_all(&target, &self.starts, &mut self.again)?;
             // Those that reach with no long move go on.
             let (mut left, mut place) = (Vec::new(), 0);
             self.failed.retain(|_| {

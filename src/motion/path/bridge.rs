@@ -1,6 +1,8 @@
 //! Bridges over steps at which a branch is left: for an arm with joints to spare both branches are often of one self-motion, and what
 //! was a leap in one step is a move that the knots around it share.
 
+use std::ops::Range;
+
 use super::PathError;
 use super::knot_configurations::Way;
 use super::layers::Growth;
@@ -8,6 +10,8 @@ use crate::arm::Ends;
 
 /// A bridge begins and ends so many knots from the leap at most; the shortest that stands is taken.
 const LONGEST: usize = 128;
+/// Every so many knots of a bridge are looked at first.
+const COARSE: usize = 8;
 
 /// Bridges every leap that it can. Neither a knot that is reached nor a step that is joined is lost by it.
 pub(super) fn bridge(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
@@ -58,29 +62,50 @@ fn span(
 ) -> Result<Option<Vec<f64>>, PathError> {
     let (knots, n) = (growth.knots, growth.width());
     let (from, to) = (way.row(first, n), way.row(last, n));
-    let inner = first + 1..last;
     let steps = (last - first) as f64;
-    let shares = inner.clone().map(|knot| (knot - first) as f64 / steps);
-    let guesses: Vec<f64> = shares
-        .flat_map(|share| (from.iter().zip(to)).map(move |(a, b)| a + share * (b - a)))
-        .collect();
     let tool = knots.tool(last);
-    let targets = &knots.targets[inner.clone()];
-    growth
-        .arms
-        .continue_all(|_| tool, targets, &guesses, ends)?;
-    if ends.outcomes.iter().any(|outcome| !outcome.reached) {
-        return Ok(None);
+    let mut rows = Vec::new();
+    // Most that do not stand are told by few of their knots.
+    for stride in [COARSE, 1] {
+        let stops = (first + 1..last).filter(|knot| (knot - first).is_multiple_of(stride));
+        let stops: Vec<usize> = stops.collect();
+        let guesses = stops.iter().flat_map(|knot| {
+            let share = (knot - first) as f64 / steps;
+            (from.iter().zip(to)).map(move |(a, b)| a + share * (b - a))
+        });
+        let guesses: Vec<f64> = guesses.collect();
+        let targets: Vec<_> = stops.iter().map(|knot| knots.targets[*knot]).collect();
+        let arms = growth.arms;
+        arms.continue_all(|_| tool, &targets, &guesses, ends)?;
+        if ends.outcomes.iter().any(|outcome| !outcome.reached) {
+            return Ok(None);
+        }
+        rows = [from, &ends.q, to].concat();
+        let mut before = first;
+        for (pair, knot) in rows
+            .windows(2 * n)
+            .step_by(n)
+            .zip(stops.into_iter().chain([last]))
+        {
+            if !is_short(growth, way, before..knot, pair) {
+                return Ok(None);
+            }
+            before = knot;
+        }
     }
-    let rows = [from, &ends.q, to].concat();
-    let mut steps = rows.windows(2 * n).step_by(n).zip(first + 1..);
-    let short = |(pair, knot): (&[f64], usize)| {
-        growth.bounds.excess(knots, knot, &pair[..n], &pair[n..]) <= way.allowance[knot] + 1e-9
-    };
-    if !steps.all(short) {
-        return Ok(None);
-    }
+    let inner = &rows[n..rows.len() - n];
     let mut free = Vec::new();
-    growth.note_free(last, &ends.q, true, &mut free)?;
-    Ok(free.iter().all(|free| *free).then(|| ends.q.clone()))
+    growth.note_free(last, inner, true, &mut free)?;
+    Ok(free.iter().all(|free| *free).then(|| inner.to_vec()))
+}
+
+/// Whether the steps after these knots may lead from the one configuration to the other; certainly, if there is one.
+fn is_short(growth: &Growth<'_>, way: &Way, knots: Range<usize>, pair: &[f64]) -> bool {
+    let (from, to) = pair.split_at(growth.width());
+    let allowance: f64 = way.allowance[knots.start + 1..=knots.end].iter().sum();
+    let excess = match knots.len() {
+        1 => growth.bounds.excess(growth.knots, knots.end, from, to),
+        _ => growth.bounds.least_excess(from, to),
+    };
+    excess <= allowance + 1e-9
 }

@@ -4,7 +4,9 @@
 //! Σₖ |Δₖ| rₖ (|Δₖ| + 2 Σ_{j<k} |Δⱼ|), with rₖ the length of the chain from joint k to the tool: every second derivative of a chain is
 //! one cross product with the axis nearer to the base of the other's lever (Siciliano et al. 2009, "Robotics", eq. 3.30, differentiated
 //! once more). A curve is off the chord between two of its places by an eighth of that, times the squared time between them.
-//! So what is measured at a few places bounds all places between, and the more places the closer. Orientations likewise, by the
+//! So what is measured at a few places bounds all places between, and the more places the closer. Through three places a curve is near a
+//! parabola, off by the most of |t (t − ½) (t − 1)| / 6 of its third derivative (Davis 1975, "Interpolation and Approximation", ch. 3.1), which is
+//! at most Σₖ rₖ (Sₖ³ − Sₖ₋₁³) with Sₖ = Σ_{j≤k} |Δⱼ|; and a parabola is within its Bézier points. Orientations likewise, by the
 //! vector part of the relative quaternion. The room that a goal leaves is convex: what is within it at both ends is within it between.
 
 use super::PathError;
@@ -20,6 +22,8 @@ use crate::spatial::{Placement, Quaternion, Vector3};
 const MOST_PLACES: usize = 1024;
 /// A bound may be above what is measured by this share.
 const SLACK: f64 = 0.02;
+/// The most of |t (t − ½) (t − 1)| / 6 from 0 to 1: √3 / 216.
+const OFF_PARABOLA: f64 = 0.008_018_754;
 
 /// A step of the tool that the path leads.
 pub(super) struct LedStep<'a> {
@@ -54,9 +58,18 @@ pub(super) fn largest(
         Curve::new(tools.of(tool), path, step, motions)
     };
     let mut bounds = Vec::with_capacity(steps.len());
+    // Most steps begin where the one before ends.
+    let mut last: Option<(&LedStep<'_>, Placement<f64>)> = None;
     for step in steps {
-        let (_, bound) = curve(step)?.measure(1)?;
-        bounds.push(bound);
+        let goes_on = |before: &LedStep<'_>| {
+            std::ptr::eq(before.q[1], step.q[0]) && tool_of(before) == tool_of(step)
+        };
+        let begin = last
+            .filter(|(before, _)| goes_on(before))
+            .map(|(_, tool)| tool);
+        let measured = curve(step)?.measure(2, begin)?;
+        bounds.push(measured.bounds);
+        last = Some((step, measured.end));
     }
     let mut largest = Deviation::default();
     let mut order: Vec<usize> = (0..steps.len()).collect();
@@ -91,10 +104,22 @@ struct Curve<'a> {
     q: [&'a [f64]; 2],
     /// Second derivatives of the distance, metres, and of the vector part.
     bends: [f64; 2],
+    /// Third ones of both vectors, metres and twice the vector part; none where a goal leaves room.
+    thirds: Option<[f64; 2]>,
     /// How far the vector part moves at most.
     turns: f64,
     /// What a curve's chord leaves out, metres.
     bulge: f64,
+}
+
+/// What a curve's parts tell, metres and radians.
+struct Measured {
+    /// The largest that is found at their ends.
+    largest: [f64; 2],
+    /// What nothing between exceeds.
+    bounds: [f64; 2],
+    /// Where the tool is at last.
+    end: Placement<f64>,
 }
 
 impl<'a> Curve<'a> {
@@ -107,7 +132,7 @@ impl<'a> Curve<'a> {
         let targets = step.points.map(|point| path.points[point]);
         let [from, to] = step.q;
         let (mut lever, mut bend, mut speed) = (0.0, 0.0, 0.0);
-        let (mut turn, mut turn_bend) = (0.0, 0.0);
+        let (mut turn, mut turn_bend, mut third) = (0.0, 0.0, 0.0);
         let moved = |motion: &ChainMotion| {
             (motion.ratio * (to[motion.variable] - from[motion.variable])).abs()
         };
@@ -118,11 +143,13 @@ impl<'a> Curve<'a> {
             let before: f64 = before.map(moved).sum();
             if motion.slides {
                 bend += 2.0 * own * before;
+                third += 3.0 * own * before * before;
                 speed += own;
                 let value = |q: &[f64]| (motion.ratio * q[motion.variable] + motion.offset).abs();
                 lever += value(from).max(value(to));
             } else {
                 bend += own * lever * (own + 2.0 * before);
+                third += own * lever * (own * own + 3.0 * before * (own + before));
                 speed += own * lever;
                 turn_bend += own * before;
                 turn += own;
@@ -137,15 +164,15 @@ impl<'a> Curve<'a> {
             let reach = reach.norm() + speed + way.norm();
             bend += path_turn * (2.0 * (speed + way.norm()) + path_turn * reach);
         }
+        let turns = turn + path_turn;
+        let thirds = [third, 0.25 * turns * turns * turns];
         Ok(Self {
             arm,
             targets,
+            thirds: (!arm.goal().has_room()).then_some(thirds),
             q: step.q,
-            bends: [
-                bend,
-                0.5 * turn_bend + 0.25 * (turn + path_turn) * (turn + path_turn),
-            ],
-            turns: 0.5 * (turn + path_turn),
+            bends: [bend, 0.5 * turn_bend + 0.25 * turns * turns],
+            turns: 0.5 * turns,
             bulge: path.bulges.get(step.points[1]).copied().unwrap_or(0.0),
         })
     }
@@ -155,9 +182,10 @@ impl<'a> Curve<'a> {
         let mut parts = 2;
         let mut best = f64::INFINITY;
         loop {
-            let (measured, bound) = self.measure(parts)?;
-            best = best.min(bound[which]);
-            let close = bound[which] <= measured[which] * (1.0 + SLACK) + 1e-9;
+            let measured = self.measure(parts, None)?;
+            let bound = measured.bounds[which];
+            best = best.min(bound);
+            let close = bound <= measured.largest[which] * (1.0 + SLACK) + 1e-9;
             if close || best <= enough || parts >= MOST_PLACES {
                 return Ok(best);
             }
@@ -165,20 +193,26 @@ impl<'a> Curve<'a> {
         }
     }
 
-    /// The largest that is found at the ends of so many parts, and what nothing between exceeds; metres and radians.
-    fn measure(&self, parts: usize) -> Result<([f64; 2], [f64; 2]), PathError> {
+    /// Measures it at the ends of so many parts. `begin`: where the tool is at first, if that is known.
+    fn measure(&self, parts: usize, begin: Option<Placement<f64>>) -> Result<Measured, PathError> {
         let [from, to] = self.q;
         let bands = self.arm.goal().bands();
         let mut q = vec![0.0; from.len()];
         let mut largest = [0.0_f64; 2];
+        let mut parabolas = [Parabola::default(); 2];
         let mut last: Option<Quaternion<f64>> = None;
         let mut sure = true;
+        let mut end = Placement::identity();
         for place in 0..=parts {
             let share = place as f64 / parts as f64;
             for (q, (a, b)) in q.iter_mut().zip(from.iter().zip(to)) {
                 *q = a + share * (b - a);
             }
-            let tool = self.arm.base_from_tool(&q)?;
+            let tool = match begin.filter(|_| place == 0) {
+                Some(begin) => begin,
+                None => self.arm.base_from_tool(&q)?,
+            };
+            end = tool;
             let target = between(&self.targets[0], &self.targets[1], share);
             let away = tool.translation - target.translation;
             let metres = match bands[..3] == [0.0; 3] {
@@ -189,6 +223,8 @@ impl<'a> Curve<'a> {
             let relative = Quaternion::from_matrix(&relative);
             let chord = beyond(relative.v * 2.0, &bands[3..]);
             largest = [largest[0].max(metres), largest[1].max(chord)];
+            parabolas[0].go_on(place, away);
+            parabolas[1].go_on(place, relative.v * 2.0);
             if let Some(last) = last {
                 // A part over which the sign of the quaternion is not known.
                 sure &= self.turns / (parts as f64) < 1.0
@@ -198,17 +234,50 @@ impl<'a> Curve<'a> {
         }
         let rest = 1.0 / (8.0 * (parts * parts) as f64);
         let angle = |chord: f64| 2.0 * elementary::asin((0.5 * chord).min(1.0));
-        let chord = largest[1] + 2.0 * self.bends[1] * rest;
+        let mut bounds = [
+            largest[0] + self.bends[0] * rest,
+            largest[1] + 2.0 * self.bends[1] * rest,
+        ];
+        if let (Some(thirds), true) = (self.thirds, parts.is_multiple_of(2)) {
+            let width = 2.0 / parts as f64;
+            let off = OFF_PARABOLA * width * width * width;
+            for which in [0, 1] {
+                bounds[which] = bounds[which].min(parabolas[which].largest + off * thirds[which]);
+            }
+        }
+        let [metres, chord] = bounds;
         let free = bands[3..].iter().all(|band| *band == f64::INFINITY);
         let radians = match sure || free {
             true => angle(chord),
             false => std::f64::consts::PI,
         };
-        let metres = largest[0] + self.bends[0] * rest + self.bulge;
-        Ok((
-            [largest[0] + self.bulge, angle(largest[1])],
-            [metres, if free { 0.0 } else { radians }],
-        ))
+        Ok(Measured {
+            largest: [largest[0] + self.bulge, angle(largest[1])],
+            bounds: [metres + self.bulge, if free { 0.0 } else { radians }],
+            end,
+        })
+    }
+}
+
+/// How far the parabolas through places 0 to 2, 2 to 4 and so on are from zero at most.
+#[derive(Clone, Copy, Default)]
+struct Parabola {
+    last: [Vector3<f64>; 2],
+    largest: f64,
+}
+
+impl Parabola {
+    /// Takes the next place.
+    fn go_on(&mut self, place: usize, at: Vector3<f64>) {
+        let [from, middle] = self.last;
+        if place > 0 && place.is_multiple_of(2) {
+            // Half-way to the inner Bézier point, from both sides.
+            let inner = middle * 2.0 - (from + at) * 0.5;
+            for point in [from, (from + inner) * 0.5, middle, (inner + at) * 0.5, at] {
+                self.largest = self.largest.max(point.norm());
+            }
+        }
+        self.last = [middle, at];
     }
 }
 
@@ -231,7 +300,7 @@ mod tests {
     use crate::robot::Robot;
     use crate::spatial::{Placement, Vector3};
 
-    /// Two links that are stretched in the middle of their way: nothing there is farther off than the bound of the first
+    /// Two links that are stretched in the middle of their way: nothing there is farther off than the bound of any
     /// look, by which steps are told that need no closer one, and that is hardly above what they are off.
     #[test]
     #[allow(clippy::unwrap_used)]
@@ -258,7 +327,6 @@ mod tests {
             };
             let motions = arm.chain_motions();
             let curve = Curve::new(&arm, &path, &step, &motions).unwrap();
-            let (_, [bound, _]) = curve.measure(1).unwrap();
             let way = tool(1.0).translation - tool(0.0).translation;
             let off = |share: f64| {
                 let even = tool(0.0).translation + way * share;
@@ -266,7 +334,10 @@ mod tests {
             };
             let most = (0..=100).map(|k| off(f64::from(k) / 100.0));
             let most = most.fold(0.0, f64::max);
-            assert!(most <= bound && bound < 1.01 * most, "{most} {bound}");
+            for parts in [1, 2, 4] {
+                let bound = curve.measure(parts, None).unwrap().bounds[0];
+                assert!(most <= bound && bound < 1.01 * most, "{most} {bound}");
+            }
         }
     }
 }

@@ -83,16 +83,12 @@ fn best(
     let weights: Vec<f32> = weights.iter().map(|weight| *weight as f32).collect();
     let counts = |at: usize| layers[at].count(n);
     let mut costs: Vec<Cost> = vec![(0, 0.0); counts(0)];
-    if let Some(first) = between.first {
-        for (place, cost) in costs.iter_mut().enumerate() {
-            if place != first {
-                *cost = NEVER;
-            }
-        }
-    }
+    keep_only(between.first, &mut costs);
     let mut from: Vec<Vec<u16>> = Vec::with_capacity(layers.len());
     from.push(Vec::new());
     let mut limits = Vec::new();
+    let mut sorted = Sorted::default();
+    let mut padded = Vec::new();
     for to in 1..layers.len() {
         let stations = &growth.knots.stations;
         let knots = (stations[to - 1], stations[to]);
@@ -108,25 +104,42 @@ fn best(
             .copied()
             .collect();
         let from_layer = &layers[to - 1].q;
+        sorted.take(from_layer, &layers[to].q, &limits, &growth.turns);
+        padded.clear();
+        if n <= PADDED {
+            padded.extend(from_layer.chunks_exact(n).map(|row| pad(row, 0.0)));
+        }
         let step = Step {
             layer: &layers[to],
             apart: &apart,
             from: from_layer,
+            padded: &padded,
+            padded_limits: pad(&limits, f32::INFINITY),
             costs: &costs,
             limits: &limits,
             weights: &weights,
             turns: &growth.turns,
-            sorted: Sorted::of(from_layer, &limits, &growth.turns),
+            turns_left_out: growth.turns.are_left_out(),
+            sorted: &sorted,
             cheapest: if may_leave {
                 cheapest(&costs)
             } else {
                 Vec::new()
             },
         };
+        // Most were carried on in order, each from the one after that which the last came from.
+        let mut guess = 0;
         let ends = layers[to].q.chunks_exact(n).enumerate();
-        let ends = ends.map(|(place, q)| step.best_to(place, q));
+        let ends = ends.map(|(place, q)| {
+            let (cost, before) = step.best_to(place, q, guess);
+            guess = usize::from(before & !JUMPED) + 1;
+            (cost, before)
+        });
         let (next, places): (Vec<Cost>, Vec<u16>) = ends.unzip();
         costs = next;
+        if to + 1 == layers.len() {
+            keep_only(between.last, &mut costs);
+        }
         if !may_leave && costs.iter().all(|cost| *cost == NEVER) {
             return None;
         }
@@ -142,9 +155,6 @@ fn best(
     };
     let mut chosen = Chosen::none(layers.len());
     chosen.cost = costs.get(last).copied().unwrap_or(NEVER);
-    if !may_leave && chosen.cost == NEVER {
-        return None;
-    }
     let mut place = last;
     for at in (0..layers.len()).rev() {
         chosen.places[at] = place as u32;
@@ -156,6 +166,26 @@ fn best(
     Some(chosen)
 }
 
+/// Joints of a padded row.
+const PADDED: usize = 8;
+
+/// The first of these numbers, and fillers after them.
+fn pad(row: &[f32], filler: f32) -> [f32; PADDED] {
+    let mut padded = [filler; PADDED];
+    for (padded, value) in padded.iter_mut().zip(row) {
+        *padded = *value;
+    }
+    padded
+}
+
+/// Of an end that is given no other configuration counts.
+fn keep_only(given: Option<usize>, costs: &mut [Cost]) {
+    let others = costs.iter_mut().enumerate();
+    for (_, cost) in others.filter(|(place, _)| given.is_some_and(|given| given != *place)) {
+        *cost = NEVER;
+    }
+}
+
 /// Set in a place before where the step from it is a reconfiguration.
 const JUMPED: u16 = 1 << 15;
 
@@ -164,11 +194,15 @@ struct Step<'a> {
     layer: &'a Layer,
     apart: &'a [FalseEdge],
     from: &'a [f32],
+    /// The same in rows of one length, if joints are few, and what is near in each.
+    padded: &'a [[f32; PADDED]],
+    padded_limits: [f32; PADDED],
     costs: &'a [Cost],
     limits: &'a [f32],
     weights: &'a [f32],
     turns: &'a Turns,
-    sorted: Sorted,
+    turns_left_out: bool,
+    sorted: &'a Sorted,
     /// The configurations before that came with the fewest reconfigurations, by their lengths, rising.
     cheapest: Vec<usize>,
 }
@@ -184,23 +218,22 @@ fn cheapest(costs: &[Cost]) -> Vec<usize> {
 }
 
 impl Step<'_> {
-    /// What the best way to a configuration costs, and where it comes from.
-    fn best_to(&self, own: usize, q: &[f32]) -> (Cost, u16) {
+    /// What the best way to a configuration costs, and where it comes from: perhaps from the one guessed.
+    fn best_to(&self, own: usize, q: &[f32], guess: usize) -> (Cost, u16) {
         let mut best = (NEVER, 0);
-        for place in self.sorted.near(q, self.limits) {
-            if order(&self.costs[place], &best.0).is_ge() {
-                continue;
-            }
-            let moves = self.row(place).iter().zip(q).zip(self.limits);
-            let difference = |joint, from, to| self.turns.difference(joint, from, to).abs();
-            if (moves.enumerate()).all(|(joint, ((a, b), most))| difference(joint, *b, *a) <= *most)
-            {
-                self.consider(&mut best, (place, own), q, true);
-            }
-        }
         if let Some(place) = self.layer.linked_to(own) {
             self.consider(&mut best, (place, own), q, true);
         }
+        let padded = pad(q, 0.0);
+        let mut step_from = |place: usize| {
+            if self.is_near(place, q, &padded) && is_less(&self.costs[place], &best.0) {
+                self.consider(&mut best, (place, own), q, true);
+            }
+        };
+        if guess < self.costs.len() {
+            step_from(guess);
+        }
+        self.sorted.each_near(q, self.limits, step_from);
         self.leave_for(&mut best, own, q);
         best
     }
@@ -211,7 +244,7 @@ impl Step<'_> {
             let cost = self.costs[place];
             let left = (cost.0.saturating_add(1), cost.1);
             // The others are as long and longer before their step.
-            if order(&left, &best.0).is_ge() {
+            if !is_less(&left, &best.0) {
                 break;
             }
             self.consider(best, (place, own), q, false);
@@ -234,11 +267,18 @@ impl Step<'_> {
             true => cost.0,
             false => cost.0.saturating_add(1),
         };
-        // Its length is worth knowing only then.
-        if reconfigurations > best.0.0 || reconfigurations == best.0.0 && cost.1 >= best.0.1 {
+        // Its length is worth knowing only then, and only if it is not beyond what is better.
+        if !is_less(&(reconfigurations, cost.1), &best.0) {
             return;
         }
-        let length = cost.1 + f64::from(self.length(self.row(place), q));
+        let most = match reconfigurations < best.0.0 {
+            true => f32::INFINITY,
+            false => (best.0.1 - cost.1) as f32 * 1.001,
+        };
+        let Some(length) = self.length_within(self.row(place), q, most) else {
+            return;
+        };
+        let length = cost.1 + f64::from(length);
         if reconfigurations < best.0.0 || length < best.0.1 {
             let jumped = if joined { 0 } else { JUMPED };
             *best = ((reconfigurations, length), place as u16 | jumped);
@@ -255,14 +295,41 @@ impl Step<'_> {
         self.apart.iter().any(same)
     }
 
-    fn length(&self, a: &[f32], b: &[f32]) -> f32 {
-        let parts = a.iter().zip(b).zip(self.weights).enumerate();
-        let squares = parts.map(|(joint, ((a, b), weight))| {
-            let by = weight * self.turns.difference(joint, *b, *a);
-            by * by
-        });
-        squares.sum::<f32>().sqrt()
+    /// Whether a step from there is short enough to be on one branch.
+    fn is_near(&self, place: usize, q: &[f32], padded: &[f32; PADDED]) -> bool {
+        if let (false, Some(row)) = (self.turns_left_out, self.padded.get(place)) {
+            // All joints at once: which of them is too far is anyone's guess.
+            let mut near = true;
+            for joint in 0..PADDED {
+                near &= (row[joint] - padded[joint]).abs() <= self.padded_limits[joint];
+            }
+            return near;
+        }
+        let moves = self.row(place).iter().zip(q).zip(self.limits);
+        let difference = |joint, from, to| self.turns.difference(joint, from, to).abs();
+        (moves.enumerate()).all(|(joint, ((a, b), most))| difference(joint, *b, *a) <= *most)
     }
+
+    /// The length of a step; none where it is certainly longer than so much.
+    fn length_within(&self, a: &[f32], b: &[f32], most: f32) -> Option<f32> {
+        let (mut sum, most) = (0.0, most * most);
+        for (joint, ((a, b), weight)) in a.iter().zip(b).zip(self.weights).enumerate() {
+            let by = match self.turns_left_out {
+                false => weight * (a - b),
+                true => weight * self.turns.difference(joint, *b, *a),
+            };
+            sum += by * by;
+            if sum > most {
+                return None;
+            }
+        }
+        Some(sum.sqrt())
+    }
+}
+
+/// Whether one cost is less: costs are numbers or without end.
+fn is_less(a: &Cost, b: &Cost) -> bool {
+    a.0 < b.0 || a.0 == b.0 && a.1 < b.1
 }
 
 fn order(a: &Cost, b: &Cost) -> std::cmp::Ordering {

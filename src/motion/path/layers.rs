@@ -184,9 +184,14 @@ impl<'a> Growth<'a> {
     pub(super) fn find_sorted(&self, layer: &Layer, sorted: &Sorted, q: &[f32]) -> Option<usize> {
         let n = q.len();
         let known = |place: usize| &layer.q[place * n..(place + 1) * n];
-        let near = sorted.near(q, &self.merging);
-        let good = near.filter(|place| self.is_as_good(known(*place), q.iter().copied()));
-        good.min()
+        let mut first = None;
+        sorted.each_near(q, &self.merging, |place| {
+            let sooner = first.is_none_or(|first| place < first);
+            if sooner && self.is_as_good(known(place), q.iter().copied()) {
+                first = Some(place);
+            }
+        });
+        first
     }
 
     fn is_as_good(&self, known: &[f32], q: impl Iterator<Item = f32>) -> bool {

@@ -2,58 +2,91 @@
 
 use super::turns::Turns;
 
-/// Configurations by one joint: one whose whole turns count, if there is one.
+/// Configurations in cells of one joint: one whose whole turns count, if there is one.
 #[derive(Debug, Default)]
 pub(super) struct Sorted {
     joint: Option<usize>,
-    /// That joint's values, rising, and whose they are.
-    values: Vec<f32>,
-    places: Vec<usize>,
+    /// How often it was used since that was chosen.
+    age: usize,
+    /// Where the first cell begins, and cells a unit of the joint.
+    low: f32,
+    per_unit: f32,
+    /// Of each cell the last configuration, and of each configuration the one before in its cell.
+    lasts: Vec<u16>,
+    before: Vec<u16>,
 }
 
 /// A little more than asked, for what rounding leaves out.
 const MORE: f32 = 1.001;
+/// Cells in what is near to one side, and at most.
+const CELLS: f32 = 1.0;
+const MOST_CELLS: f32 = 512.0;
+/// The joint is chosen anew after so many stations: branches spread slowly.
+const LASTING: usize = 8;
+/// Ends a cell.
+const NONE: u16 = u16::MAX;
 
 impl Sorted {
-    /// Of these configurations. `limits`: how near one is to another, joint by joint.
-    pub(super) fn of(from: &[f32], limits: &[f32], turns: &Turns) -> Self {
-        let mut own = Self::default();
-        own.sort(from, widest(from, limits, turns), limits.len());
-        own
-    }
-
-    /// Sorts `known` instead, by the joint in which those lie furthest apart that are looked up in it.
+    /// Sorts `known` by the joint in which those lie furthest apart that are looked up in it. `limits`: how near one is to another,
+    /// joint by joint.
     pub(super) fn take(&mut self, known: &[f32], asked: &[f32], limits: &[f32], turns: &Turns) {
-        self.sort(known, widest(asked, limits, turns), limits.len());
-    }
-
-    fn sort(&mut self, from: &[f32], joint: Option<usize>, n: usize) {
-        let value = |place: &usize| joint.map_or(0.0, |joint| from[place * n + joint]);
-        self.joint = joint;
-        self.places.clear();
-        self.places.extend(0..from.len() / n);
-        self.places.sort_by(|a, b| value(a).total_cmp(&value(b)));
-        self.values.clear();
-        self.values.extend(self.places.iter().map(value));
-    }
-
-    /// Takes one more.
-    pub(super) fn insert(&mut self, q: &[f32], place: usize) {
-        let value = self.joint.map_or(0.0, |joint| q[joint]);
-        let at = self.values.partition_point(|other| *other <= value);
-        self.values.insert(at, value);
-        self.places.insert(at, place);
-    }
-
-    /// Those of which that joint is near, rising by it.
-    pub(super) fn near(&self, q: &[f32], limits: &[f32]) -> impl Iterator<Item = usize> {
-        let (value, most) = match self.joint {
-            Some(joint) => (q[joint], MORE * limits[joint]),
-            None => (0.0, 0.0),
+        let n = limits.len();
+        if self.age.is_multiple_of(LASTING) {
+            self.joint = widest(asked, limits, turns);
+        }
+        self.age += 1;
+        let (mut low, mut high, mut cells) = (0.0, 0.0, 1.0);
+        if let Some(joint) = self.joint {
+            (low, high) = (f32::MAX, f32::MIN);
+            for row in known.chunks_exact(n).chain(asked.chunks_exact(n)) {
+                (low, high) = (low.min(row[joint]), high.max(row[joint]));
+            }
+            cells = (CELLS * (high - low) / limits[joint]).clamp(1.0, MOST_CELLS);
+        }
+        self.low = low;
+        self.per_unit = if high > low {
+            cells / (high - low)
+        } else {
+            0.0
         };
-        let first = self.values.partition_point(|other| *other < value - most);
-        let last = self.values.partition_point(|other| *other <= value + most);
-        self.places[first..last.max(first)].iter().copied()
+        self.lasts.clear();
+        self.lasts.resize(cells as usize, NONE);
+        self.before.clear();
+        for (place, row) in known.chunks_exact(n).enumerate() {
+            self.insert(row, place);
+        }
+    }
+
+    /// Takes one more, which comes after those that are there.
+    pub(super) fn insert(&mut self, q: &[f32], place: usize) {
+        debug_assert_eq!(place, self.before.len());
+        let cell = self.cell(self.joint.map_or(0.0, |joint| q[joint]));
+        self.before.push(self.lasts[cell]);
+        self.lasts[cell] = place as u16;
+    }
+
+    /// Where a value stands; the first and the last cell have what is beyond as well.
+    fn cell(&self, value: f32) -> usize {
+        let cell = ((value - self.low) * self.per_unit) as i32;
+        (cell.max(0) as usize).min(self.lasts.len() - 1)
+    }
+
+    /// Looks at those of which that joint is near, and at some that are not.
+    pub(super) fn each_near(&self, q: &[f32], limits: &[f32], mut look: impl FnMut(usize)) {
+        let cells = match self.joint {
+            Some(joint) => {
+                let most = MORE * limits[joint];
+                self.cell(q[joint] - most)..self.cell(q[joint] + most) + 1
+            }
+            None => 0..1,
+        };
+        for &last in &self.lasts[cells] {
+            let mut place = last;
+            while place != NONE {
+                look(usize::from(place));
+                place = self.before[usize::from(place)];
+            }
+        }
     }
 }
 

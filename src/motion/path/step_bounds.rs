@@ -66,6 +66,14 @@ impl StepBounds {
         excess
     }
 
+    /// The same whatever time there is: less is not possible.
+    pub(super) fn least_excess(&self, q_from: &[f64], q_to: &[f64]) -> f64 {
+        let moves = q_from.iter().zip(q_to).zip(&self.max_step);
+        moves.fold(0.0, |excess, ((a, b), most)| {
+            excess.max((a - b).abs() / most)
+        })
+    }
+
     /// Whether no joint moves further than it may in a part of a long step.
     pub(super) fn allow_part<'q>(&self, moves: impl Iterator<Item = (&'q f64, &'q f64)>) -> bool {
         let mut moves = moves.zip(&self.max_step);

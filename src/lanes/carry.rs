@@ -1,0 +1,82 @@
+//! Starts carried on to one target, each by its own attempt, and only as closely as one goes on from there: within some 1e-4 of the
+//! chain's length. What a step leaves is told by its linear model, so that most take one or two evaluations and no judge.
+
+use super::batch::Work;
+use super::chain::MAX_JOINTS;
+use super::group::Group;
+use super::lane::LaneScalar;
+use super::lm_step::Ended;
+use super::prepared::Prepared;
+use super::seeds::fill_start;
+use super::settings::Settings;
+use super::stages::Stages;
+use super::whole_turns::unwrap_towards;
+
+/// Carries each start to the single target.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn carry<V: LaneScalar, const L: usize, const N: usize>(
+    stages: &Stages<V, N>,
+    prepared: &Prepared,
+    work: Work<'_>,
+) {
+    let Some(target) = work.targets.first() else {
+        return;
+    };
+    let (links, n) = (&prepared.links, prepared.joints());
+    let settings = Settings {
+        carries: true,
+        ..prepared.settings
+    };
+    let goal_from_first = links.goal_from_first(target, settings.weighted);
+    let mut group = Group::<V, N>::new(n);
+    for lane in 0..L {
+        group.aim(lane, &goal_from_first);
+    }
+    let (mut next, mut active) = (0, 0_u32);
+    let (mut places, mut ages) = ([0; L], [0_u32; L]);
+    let mut q = [0.0; MAX_JOINTS];
+    // At first every lane is done with nothing.
+    let (mut over, mut ended) = ((1_u32 << L) - 1, Ended::none());
+    loop {
+        while over != 0 {
+            let lane = over.trailing_zeros() as usize;
+            over &= over - 1;
+            let is = |bits: u32| bits >> lane & 1 != 0;
+            if is(active) {
+                let place = places[lane];
+                let end = &mut work.q[place * n..(place + 1) * n];
+                match is(ended.closing) && !is(ended.reached) {
+                    true => group.next_point(lane, end),
+                    false => group.point(lane, end),
+                }
+                let start = &work.starts[place * n..(place + 1) * n];
+                // Within half a turn of the start there is none to add.
+                let near = |(a, b): (&f64, &f64)| (a - b).abs() < 3.0;
+                if !end.iter().zip(start).all(near) {
+                    unwrap_towards(prepared, start, end);
+                }
+                links.to_metres(end);
+                work.outcomes[place].reached = is(ended.closing | ended.reached);
+            }
+            if next < work.outcomes.len() {
+                fill_start(links, &work.starts[next * n..(next + 1) * n], &mut q);
+                group.begin(lane, &q, &settings);
+                (places[lane], ages[lane]) = (next, 0);
+                active |= 1 << lane;
+                next += 1;
+            } else {
+                active &= !(1 << lane);
+            }
+        }
+        if active == 0 {
+            return;
+        }
+        ended = (stages.step)(&mut group, links, &settings);
+        over = ended.reached | ended.stalled | ended.closing;
+        for (lane, age) in ages.iter_mut().enumerate() {
+            *age += 1;
+            over |= u32::from(*age >= prepared.options.iterations) << lane;
+        }
+        over &= active;
+    }
+}
