@@ -50,7 +50,8 @@ impl Sorted {
             0.0
         };
         self.lasts.clear();
-        self.lasts.resize(cells as usize, NONE);
+        // No number where neither a joint's spread nor what is near in it is any.
+        self.lasts.resize((cells as usize).max(1), NONE);
         self.before.clear();
         for (place, row) in known.chunks_exact(n).enumerate() {
             self.insert(row, place);
