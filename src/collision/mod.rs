@@ -30,6 +30,8 @@ mod mesh_folders;
 mod model;
 mod shape;
 mod sphere_model;
+#[cfg(test)]
+mod test_numbers;
 mod wide_nodes;
 pub(crate) mod world;
 

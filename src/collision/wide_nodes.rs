@@ -230,20 +230,7 @@ fn below(value: f64) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Numbers within [-1, 1] that never change.
-    struct Numbers(u32);
-
-    impl Numbers {
-        fn next(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(self.0 >> 8) / f64::from(1 << 23) - 1.0
-        }
-
-        fn point(&mut self, size: f64) -> Vector3<f64> {
-            Vector3::new(self.next(), self.next(), self.next()) * size
-        }
-    }
+    use crate::collision::test_numbers::Numbers;
 
     /// Those that are asked about, of which none comes twice.
     fn asked(tree: &BoxTree, point: Vector3<f64>, reach: f64) -> Vec<u32> {

@@ -63,22 +63,11 @@ fn placed(shape: &Shape, base_from_solid: &Placement<f64>) -> (Placed, BoundingB
 mod tests {
     use super::*;
     use crate::collision::ShapeError;
+    use crate::collision::test_numbers::Numbers;
     use crate::scalar::elementary;
     use crate::spatial::Matrix3;
 
-    /// Numbers within [-1, 1] that never change.
-    struct Numbers(u32);
-
     impl Numbers {
-        fn next(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(self.0 >> 8) / f64::from(1 << 23) - 1.0
-        }
-
-        fn point(&mut self, size: f64) -> Vector3<f64> {
-            Vector3::new(self.next(), self.next(), self.next()) * size
-        }
-
         fn placement(&mut self) -> Placement<f64> {
             let [x, z] = [(); 2].map(|()| elementary::sin_cos(3.0 * self.next()));
             let turned = Matrix3::identity().rotated_about_z(z).rotated_about_x(x);
