@@ -141,7 +141,6 @@ impl Follower<'_> {
         }
         if !solution.reached && arm.options.leaps {
             arm.leap(&target, &self.q, solution)?;
-            continuous = false;
         }
         #[cfg(feature = "collision")]
         arm.keep_way_clear(&self.q, &target, solution)?;

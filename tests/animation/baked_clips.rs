@@ -1,7 +1,7 @@
 //! Promise: a clip through poses passes through them; a baked clip is its clip at its samples; what does not move takes no keys.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::animation::{Armature, ChannelError, Clip, Cursor, Playback, Pose};
+use kinopt::animation::{Armature, Channel, ChannelError, Clip, Cursor, Playback, Pose};
 use kinopt::io::rig::Rig;
 use support::armatures::{armature, difference, pose};
 use support::random::Random;
@@ -142,4 +142,31 @@ fn what_makes_no_clip_is_a_named_error() {
         clip.baked(&other, 10.0),
         Err(ChannelError::Size(_))
     ));
+}
+
+/// A clip whose length is a whole number of steps but for rounding is sampled at so many, and not once more by its end.
+#[test]
+fn rounding_makes_no_sample_of_its_own() {
+    let random = &mut Random::new(35);
+    let armature = armature(2, random);
+    let poses = [(); 2].map(|()| pose(&armature, random));
+    for (begin, steps, rate) in [
+        (1.3, 3, 10.0),
+        (1.3, 11, 10.0),
+        (0.1, 6, 10.0),
+        (0.7, 40, 30.0),
+    ] {
+        for later in [0, 1] {
+            let end = (f64::from(begin) + f64::from(steps) / rate) as f32;
+            let times = [begin, f32::from_bits(end.to_bits() + later)];
+            let clip = Clip::through_poses("way", &armature, &times, &poses).unwrap();
+            let baked = clip.baked(&armature, rate).unwrap();
+            for (_, channel) in baked.channels(&armature).unwrap() {
+                let Channel::Translation(curve) = channel else {
+                    continue;
+                };
+                assert_eq!(curve.times().len(), steps as usize + 1, "{times:?}");
+            }
+        }
+    }
 }

@@ -261,3 +261,25 @@ fn a_file_s_wrong_words_are_named_with_their_place() {
         }
     }
 }
+
+/// A clip lasts from the first key of any bone to the last of any.
+#[test]
+fn a_clip_spans_the_keys_of_all_its_bones() {
+    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
+    let track = |bone: usize, times: [f64; 2]| EulerTrack {
+        bone: rig.skeleton.bone_at(bone).unwrap(),
+        keys: times
+            .map(|time| EulerKey {
+                time,
+                angles: [0.0; 3],
+            })
+            .to_vec(),
+    };
+    let spans = [[1.0, 2.0], [-0.5, 1.5], [0.5, 3.0]];
+    for first in 0..3 {
+        let bones = (0..3).map(|bone| track(bone, spans[(first + bone) % 3]));
+        let clip = EulerClip::new(bones.collect()).unwrap();
+        assert_eq!(clip.time_span(), Some([-0.5, 3.0]));
+    }
+    assert_eq!(EulerClip::new(Vec::new()).unwrap().time_span(), None);
+}

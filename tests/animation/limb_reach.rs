@@ -2,10 +2,10 @@
 //! everything else alone.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use glam::Vec3A;
+use glam::{Quat, Vec3A};
 use kinopt::animation::{Limb, LimbError, LimbGoal};
 use support::armatures::{difference, rotation, vector};
-use support::limbs::{END, arm, bent, limb, places, reachable};
+use support::limbs::{END, Places, arm, bent, limb, places, reachable};
 use support::random::Random;
 
 #[test]
@@ -148,4 +148,33 @@ fn bones_that_are_no_limb_are_named() {
     let stranger = other.bone_at(29).unwrap();
     let error = Limb::new(&armature, bone("upper"), stranger, END).unwrap_err();
     assert_eq!(error, LimbError::UnknownBone { bone: 29, bones: 7 });
+}
+
+/// Where no pole says otherwise, the bend goes along with the way to the end, by the shortest turn.
+#[test]
+fn the_bend_goes_along_by_the_shortest_turn() {
+    let armature = arm();
+    let limb = limb(&armature);
+    let mut random = Random::new(97);
+    let mut far = 0;
+    for _ in 0..60 {
+        let pose = bent(&armature, &mut random);
+        let before = places(&armature, &pose);
+        let target = reachable(&mut random, &before);
+        let mut posed = pose.clone();
+        let goal = LimbGoal::at(target);
+        limb.reach(&armature, &mut posed, &goal).unwrap();
+        let after = places(&armature, &posed);
+        let across = |own: &Places| (own.mid - own.root).cross(own.end - own.root);
+        let [old, new] = [&before, &after].map(|own| (own.end - own.root).normalize());
+        if old.dot(new) < -0.9 || across(&after).length() < 1e-3 {
+            continue;
+        }
+        let turn = Quat::from_rotation_arc(old.into(), new.into());
+        let carried = turn * across(&before).normalize();
+        let apart = (across(&after).normalize() - carried).length();
+        assert!(apart < 1e-3, "{apart}");
+        far += usize::from(old.dot(new) < 0.5);
+    }
+    assert!(far > 10, "{far}");
 }

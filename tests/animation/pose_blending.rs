@@ -4,7 +4,9 @@
 
 use glam::Quat;
 use kinopt::animation::rotation::slerp;
-use kinopt::animation::{Armature, BlendError, BoneMask, Layer, LayerMode, Pose, blend_poses};
+use kinopt::animation::{
+    Armature, BlendError, BoneMask, Layer, LayerMode, MaskError, Pose, blend_poses,
+};
 use support::armatures::{apart, armature, difference, pose};
 use support::random::Random;
 
@@ -264,5 +266,26 @@ fn a_reference_flattened_to_nothing_leaves_the_base_as_it_is() {
         let [scaled, was] = [&onto, &base].map(|pose| pose.local(bone).unwrap().scale);
         assert!(scaled.is_finite() && scaled.y == was.y, "{scaled} {was}");
         assert!((scaled.x - was.x).abs() > 1e-6, "the other axes are scaled");
+    }
+}
+
+/// A share is within 0 and 1, of a bone, of all that hang on it and of a morph target.
+#[test]
+fn a_mask_refuses_what_is_no_share() {
+    let armature = armature(5, &mut Random::new(86));
+    let bone = armature.bone_at(2).unwrap();
+    let mask = || BoneMask::all(&armature);
+    for share in [-0.1, 1.1, f32::NAN, f32::INFINITY] {
+        let told = [
+            mask().with_bone(bone, share),
+            mask().with_subtree(&armature, bone, share),
+            mask().with_morph_target(0, share),
+        ];
+        for told in told {
+            assert!(matches!(told, Err(MaskError::BadShare { .. })), "{told:?}");
+        }
+    }
+    for share in [0.0, 1.0] {
+        assert!(mask().with_subtree(&armature, bone, share).is_ok());
     }
 }

@@ -367,3 +367,37 @@ fn what_a_longer_pose_could_reach_is_not_told_to_be_out_of_reach() {
     }
     assert!(told > 0);
 }
+
+/// A pose whose bones are longer is not the one before, though its bones are turned alike.
+#[test]
+fn a_layer_used_again_sees_that_bones_are_longer() {
+    for seed in 0..4 {
+        let rig = RandomRig::new(500 + seed);
+        let (skeleton, bone) = (&rig.skeleton, rig.tips[0]);
+        let armature = Armature::of_skeleton(skeleton);
+        let limits = skeleton.model().limits();
+        let middle: Vec<f64> = limits.map(|l| 0.5 * (l.lower + l.upper)).collect();
+        let mut pose = armature.rest().clone();
+        PoseAngles::new(skeleton)
+            .pose_of(&middle, &mut pose)
+            .unwrap();
+        let mut longer = pose.clone();
+        let mut local = longer.local(bone).unwrap();
+        local.translation *= 1.1;
+        longer.set_local(bone, local).unwrap();
+        let here = tip(&armature, &rig, &pose, bone).to_array().map(f64::from);
+        let layer = || {
+            let mut layer = ReachLayer::new(skeleton, &[bone], Solver::default()).unwrap();
+            layer.set_goal(bone, here, 1.0).unwrap();
+            layer
+        };
+        let mut fresh = longer.clone();
+        layer().apply(&mut fresh).unwrap();
+        assert!(difference(&fresh, &longer) > 1e-4);
+        let mut used = layer();
+        used.apply(&mut pose.clone()).unwrap();
+        let mut again = longer.clone();
+        used.apply(&mut again).unwrap();
+        assert_eq!(again, fresh, "{seed}");
+    }
+}

@@ -2,9 +2,11 @@
 //! description, alone and in a batch, and on pools of 1, 2 and 8 threads.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::Solution;
 use kinopt::arm::{Arm, ArmBuilder, Goal, PoseOutcome, Search};
+use kinopt::problem::{Preferences, Problem};
 use kinopt::spatial::Placement;
+use kinopt::task::{Point, Posture};
+use kinopt::{Solution, Solver};
 use rayon::prelude::*;
 use support::arms::{Random, panda, robot};
 use support::sample::{cases, part};
@@ -198,6 +200,21 @@ fn a_solution_used_again_forgets() {
         let low = Placement::new(turned, [-0.1, 0.0, 0.1].into());
         let told = arm.solve(low, &start).unwrap();
         asked.push((arm, low, start, format!("{told:?}")));
+    }
+    // A solver's, whose preference pulled its goal away.
+    let model = robot.model();
+    let mut builder = Problem::builder(model);
+    builder.add(Point::new(model.frame(tip).unwrap(), [0.4, 0.3, 0.5]));
+    builder.add(Posture::new(model, &model.neutral()));
+    builder.preferences(Preferences::Traded);
+    let pulled = builder.build().unwrap();
+    let pulled = Solver::default().solve_once(&pulled, &model.neutral());
+    let pulled = pulled.unwrap();
+    assert!(pulled.pulling_preferences().next().is_some());
+    for (other, goal, start, expected) in &asked {
+        let mut solution = pulled.clone();
+        other.solve_into(goal, start, &mut solution).unwrap();
+        assert_eq!(format!("{solution:?}"), *expected);
     }
     for (arm, goal, start, _) in &asked {
         for (other, goal_of_other, start_of_other, expected) in &asked {

@@ -321,6 +321,20 @@ fn tips_that_move_are_joints() {
     assert!(own.abs_diff_eq(back, 2e-6));
 }
 
+/// All tips of a joint that stand still are End Sites, whose names are not written: the second as the first.
+#[test]
+fn every_tip_that_stands_still_is_an_end_site() {
+    let names = ["hand", "hand/tip", "hand/tip/2", "hand/tip/3"];
+    let bones = names.iter().zip([0.0, 1.0, 2.0, 3.0]).map(|(name, x)| {
+        let parent = (x > 0.0).then_some(0);
+        bone(name, parent, Vec3A::X * x, Quat::IDENTITY)
+    });
+    let armature = Armature::new(bones.collect(), Vec::new()).unwrap();
+    let text = bvh::poses_to_text(&armature, &[armature.rest().clone()], 1.0).unwrap();
+    assert_eq!(text.matches("End Site").count(), 3, "{text}");
+    assert_eq!(read(&text).armature.names(), names);
+}
+
 #[test]
 fn what_the_format_cannot_say_is_refused() {
     let good = armature(false);

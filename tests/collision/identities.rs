@@ -226,3 +226,26 @@ fn a_cloud_over_a_floor_is_nearer_by_its_radius() {
         );
     }
 }
+
+/// Where its middle is in the surface itself, no way from there tells which side is out.
+#[test]
+fn a_ball_whose_middle_is_in_a_surface_goes_out_of_that() {
+    let ball = Shape::sphere(0.05).unwrap();
+    let cuboid = Shape::cuboid([0.6, 0.4, 0.8]).unwrap();
+    let cylinder = Shape::cylinder(0.3, 0.8).unwrap();
+    for (solid, halves) in [(cuboid, [0.3, 0.2, 0.4]), (cylinder, [0.3, 0.3, 0.4])] {
+        for (axis, half) in Vector3::UNITS.into_iter().zip(halves) {
+            // In the middle of a face and beside it; a round side has no beside.
+            let aside = (Vector3::new(1.0, 1.0, 1.0) - axis) * 0.05;
+            let asides = [Vector3::zero(), aside].into_iter();
+            let flat = halves[0] != halves[1] || axis == Vector3::UNITS[2];
+            let places = asides.take(1 + usize::from(flat));
+            for (out, aside) in places.flat_map(|aside| [(axis, aside), (-axis, aside)]) {
+                let at = Placement::translation(out * half + aside);
+                let found = separation(&solid, &Placement::identity(), &ball, &at);
+                assert!((found.distance + 0.05).abs() < 1e-12, "{solid:?} {out:?}");
+                assert!((found.normal - out).norm() < 1e-12, "{solid:?} {found:?}");
+            }
+        }
+    }
+}

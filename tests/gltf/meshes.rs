@@ -297,3 +297,30 @@ fn sparse_values_may_be_normalized() {
         .collect();
     assert!((weights[0] - 0.2).abs() < 1e-9 && (weights[1] - 0.8).abs() < 1e-9);
 }
+
+/// Targets of a mesh of several primitives move each one's own vertices.
+#[test]
+fn morph_targets_move_the_vertices_of_their_primitive() {
+    let mut numbers = Numbers::default();
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let others = corners.map(|[x, y, z]: [f32; 3]| [x + 5.0, y, z]);
+    let [first, second] = [&corners, &others].map(|places| numbers.floats(places));
+    let up = numbers.floats(&[[0.0, 0.0, 1.0], [0.0; 3], [0.0, 0.0, 2.0]]);
+    let aside = numbers.floats(&[[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]]);
+    let scene = numbers.read(&format!(
+        r#""nodes":[{{"mesh":0}}],"meshes":[{{"weights":[1],"primitives":[
+        {{"attributes":{{"POSITION":{first}}},"targets":[{{"POSITION":{up}}}]}},
+        {{"attributes":{{"POSITION":{second}}},"targets":[{{"POSITION":{aside}}}]}}]}}]"#
+    ));
+    let mut posing = ScenePosing::new(&scene, SkinningMethod::LinearBlend).unwrap();
+    let posed = posing.mesh(scene.armature.rest()).unwrap();
+    let expected = [
+        [0.0, 0.0, 1.0],
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 2.0],
+        [5.0, 0.0, 0.0],
+        [9.0, 0.0, 0.0],
+        [5.0, 5.0, 0.0],
+    ];
+    assert_eq!(posed.positions(), expected.map(Vec3::from));
+}

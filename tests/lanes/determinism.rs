@@ -252,3 +252,30 @@ fn an_orientation_that_is_free_has_no_say() {
     }
     assert!(alike >= 18, "{alike} of 20");
 }
+
+/// Goals for whose place the atlas has no seeds take none of the question before.
+#[test]
+fn goals_without_seeds_take_none_of_others() {
+    let chain = panda();
+    let options = LaneOptions::default().with_attempts(6);
+    let solver = PoseSolver::new(&chain, options).unwrap();
+    let (mut goals, starts) = work(&chain, 40);
+    let mut random = Random(29);
+    for goal in goals.iter_mut().skip(1).step_by(2) {
+        let [x, y, z] = [(); 3].map(|()| random.within(-1.2, 1.2));
+        goal.translation = [x, y, z].into();
+    }
+    let answers = |size: usize| {
+        let mut answers = Vec::new();
+        for (goals, starts) in goals.chunks(size).zip(starts.chunks(7 * size)) {
+            let mut q = vec![0.0; starts.len()];
+            let mut outcomes = vec![PoseOutcome::default(); goals.len()];
+            solver
+                .solve_batch(goals, starts, Prefer::First, &mut q, &mut outcomes)
+                .unwrap();
+            answers.extend(outcomes.into_iter().zip(q.chunks(7).map(<[f64]>::to_vec)));
+        }
+        answers
+    };
+    assert!(answers(40) == answers(1));
+}

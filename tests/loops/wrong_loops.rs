@@ -261,3 +261,22 @@ fn a_slide_that_is_always_out() {
         }
     }
 }
+
+/// Joints of either end may turn a welded place onto the other's, whichever is named first.
+#[test]
+fn a_weld_is_turned_by_the_joints_of_either_end() {
+    for hinge_is_first in [true, false] {
+        let mut builder = Model::builder("hinge at a wall");
+        let hinge = builder.revolute("hinge", None, along_x(0.0), Z, TURNS);
+        let hand = builder.frame("hand", Some(hinge), along_x(1.0));
+        let turned = Matrix3::rotation(Z, (0.6, 0.8));
+        let at = Placement::new(turned, turned.x);
+        let wall = builder.frame("wall", None, at);
+        let ends = match hinge_is_first {
+            true => [hand, wall],
+            false => [wall, hand],
+        };
+        builder.close(Loop::weld("pin", ends));
+        assert!(builder.build().is_ok(), "{hinge_is_first}");
+    }
+}

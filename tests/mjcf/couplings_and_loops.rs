@@ -30,6 +30,21 @@ fn a_linear_relation_makes_a_follower() {
     assert_eq!(robot.map().variables(), 2 + 3);
 }
 
+/// What follows a driven joint is driven with it, and not passive for want of a motor of its own.
+#[test]
+fn a_follower_needs_no_motor() {
+    let coupled = r#"<joint joint1="b" joint2="a" polycoef="0.25 -2"/>"#;
+    let motor = r#"</equality><actuator><motor joint="a"/></actuator><equality>"#;
+    let passive = |equalities: &str| {
+        let robot = robot(equalities);
+        let joints = robot.model().joints();
+        let name = |id: &kinopt::model::JointId| joints[id.index()].name.clone();
+        robot.passive_joints().iter().map(name).collect::<Vec<_>>()
+    };
+    assert_eq!(passive(motor), ["b", "c", "ball"]);
+    assert_eq!(passive(&format!("{coupled}{motor}")), ["c", "ball"]);
+}
+
 #[test]
 fn a_relation_without_coefficients_is_one_to_one() {
     let robot = robot(r#"<joint joint1="c" joint2="a"/>"#);

@@ -137,3 +137,20 @@ fn a_mesh_stands_as_its_reference_says() {
         "{straight:?}"
     );
 }
+
+/// Either bit lets a geom touch others; a box along a line is as thick as it is told to be, both ways by one number.
+#[test]
+fn either_contact_bit_counts_and_boxes_lie_along_lines() {
+    let text = r#"<mujoco><worldbody><body name="b">
+        <geom type="sphere" size="0.1" contype="0"/><geom type="sphere" size="0.2" conaffinity="0"/>
+        <geom type="sphere" size="0.3" contype="0" conaffinity="0"/>
+        <geom type="box" size="0.1" fromto="0 0 0 0 0 1"/><geom type="box" size="0.1 0.2" fromto="0 0 0 0 0 1"/>
+        </body></worldbody></mujoco>"#;
+    let robot = Robot::parse_mjcf(text, "contacts.xml").unwrap();
+    let link = robot.link(robot.model().frame("b").unwrap()).unwrap();
+    let collisions = link.collisions.iter().map(|shape| shape.geometry.clone());
+    let sphere = |radius| Geometry::Sphere { radius };
+    let along = |x, y| Geometry::Box { size: [x, y, 1.0] };
+    let expected = [sphere(0.1), sphere(0.2), along(0.2, 0.2), along(0.2, 0.4)];
+    assert_eq!(collisions.collect::<Vec<_>>(), expected);
+}

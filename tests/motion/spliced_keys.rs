@@ -30,6 +30,10 @@ fn what_one_key_holds_gets_keys_over_the_span_alone() {
         builder
             .channel(id("head"), Channel::Rotation(nods))
             .unwrap();
+        for (time, name) in [(0.7, "nod"), (1.2, "touch"), (2.0, "end")] {
+            builder.event(time, name).unwrap();
+        }
+        builder.span(0.0, 2.5).unwrap();
         let clip = builder.build();
         let reach = Reach::to(id("hand"), DVec3::new(0.5, 1.3, 0.3)).unwrap();
         let reach = reach.with_span(0.8..=1.6).with_fade(0.2);
@@ -37,6 +41,9 @@ fn what_one_key_holds_gets_keys_over_the_span_alone() {
             .with_reach(reach)
             .solve(&clip)
             .unwrap();
+        assert_eq!(edited.clip.events(), clip.events());
+        let [old, new] = [&clip, &edited.clip].map(|clip| (clip.name(), clip.span()));
+        assert_eq!(new, old);
         let mut moved = 0;
         for (bone, channel) in edited.clip.channels(&armature).unwrap() {
             let name = armature.names()[bone.index()].as_str();

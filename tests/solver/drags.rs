@@ -12,6 +12,7 @@ use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Point, Quantity, Task};
 use support::bones::RandomRig;
 use support::planar_arm;
+use support::random::Random;
 use support::tasks::{Curve, OfJoint};
 
 /// The most that a joint moves in a frame, and what rounding may add.
@@ -427,5 +428,30 @@ fn a_body_settles_on_its_own_way() {
         let before = body.q().to_vec();
         body.advance();
         assert!(furthest(body.q(), &before) <= MOST_MOVE);
+    }
+}
+
+/// A body that settles ends where one of unbounded moves rests, or where one that is dragged a frame at a time does.
+#[test]
+fn where_a_body_settles_a_drag_of_its_frames_rests() {
+    for (seed, by_strides) in [(0, true), (8, false)] {
+        let rig = RandomRig::new(seed);
+        let start = at_ease(&rig.skeleton);
+        let way = Vector3::from(Random::new(seed).vector(rig.skeleton.size()));
+        let (mut body, hand, from) = drag(&rig, &start);
+        body.target_mut(hand).unwrap().set_target(from + way);
+        let rest = |mut body: Drag| {
+            let mut rests = || {
+                body.advance();
+                body.rests()
+            };
+            assert!((0..400).any(|_| rests()), "{seed}");
+            body.q().to_vec()
+        };
+        let unbounded = body.clone().with_max_move(f64::INFINITY).unwrap();
+        let [of_strides, of_frames] = [unbounded, body.clone()].map(rest);
+        assert_ne!(of_strides, of_frames);
+        let expected = if by_strides { of_strides } else { of_frames };
+        assert_eq!(body.settle(400).q, expected, "{seed}");
     }
 }

@@ -212,3 +212,38 @@ fn nothing_is_left_of_the_question_before() {
         }
     }
 }
+
+/// A search whose cost stood still leaves nothing of that to the next.
+#[test]
+fn nothing_is_left_of_a_cost_that_stood_still() {
+    let model = planar_arm(&[1.0, 0.8, 0.5], Some((-2.5, 2.5)));
+    let mut builder = Problem::builder(&model);
+    let tip = model.frame("tip").unwrap();
+    let task = builder.add(Point::new(tip, [0.0; 3]));
+    let problem = builder.build().unwrap();
+    let stopping = Stopping::default()
+        .with_gradient_tolerance(0.0)
+        .with_step_tolerance(0.0)
+        .with_max_iterations(400);
+    let places = [[4.0, 1.0, 0.0], [1.2, 0.9, 0.0], [-3.0, 2.0, 0.0]];
+    let asked = places.map(|place| {
+        let mut targets = problem.targets();
+        targets.get_mut(task).unwrap().set_target(place);
+        targets
+    });
+    let start = [0.3, 0.4, 0.2];
+    for solver in solvers() {
+        let once = solver.with_restarts(Restarts::none());
+        let once = once.with_stopping(stopping);
+        let fresh = asked.each_ref().map(|targets| {
+            let question = problem.with_targets(targets).unwrap();
+            bits(&once.solve_once(question, &start).unwrap())
+        });
+        let mut workspace = Workspace::new();
+        for k in [0, 1, 2, 0, 2, 1] {
+            let question = problem.with_targets(&asked[k]).unwrap();
+            let again = bits(once.solve(question, &start, &mut workspace).unwrap());
+            assert_eq!(again, fresh[k], "{} {k}", once.method());
+        }
+    }
+}

@@ -4,8 +4,10 @@ use crate::failure::Outcome;
 
 /// More frames than this are a slip of the keyboard.
 const MOST: f64 = 1e6;
-/// A last frame that rounding puts this share of a frame too late still counts.
+/// A last frame that rounding puts this share of a frame too late still counts, or as many times what single precision, in
+/// which clips end, can tell apart there.
 const SLACK: f64 = 1e-6;
+const ROUNDINGS: f64 = 4.0;
 
 /// Frames at an even rate.
 #[derive(Clone, Copy, Debug)]
@@ -23,7 +25,10 @@ impl Frames {
                 "no frame lies between --from {start} s and --to {end} s"
             ));
         }
-        let steps = ((end - start) * per_second + SLACK).floor();
+        let latest = start.abs().max(end.abs());
+        let rounding = ROUNDINGS * f64::from(f32::EPSILON) * latest * per_second;
+        let slack = rounding.max(SLACK).min(0.5);
+        let steps = ((end - start) * per_second + slack).floor();
         if steps.is_nan() || steps >= MOST {
             return Err(usage!(
                 "{per_second} frames a second from {start} s to {end} s are more than {MOST} files"

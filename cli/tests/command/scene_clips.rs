@@ -57,6 +57,19 @@ fn a_clip_goes_into_a_file_and_another_behind_it() {
     assert!(spot.rotations()[0].abs_diff_eq(start.rotations()[0], 1e-5));
 }
 
+/// 3.3 s in single precision are 197.999997 sixtieths, and the last frame is there all the same.
+#[test]
+fn a_clip_is_written_to_its_end() {
+    let folder = Folder::new("whole-clips");
+    let longer = WALKER.replace("base64,AAAAAAAAgD8A", "base64,AAAAADMzU0AA");
+    let file = folder.text("longer.gltf", &longer);
+    let out = folder.file("longer.glb");
+    text!("animate {file} --fps=60 --into {out}");
+    let scene = gltf::read(&out).unwrap();
+    let [own, added] = ["walk", "walk at 60"].map(|clip| scene.clip(clip).unwrap().duration());
+    assert!((own - added).abs() < 1e-6, "{own} {added}");
+}
+
 #[test]
 fn a_pose_that_is_found_is_a_clip_of_one_key() {
     let folder = Folder::new("scene-poses");

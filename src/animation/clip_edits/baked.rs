@@ -7,8 +7,10 @@ use crate::animation::{Armature, Channel, ChannelError, Clip, Cursor, Playback, 
 
 /// More samples than this are a slip.
 const MOST_SAMPLES: f64 = 4e6;
-/// A last sample that rounding puts this share of a step too late still counts.
+/// A last sample that rounding puts this share of a step too late still counts, or as many times what single precision can
+/// tell apart there.
 const SLACK: f64 = 1e-6;
+const ROUNDINGS: f64 = 4.0;
 
 impl Clip {
     /// A clip through poses at times in seconds, which rise: straight from pose to pose, rotations by slerp. What is the same in all
@@ -104,7 +106,10 @@ impl Clip {
                 keys_per_second: per_second,
             });
         }
-        let inner = 1..(steps - SLACK).ceil().max(0.0) as usize;
+        let latest = f64::from(start.abs().max(end.abs()));
+        let rounding = ROUNDINGS * f64::from(f32::EPSILON) * latest * per_second;
+        let slack = rounding.clamp(SLACK, 0.5);
+        let inner = 1..(steps - slack).ceil().max(0.0) as usize;
         let inner = inner.map(|step| (f64::from(start) + step as f64 / per_second) as f32);
         let mut times = vec![start];
         times.extend(inner);
