@@ -4,6 +4,7 @@ mod any_chain;
 mod chains_with_followers;
 mod derivatives;
 mod elbow_sides;
+mod flipped_axes;
 mod freedom;
 mod huge_numbers;
 mod jacobian;

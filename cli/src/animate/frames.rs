@@ -27,7 +27,7 @@ impl Frames {
         }
         let latest = start.abs().max(end.abs());
         let rounding = ROUNDINGS * f64::from(f32::EPSILON) * latest * per_second;
-        let slack = rounding.max(SLACK).min(0.5);
+        let slack = rounding.clamp(SLACK, 0.5);
         let steps = ((end - start) * per_second + slack).floor();
         if steps.is_nan() || steps >= MOST {
             return Err(usage!(

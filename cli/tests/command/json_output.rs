@@ -83,6 +83,33 @@ fn fk_gives_tails_tips_and_axes() {
     assert!((numbers(&fk["q"])[13] + std::f64::consts::FRAC_PI_2).abs() < 1e-15);
 }
 
+/// Seen from any bone a rig is as large as it is, and of both quaternions of a rotation the one with w at least 0 is told.
+#[test]
+fn fk_tells_ends_and_turns_as_its_base_sees_them() {
+    let (_folder, rig) = Folder::with_rig("bases");
+    let q = "0,100,0 30,-80,0 0,150,40 0,-120,0 20,-170,10";
+    let bones = ["bone/0", "bone/1", "bone/2", "bone/3", "bone/4"];
+    let apart = |base: &str| {
+        let fk = answer!("fk {rig} --degrees --q '{q}' {base}");
+        let part = |bone: &str, part: &str| numbers(&fk["frames"][bone][part]);
+        let mut apart = Vec::new();
+        for one in bones {
+            assert!(part(one, "quaternion")[0] >= 0.0, "{base} {one}");
+            for other in bones {
+                let place = part(other, "position");
+                let ends = ["tail", "tip"].map(|end| distance(&part(one, end), &place));
+                apart.extend(ends);
+            }
+        }
+        apart
+    };
+    let world = apart("");
+    for bone in bones {
+        let own = apart(&format!("--base={bone}"));
+        assert!(distance(&own, &world) < 1e-12, "{bone}");
+    }
+}
+
 #[test]
 fn fk_at_a_time_samples_the_keyframes() {
     let (_folder, rig) = Folder::with_rig("time");

@@ -166,3 +166,18 @@ fn scripts_hear_of_misses() {
         }
     }
 }
+
+/// What is held gives way to a target that it keeps out of reach as its weight has it.
+#[test]
+fn what_is_held_has_a_weight() {
+    let panda = Seeded::panda();
+    let slips = [0.1, 1.0, 10.0].map(|weight| {
+        let held = format!("--one-level --hold=link5 --weight=link5={weight}");
+        let solution = answer!("solve {panda} --target=tool=0.7,0.4,0.9 {held}");
+        number(&solution["tasks"][1]["position_error"])
+    });
+    assert!(
+        slips[0] > 1.5 * slips[1] && slips[1] > 10.0 * slips[2],
+        "{slips:?}"
+    );
+}

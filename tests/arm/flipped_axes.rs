@@ -1,0 +1,118 @@
+//! Promise: which way an axis points is a matter of signs: of an arm whose axes all point the other way each joint goes as far
+//! the other way, into limits, out of reach and back, and what is told is the same.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::arm::{Arm, ServoStatus};
+use kinopt::robot::Robot;
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::{Solution, solver::Termination};
+
+/// The number of an attribute in a line of XML, if it has it.
+fn number(line: &str, attribute: &str) -> Option<f64> {
+    let (_, rest) = line.split_once(&format!("{attribute}=\""))?;
+    rest.split('"').next()?.parse().ok()
+}
+
+/// A robot's file with every axis turned round, and its limits with it.
+fn flipped(text: &str) -> String {
+    let line = |line: &str| {
+        if let (Some(lower), Some(upper)) = (number(line, "lower"), number(line, "upper")) {
+            let at = |name: &str, value: f64| format!("{name}=\"{value}\"");
+            let line = line.replace(&at("lower", lower), &at("lower", -upper));
+            return line.replace(&at("upper", upper), &at("upper", -lower));
+        }
+        let Some((_, rest)) = line.split_once("<axis xyz=\"") else {
+            return line.to_owned();
+        };
+        let own = rest.split('"').next().unwrap();
+        let turned = own.split(' ').map(|word| -word.parse::<f64>().unwrap());
+        let turned: Vec<String> = turned.map(|value| value.to_string()).collect();
+        line.replace(own, &turned.join(" "))
+    };
+    text.lines().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// Steps of a line as far out as this, a rest there, and back.
+fn out_and_back(from: &Placement<f64>, way: Vector3<f64>, steps: u32) -> Vec<Placement<f64>> {
+    let there = (0..steps).chain([steps; 8]).chain((0..steps).rev());
+    let at = |k: u32| from.translation + way * (f64::from(k) / f64::from(steps));
+    there
+        .map(|k| Placement::new(from.rotation, at(k)))
+        .collect()
+}
+
+type Told = (Vec<f64>, bool, Termination);
+
+fn told(solution: &Solution) -> Told {
+    (solution.q.clone(), solution.reached, solution.termination)
+}
+
+fn follow(arm: &Arm, start: &[f64], way: &[Placement<f64>]) -> Vec<Told> {
+    let mut follower = arm.follower(start).unwrap();
+    let steps = way.iter().map(|target| {
+        let mut solution = Solution::default();
+        follower.advance(*target, &mut solution).unwrap();
+        told(&solution)
+    });
+    steps.collect()
+}
+
+/// The q and what is told of each tick of a servo that follows the way.
+fn serve(arm: &Arm, start: &[f64], way: &[Placement<f64>]) -> Vec<(Vec<f64>, ServoStatus)> {
+    let mut servo = arm.servo(start, 4e-3).unwrap();
+    let ticks = way.iter().map(|target| {
+        let step = servo.step(*target).unwrap();
+        (step.q.to_vec(), step.status)
+    });
+    ticks.collect()
+}
+
+/// How far the sum of two configurations, one of which goes the other way, is from nothing.
+fn apart(one: &[f64], other: &[f64]) -> f64 {
+    let sums = one.iter().zip(other).map(|(a, b)| (a + b).abs());
+    sums.fold(0.0, f64::max)
+}
+
+#[test]
+fn joints_go_as_far_the_other_way() {
+    let (mut missed, mut at_limits) = (0, 0);
+    for (name, start, ways) in [
+        (
+            "kuka_iiwa14",
+            &[0.2, 0.5, -0.3, -1.3, 0.2, 0.7, 0.1][..],
+            [[0.0, -0.4, 0.7], [-0.3, -0.2, -0.5]],
+        ),
+        (
+            "universal_ur5e",
+            &[0.3, -1.2, 1.4, -1.6, -1.5, 0.2],
+            [[0.6, 0.3, 0.2], [-0.5, 0.1, 0.1]],
+        ),
+    ] {
+        let text = std::fs::read_to_string(format!("../models/{name}.urdf")).unwrap();
+        let [arm, turned] = [text.clone(), flipped(&text)].map(|text| {
+            let robot = Robot::parse(&text, "robot.urdf").unwrap();
+            let arm = Arm::builder(&robot, "base", "flange");
+            arm.with_atlas(false).build().unwrap()
+        });
+        let back: Vec<f64> = start.iter().map(|value| -value).collect();
+        let from = arm.base_from_tool(start).unwrap();
+        for way in ways.map(Vector3::from) {
+            let way = out_and_back(&from, way, 24);
+            let both = follow(&arm, start, &way).into_iter();
+            for (one, other) in both.zip(follow(&turned, &back, &way)) {
+                assert!(apart(&one.0, &other.0) < 1e-6, "{name}: {one:?} {other:?}");
+                assert_eq!((one.1, one.2), (other.1, other.2), "{name}");
+                missed += usize::from(!one.1);
+                let limits = arm.limits().zip(&one.0);
+                let held = limits.filter(|(limits, q)| **q == limits.lower || **q == limits.upper);
+                at_limits += held.count();
+            }
+            let both = serve(&arm, start, &way).into_iter();
+            for (one, other) in both.zip(serve(&turned, &back, &way)) {
+                assert!(apart(&one.0, &other.0) < 1e-6, "{name}: {one:?} {other:?}");
+                assert_eq!(one.1, other.1, "{name}");
+            }
+        }
+    }
+    assert!(missed > 40 && at_limits > 4, "{missed} {at_limits}");
+}
