@@ -230,3 +230,15 @@ fn damaged_files_never_panic() {
         }
     }
 }
+
+/// Programs put a checksum or notes behind the triangles that a binary STL announces, and break long lines of an OBJ.
+#[test]
+fn what_stands_behind_and_lines_that_go_on_make_no_difference() {
+    let mut longer = binary_stl();
+    longer.extend([7; 120]);
+    is_the_box(&MeshFile::parse(&longer, "box.stl").unwrap());
+    let broken = obj().replace(' ', " \\\n").replace("v \\\n", "v ");
+    is_the_box(&MeshFile::parse(broken.as_bytes(), "box.obj").unwrap());
+    let tight = obj().replace(' ', "\\\n");
+    is_the_box(&MeshFile::parse(tight.as_bytes(), "box.obj").unwrap());
+}

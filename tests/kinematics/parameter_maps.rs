@@ -76,3 +76,20 @@ fn what_is_held_stands_where_it_was() {
         }
     }
 }
+
+/// Narrowing never widens: neither a joint's own limits nor what it was narrowed to before.
+#[test]
+fn a_joint_is_narrowed_to_what_all_limits_have() {
+    let model = planar_arm(&[1.0; 2], Some((-1.0, 2.0)));
+    let joint = model.moving_joints()[1];
+    let narrowed = |all: &[(f64, f64)]| {
+        let map = all.iter().fold(ParameterMap::builder(&model), |map, own| {
+            map.with_narrowed(joint, Limits::new(own.0, own.1))
+        });
+        let map = map.build().unwrap();
+        (map.lower()[1], map.upper()[1])
+    };
+    assert_eq!(narrowed(&[(-5.0, 5.0)]), (-1.0, 2.0));
+    assert_eq!(narrowed(&[(-0.5, 5.0)]), (-0.5, 2.0));
+    assert_eq!(narrowed(&[(-0.5, 1.0), (-0.8, 0.2)]), (-0.5, 0.2));
+}

@@ -130,6 +130,28 @@ fn a_clip_s_foot_held_still_in_the_air_is_no_stance() {
     assert_eq!(stances(0.4, up_to(f64::INFINITY)), 3);
 }
 
+/// What stands for as long as the shortest that counts is a stance, what stands for a frame less is none.
+#[test]
+fn a_stance_counts_from_the_shortest_on() {
+    let armature = figure();
+    let foot = armature.bone("foot.l").unwrap();
+    let clip = lifted(&armature, 0.4);
+    let stances = |shortest: f64| {
+        let detection = ContactDetection::default().with_height(0.35);
+        let solver = planted(&armature).with_detection(detection.with_shortest(shortest));
+        let edited = solver.with_keys_per_second(30.0).solve(&clip).unwrap();
+        let own = edited.stances.into_iter().filter(|own| own.bone == foot);
+        own.map(|own| own.span).collect::<Vec<_>>()
+    };
+    let all = stances(0.1);
+    assert_eq!(all.len(), 2);
+    for span in &all[..1] {
+        let frames = (span[1] - span[0]) * 30.0 + 1.0;
+        assert!(stances((frames - 0.5) / 30.0).contains(span), "{span:?}");
+        assert!(!stances((frames + 0.5) / 30.0).contains(span), "{span:?}");
+    }
+}
+
 /// Captures sink: what is below the ground in them is on it, frame by frame and live.
 #[test]
 fn a_foot_that_sinks_in_the_capture_stays_over_the_ground() {
