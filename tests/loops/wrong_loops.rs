@@ -280,3 +280,20 @@ fn a_weld_is_turned_by_the_joints_of_either_end() {
         assert!(builder.build().is_ok(), "{hinge_is_first}");
     }
 }
+
+/// A weld whose places are one but turned is open.
+#[test]
+fn a_weld_that_is_only_turned_is_open() {
+    let mut builder = Model::builder("hinge in a wall");
+    let hinge = builder.revolute("hinge", None, along_x(0.0), Z, TURNS);
+    let hand = builder.frame("hand", Some(hinge), along_x(0.0));
+    let wall = builder.frame("wall", None, along_x(0.0));
+    builder.close(Loop::weld("pin", [hand, wall]));
+    let model = builder.build().unwrap();
+    let closure = LoopClosure::new(ParameterMap::builder(&model), &[hinge]).unwrap();
+    for (q, closed) in [(0.0, true), (0.3, false)] {
+        let gaps = closure.gaps(&[q]).unwrap();
+        assert_eq!((gaps[0].is_closed(), gaps[0].gap), (closed, 0.0));
+        assert!((gaps[0].angle - q).abs() < 1e-12);
+    }
+}

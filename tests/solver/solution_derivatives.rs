@@ -7,7 +7,7 @@ use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{Limits, Model};
 use kinopt::problem::ParameterVector;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::FrameVelocity;
+use kinopt::task::{FrameVelocity, Point};
 use kinopt::{Problem, Solver};
 use nalgebra as na;
 use support::changed_bodies::{Case, Change, case};
@@ -226,5 +226,40 @@ fn what_is_asked_to_move_at_a_velocity_goes_its_time_step_times_that() {
         let mut expected = na::DMatrix::zeros(2, 6);
         (expected[(0, k)], expected[(1, 3 + k)]) = (dt, dt);
         assert!((&by_target - expected).amax() < 1e-9 * dt, "{by_target}");
+    }
+}
+
+/// Slopes by the numbers of a configuration, quaternions among them, are turned to those by its velocity.
+#[test]
+fn slopes_by_velocity_are_those_along_the_manifold() {
+    let mut builder = Model::builder("free, ball and hinge");
+    let at = Placement::identity();
+    let [x, _, z] = Vector3::UNITS;
+    let room = [Limits::new(-1.0, 1.0); 3];
+    let body = builder.free("body", None, at, room);
+    let ball = builder.ball("ball", Some(body), at, x, None);
+    let limits = Limits::new(-1.0, 1.0);
+    let hinge = builder.revolute("hinge", Some(ball), at, z, limits);
+    let hand = builder.frame("hand", Some(hinge), at);
+    let model = builder.build().unwrap();
+    let mut tasks = Problem::builder(&model);
+    tasks.add(Point::new(hand, [0.3, 0.2, 0.1]));
+    let problem = tasks.build().unwrap();
+    let q = model.random_configuration(7);
+    let by_q: Vec<f64> = (0..q.len()).map(|k| 0.3 + 0.7 * k as f64).collect();
+    let mut memory = DerivativeWorkspace::default();
+    let derivative = SolutionDerivative::new(&problem, &q, &mut memory).unwrap();
+    let by_v = derivative.slope_by_velocity(&q, &by_q).unwrap();
+    assert_eq!(by_v.len(), 6 + 3 + 1);
+    let mut moved = q.clone();
+    for (k, slope) in by_v.iter().enumerate() {
+        let mut value = |step: f64| {
+            let mut v = vec![0.0; 10];
+            v[k] = step;
+            model.integrate(&q, &v, &mut moved).unwrap();
+            moved.iter().zip(&by_q).map(|(q, by)| q * by).sum::<f64>()
+        };
+        let expected = (value(1e-5) - value(-1e-5)) / 2e-5;
+        assert!((slope - expected).abs() < 1e-8, "{k}: {slope} {expected}");
     }
 }

@@ -4,7 +4,7 @@
 
 use kinopt::model::{JointId, Model};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
-use kinopt::task::{Gaze, Point, Residual};
+use kinopt::task::{FrameVelocity, Gaze, LookAt, Orientation, Plane, Point, Pose, Ray, Residual};
 
 fn same<R: Residual>(task: &R, moved: &R, step: &[f64]) {
     let placed = Placement::new(
@@ -47,4 +47,34 @@ fn places_and_directions_are_moved_by_the_step_itself() {
         same(&gaze, &moved, &step);
     }
     same(&Point::new(frame, target), &Point::new(frame, there), &step);
+}
+
+/// What is set elsewhere is what is made there.
+#[test]
+fn a_task_that_is_set_is_one_made_so() {
+    let mut builder = Model::builder("eye");
+    let frame = builder.frame("eye", None::<JointId>, Placement::identity());
+    builder.build().unwrap();
+    let [a, b, c, d] = [0.1, 0.7, 1.3, 2.0].map(|k| Vector3::new(k, 1.0 - k, 0.5 * k));
+    let [one, other] = [a, b].map(|way| Placement::new(rotation_exp(way), way));
+
+    let mut plane = Plane::new(frame, a, b);
+    plane.set_plane(c, d);
+    assert_eq!(plane, Plane::new(frame, c, d));
+    let mut ray = Ray::new(frame, a, b);
+    ray.set_line(c, d);
+    assert_eq!(ray, Ray::new(frame, c, d));
+    let mut look = LookAt::new(frame, a, b);
+    look.set_target(c);
+    assert_eq!(look, LookAt::new(frame, a, c));
+    let mut pose = Pose::new(frame, one);
+    pose.set_target(other);
+    assert_eq!(pose, Pose::new(frame, other));
+    let mut turned = Orientation::new(frame, one.rotation);
+    turned.set_target(other.rotation);
+    assert_eq!(turned, Orientation::new(frame, other.rotation));
+    let mut moving = FrameVelocity::new(frame, one, 0.1, (a, b));
+    moving.set_previous(other);
+    moving.set_velocity(c, d);
+    assert_eq!(moving, FrameVelocity::new(frame, other, 0.1, (c, d)));
 }
