@@ -1,7 +1,7 @@
 //! A tree of boxes over many things, for clouds, meshes and height fields.
 
 use super::bounding_box::BoundingBox;
-use super::wide_nodes::{Small, WideNodes};
+use super::wide_nodes::{Met, Small, WideNodes};
 use crate::spatial::Vector3;
 
 /// Things in one leaf at most.
@@ -132,16 +132,11 @@ impl BoxTree {
         }
     }
 
-    /// Whether `is_met` says so of any of the things whose boxes are nearer to a point than so far, in no order; some that are farther are
-    /// asked as well.
-    #[inline]
-    pub(crate) fn any(
-        &self,
-        point: Vector3<f64>,
-        reach: f64,
-        is_met: impl FnMut(u32) -> bool,
-    ) -> bool {
-        self.wide.any(&self.items, point, reach, is_met)
+    /// Whether any of the things whose boxes are nearer to a point than so far is met, in no order; some that are farther are asked about
+    /// as well.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn any<M: Met<u32>>(&self, point: Vector3<f64>, reach: f64, met: &M) -> bool {
+        self.wide.any(&self.items, point, reach, met)
     }
 
     /// Visits things in the order of nearness, as far as boxes tell: `bound` is the least that a box may hold,

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use super::bounding_box::BoundingBox;
 use super::box_tree::BoxTree;
+use super::wide_nodes::Met;
 use crate::spatial::Vector3;
 
 /// Things in the order of their numbers, and a tree over their boxes.
@@ -29,6 +30,12 @@ pub(crate) struct ChangingTree<T> {
 
 /// A thing of a number, and its box; none where there is no more.
 pub(crate) type Changed<T> = (u64, Option<(T, BoundingBox)>);
+
+/// Whether a place is among others, which are in order.
+#[inline]
+fn is_in(places: &[u32], place: u32) -> bool {
+    !places.is_empty() && places.binary_search(&place).is_ok()
+}
 
 impl<T: Clone> ChangingTree<T> {
     /// Of things in the order of their numbers.
@@ -129,23 +136,22 @@ impl<T> ChangingTree<T> {
     /// Whether a place in the large tree is of what is no more.
     #[inline]
     fn is_gone(&self, place: u32) -> bool {
-        !self.gone.is_empty() && self.gone.binary_search(&place).is_ok()
+        is_in(&self.gone, place)
     }
 
-    /// Asks about places as [`BoxTree::any`] does.
-    #[inline]
-    pub(crate) fn any(
-        &self,
-        point: Vector3<f64>,
-        reach: f64,
-        mut is_met: impl FnMut(u32) -> bool,
-    ) -> bool {
-        let met = |place| !self.is_gone(place) && is_met(place);
-        if self.old.tree.any(point, reach, met) {
-            return true;
+    /// Whether any thing is met, asked about as [`BoxTree::any`] does.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn any<M>(&self, point: Vector3<f64>, reach: f64, met: &M) -> bool
+    where
+        M: for<'a> Met<&'a T>,
+    {
+        for (stock, gone) in [(&*self.old, &*self.gone), (&self.new, &[])] {
+            let there = There { stock, gone, met };
+            if stock.tree.any(point, reach, &there) {
+                return true;
+            }
         }
-        let first = self.old.numbers.len() as u32;
-        self.has_new() && (self.new.tree).any(point, reach, |place| is_met(first + place))
+        false
     }
 
     /// Visits places as [`BoxTree::nearest`] does.
@@ -161,6 +167,23 @@ impl<T> ChangingTree<T> {
         });
         let first = self.old.numbers.len() as u32;
         (self.new.tree).nearest(best, bound, |place, best| visit(first + place, best))
+    }
+}
+
+/// Things but for those that are no more.
+struct There<'a, T, M> {
+    stock: &'a Stock<T>,
+    gone: &'a [u32],
+    met: &'a M,
+}
+
+impl<T, M> Met<u32> for There<'_, T, M>
+where
+    M: for<'a> Met<&'a T>,
+{
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn is_met(&self, place: u32) -> bool {
+        !is_in(self.gone, place) && self.met.is_met(&self.stock.things[place as usize])
     }
 }
 
@@ -213,6 +236,18 @@ impl<T> Default for ChangingTree<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::cell::RefCell;
+
+    /// Keeps what it is asked about, and is not met.
+    #[derive(Default)]
+    struct Asked(RefCell<Vec<&'static str>>);
+
+    impl Met<&&'static str> for Asked {
+        fn is_met(&self, thing: &&'static str) -> bool {
+            self.0.borrow_mut().push(thing);
+            false
+        }
+    }
 
     fn around(x: f64) -> BoundingBox {
         BoundingBox::around([Vector3::new(x, 0.0, 0.0), Vector3::new(x + 0.5, 1.0, 1.0)])
@@ -229,13 +264,13 @@ mod tests {
             best
         });
         met.sort_unstable();
-        let mut asked = Vec::new();
-        tree.any(Vector3::new(x, 0.5, 0.5), 1e-9, |place| {
-            asked.push((tree.number(place), *tree.thing(place)));
-            false
-        });
+        let mut things: Vec<_> = met.iter().map(|(_, thing)| *thing).collect();
+        let all = Asked::default();
+        assert!(!tree.any(Vector3::new(x, 0.5, 0.5), 1e-9, &all));
+        let mut asked = all.0.into_inner();
+        things.sort_unstable();
         asked.sort_unstable();
-        assert_eq!(met, asked);
+        assert_eq!(things, asked);
         met
     }
 

@@ -10,8 +10,11 @@ use crate::spatial::Vector3;
 /// Boxes of a node: three halvings.
 const WIDE: usize = 8;
 const HALVINGS: usize = 3;
-/// Of each lane.
-const BITS: [u32; WIDE] = [1, 2, 4, 8, 16, 32, 64, 128];
+/// Of each lane. None is 1, or the compiler would do the first lane by itself.
+const BITS: [u32; WIDE] = [2, 4, 8, 16, 32, 64, 128, 256];
+const ALL_BITS: u32 = 510;
+/// Squares of more have no place in single precision.
+const LARGE: f64 = 1e18;
 /// More nodes than are open on the way down through 2³¹ things.
 const DEEP: usize = 12;
 /// In place of a number of things: a node.
@@ -25,8 +28,9 @@ pub(super) struct WideNodes {
     nodes: Vec<WideNode>,
 }
 
-/// Eight boxes, coordinate by coordinate, and what is in them.
+/// Eight boxes, coordinate by coordinate, and what is in them; four lines of a processor's cache.
 #[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
 struct WideNode {
     min: [[f32; WIDE]; 3],
     max: [[f32; WIDE]; 3],
@@ -95,54 +99,57 @@ impl WideNodes {
         wide
     }
 
-    /// Whether `is_met` says so of any of the things whose boxes are nearer to a point than so far; some that are farther are asked as
-    /// well.
-    #[inline]
-    pub(super) fn any(
+    /// Whether any of the things, of the tree's `items`, whose boxes are nearer to a point than so far is met; some that are farther are
+    /// asked about as well.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(super) fn any<M: Met<u32>>(
         &self,
         items: &[u32],
         point: Vector3<f64>,
         reach: f64,
-        mut is_met: impl FnMut(u32) -> bool,
+        met: &M,
     ) -> bool {
-        if self.nodes.is_empty() {
+        let Some(root) = self.nodes.first() else {
             return false;
-        }
-        let place = point.to_array().map(|along| along as f32);
+        };
+        let place = [point.x as f32, point.y as f32, point.z as f32];
         let size = point.x.abs() + point.y.abs() + point.z.abs();
         let reach = (reach.abs() + size * ROUNDING) * (1.0 + 16.0 * ROUNDING);
         // The squares of what is very near have few digits.
         let within = (reach * reach) as f32 + f32::MIN_POSITIVE;
+        let always = if size + reach < LARGE { 0 } else { ALL_BITS };
         // Nodes with boxes that are still to be opened, bit by bit.
-        let mut stack = [(0_u32, 0_u32); DEEP];
+        let mut closed = [(0_u32, 0_u32); DEEP];
         let mut height = 0;
-        let mut node = 0;
-        let mut open = self.nodes[0].near(place, within);
+        let mut node = root;
+        let mut at = 0;
+        let mut open = root.near(place, within) | always;
         loop {
             while open == 0 {
                 if height == 0 {
                     return false;
                 }
                 height -= 1;
-                (node, open) = stack[height];
+                (at, open) = closed[height];
+                node = &self.nodes[at as usize];
             }
-            let lane = open.trailing_zeros() as usize % WIDE;
+            let lane = (open.trailing_zeros() as usize).wrapping_sub(1) % WIDE;
             open &= open - 1;
-            let opened = &self.nodes[node as usize];
-            let first = opened.first[lane];
-            match opened.count[lane] {
+            let first = node.first[lane];
+            match node.count[lane] {
                 NODE => {
-                    let near = self.nodes[first as usize].near(place, within);
+                    let opened = &self.nodes[first as usize];
+                    let near = opened.near(place, within) | always;
                     if near != 0 {
-                        stack[height] = (node, open);
+                        closed[height] = (at, open);
                         height += usize::from(open != 0);
-                        (node, open) = (first, near);
+                        (node, at, open) = (opened, first, near);
                     }
                 }
                 count => {
                     let first = first as usize;
                     for &item in &items[first..first + usize::from(count)] {
-                        if is_met(item) {
+                        if met.is_met(item) {
                             return true;
                         }
                     }
@@ -150,6 +157,12 @@ impl WideNodes {
             }
         }
     }
+}
+
+/// What is asked about things that are near. Not a closure, as what is in one is compiled for any processor.
+pub(crate) trait Met<T> {
+    /// Whether a thing is what is looked for.
+    fn is_met(&self, thing: T) -> bool;
 }
 
 /// The nodes of a tree three halvings below one, or fewer where they are small, and how many there are.
@@ -193,28 +206,32 @@ impl WideNode {
         self.count[lane] = count;
     }
 
-    /// Its boxes, bit by bit, that are no farther from a point than so far, squared. Where numbers are too large for single precision, all
-    /// are.
+    /// Its boxes, bit by bit, that are no farther from a point than so far, squared.
+    #[allow(
+        clippy::needless_range_loop,
+        reason = "lane by lane, as the compiler takes them together"
+    )]
     #[inline(always)]
     fn near(&self, point: [f32; 3], within: f32) -> u32 {
-        // So written, and not by shifts, the compiler takes four lanes together.
-        let mut near = [0; WIDE];
-        for lane in 0..WIDE {
-            let gap = |axis: usize| {
+        // One operation of eight lanes after another, which the compiler takes together, and no comparison, whose bits it gathers
+        // one by one.
+        let mut squared = [0.0; WIDE];
+        for axis in 0..3 {
+            for lane in 0..WIDE {
                 let before = self.min[axis][lane] - point[axis];
                 let behind = point[axis] - self.max[axis][lane];
                 // Not `f32::max`, which asks which of both is no number.
                 let gap = if before > behind { before } else { behind };
-                if gap > 0.0 { gap } else { 0.0 }
-            };
-            let [x, y, z] = [gap(0), gap(1), gap(2)];
-            let is_near = x * x + y * y + z * z <= within;
-            near[lane] = if is_near { BITS[lane] } else { 0 };
+                let gap = if gap > 0.0 { gap } else { 0.0 };
+                squared[lane] += gap * gap;
+            }
         }
-        for lane in 0..WIDE / 2 {
-            near[lane] |= near[lane + WIDE / 2];
+        let mut far = 0;
+        for lane in 0..WIDE {
+            let sign = (within - squared[lane]).to_bits() as i32 >> 31;
+            far |= sign as u32 & BITS[lane];
         }
-        near[0] | near[1] | near[2] | near[3]
+        !far & ALL_BITS
     }
 }
 
@@ -230,16 +247,45 @@ fn below(value: f64) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::cell::RefCell;
+
     use crate::collision::test_numbers::Numbers;
+
+    /// Keeps what it is asked about, and is not met.
+    #[derive(Default)]
+    struct Asked(RefCell<Vec<u32>>);
+
+    impl Met<u32> for Asked {
+        fn is_met(&self, item: u32) -> bool {
+            self.0.borrow_mut().push(item);
+            false
+        }
+    }
+
+    struct Counted(RefCell<usize>, u32);
+
+    impl Met<u32> for Counted {
+        fn is_met(&self, item: u32) -> bool {
+            *self.0.borrow_mut() += 1;
+            item == self.1
+        }
+    }
+
+    #[test]
+    fn the_first_that_is_met_ends_the_search() {
+        let tree = BoxTree::new(100, |i| {
+            BoundingBox::around([Vector3::new(i as f64, 0.0, 0.0)])
+        });
+        let counted = Counted(RefCell::new(0), 40);
+        assert!(tree.any(Vector3::zero(), 200.0, &counted));
+        assert!(*counted.0.borrow() < 100);
+    }
 
     /// Those that are asked about, of which none comes twice.
     fn asked(tree: &BoxTree, point: Vector3<f64>, reach: f64) -> Vec<u32> {
-        let mut asked = Vec::new();
-        let met = tree.any(point, reach, |item| {
-            asked.push(item);
-            false
-        });
-        assert!(!met);
+        let all = Asked::default();
+        assert!(!tree.any(point, reach, &all));
+        let mut asked = all.0.into_inner();
         asked.sort_unstable();
         assert!(asked.windows(2).all(|pair| pair[0] < pair[1]));
         asked
@@ -317,19 +363,7 @@ mod tests {
                 assert!(gap >= reach || asked.contains(&(item as u32)));
             }
         }
-        assert!(!tree.any(Vector3::new(f64::NAN, 0.0, 0.0), 1.0, |_| false));
-    }
-
-    #[test]
-    fn the_first_that_is_met_ends_the_search() {
-        let tree = BoxTree::new(100, |i| {
-            BoundingBox::around([Vector3::new(i as f64, 0.0, 0.0)])
-        });
-        let mut count = 0;
-        assert!(tree.any(Vector3::zero(), 200.0, |item| {
-            count += 1;
-            item == 40
-        }));
-        assert!(count < 100);
+        let nowhere = Vector3::new(f64::NAN, 0.0, 0.0);
+        assert!(!tree.any(nowhere, 1.0, &Asked::default()));
     }
 }

@@ -21,8 +21,15 @@ pub(crate) struct BodyChain {
     pub(super) bodies: Vec<Body>,
     /// Where the spheres of each body begin among all.
     pub(super) first_sphere: Vec<usize>,
-    /// The bodies, by place, that are kept apart.
-    pub(super) pairs: Vec<[usize; 2]>,
+    /// Those that are kept apart.
+    pub(super) pairs: Vec<BodyPair>,
+}
+
+/// Two bodies, by place, and the sum of their bounds' radii.
+#[derive(Clone, Debug)]
+pub(super) struct BodyPair {
+    pub(super) bodies: [usize; 2],
+    pub(super) radii: f64,
 }
 
 impl BodyChain {
@@ -48,11 +55,15 @@ impl BodyChain {
             first += body.spheres.len();
             first - body.spheres.len()
         });
+        let pairs = pairs.into_iter().map(|[a, b]| BodyPair {
+            bodies: [a, b],
+            radii: bodies[a].bound.radius + bodies[b].bound.radius,
+        });
         Self {
             first_sphere: first_sphere.collect(),
+            pairs: pairs.collect(),
             bodies,
             links,
-            pairs,
         }
     }
 

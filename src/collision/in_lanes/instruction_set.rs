@@ -64,13 +64,12 @@ fn near_any<V: LaneScalar>(
     if count == 0 {
         return 0;
     }
-    room.q.clear();
-    for joint in 0..joints {
-        let mut lanes = V::zero();
-        for lane in 0..V::WIDTH {
-            lanes.set_lane(lane, q[lane.min(count - 1) * joints + joint]);
+    room.q.resize(joints, V::zero());
+    for lane in 0..V::WIDTH {
+        let first = lane.min(count - 1) * joints;
+        for (lanes, &value) in room.q.iter_mut().zip(&q[first..first + joints]) {
+            lanes.set_lane(lane, value);
         }
-        room.q.push(lanes);
     }
     room.asked = count;
     near::near(chain, solids, room) & ((1u32 << count) - 1)

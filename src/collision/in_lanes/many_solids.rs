@@ -1,6 +1,7 @@
 //! Solids that are too many to be looked at one after another.
 
 use crate::collision::changing_tree::{Changed, ChangingTree};
+use crate::collision::wide_nodes::Met;
 use crate::collision::{BoundingBox, Shape};
 use crate::spatial::{Placement, Vector3};
 
@@ -45,11 +46,22 @@ impl ManySolids {
     }
 
     /// Whether a point, in the base, is nearer than so far to any, or in it.
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn near(&self, point: Vector3<f64>, reach: f64) -> bool {
-        self.solids.any(point, reach, |place| {
-            let (shape, solid_from_base) = self.solids.thing(place);
-            shape.is_within(solid_from_base.apply(point), reach)
-        })
+        self.solids.any(point, reach, &Within { point, reach })
+    }
+}
+
+/// A solid that is nearer to a point than so far.
+struct Within {
+    point: Vector3<f64>,
+    reach: f64,
+}
+
+impl Met<&Placed> for Within {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn is_met(&self, (shape, solid_from_base): &Placed) -> bool {
+        shape.is_within(solid_from_base.apply(self.point), self.reach)
     }
 }
 

@@ -67,10 +67,10 @@ pub(super) fn near<V: LaneScalar>(chain: &BodyChain, solids: &Solids, room: &mut
             return V::mask_bits(touched);
         }
     }
-    for &[a, b] in &chain.pairs {
+    for pair in &chain.pairs {
+        let [a, b] = pair.bodies;
         let middles = (room.middles[a], room.middles[b]);
-        let reach = chain.bodies[a].bound.radius + chain.bodies[b].bound.radius + margin;
-        if V::any(within(middles, reach) & !touched) {
+        if V::any(within(middles, pair.radii + margin) & !touched) {
             touched = near_each_other(chain, [a, b], margin, room, touched);
             if !V::any(!touched) {
                 break;
@@ -182,26 +182,30 @@ fn near_many<V: LaneScalar>(
 ) -> V::Mask {
     let body = &chain.bodies[index];
     let known_bits = V::mask_bits(known);
-    let mut open = 0;
-    for lane in 0..V::WIDTH {
-        let unknown = known_bits >> lane & 1 == 0;
-        let middle = in_lane(&room.middles[index], lane);
-        if unknown && many.near(middle, body.bound.radius + margin) {
-            open |= 1 << lane;
-        }
-    }
-    if open == 0 {
-        return known;
-    }
-    let range = place_spheres(chain, index, room);
     let mut touched = V::zero();
-    for (middle, sphere) in room.spheres[range].iter().zip(&body.spheres) {
-        for lane in 0..V::WIDTH {
-            let asked = open >> lane & 1 == 1;
-            if asked && many.near(in_lane(middle, lane), sphere.radius + margin) {
+    for lane in 0..V::WIDTH {
+        if known_bits >> lane & 1 != 0 {
+            continue;
+        }
+        // The ball about all spheres first, by one call: what is called is long, and written out here.
+        let (mut next, mut ball, mut middle) = (0, &body.bound, room.middles[index]);
+        let mut placed = 0..0;
+        loop {
+            let is_near = many.near(in_lane(&middle, lane), ball.radius + margin);
+            if next == 0 {
+                if !is_near {
+                    break;
+                }
+                placed = place_spheres(chain, index, room);
+            } else if is_near {
                 touched.set_lane(lane, 1.0);
-                open &= !(1 << lane);
+                break;
             }
+            let Some(sphere) = body.spheres.get(next) else {
+                break;
+            };
+            (ball, middle) = (sphere, room.spheres[placed.start + next]);
+            next += 1;
         }
     }
     known | V::zero().less_than(touched)
@@ -229,6 +233,9 @@ fn near_each_other<V: LaneScalar>(
         if V::any(within((*middle, about_a), reach) & !known) {
             room.near.push((place, ball.radius));
         }
+    }
+    if room.near.is_empty() {
+        return known;
     }
     let mut touched = known;
     for (&middle, ball) in room.spheres[of_a].iter().zip(&a.spheres) {

@@ -57,8 +57,8 @@ struct Listed {
     /// In the order of their numbers.
     numbers: Vec<u64>,
     placed: Vec<Placed>,
-    /// Those of them that each body can ever come near to, by place, and the balls around them.
-    within_reach: Vec<(Vec<u32>, Vec<Reached>)>,
+    /// Those of them that each body can ever come near to, by place, and the balls around them; two together.
+    within_reach: Vec<Vec<([u32; 2], [Reached; 2])>>,
 }
 
 /// A solid of two worlds that is not in both the same, by its shape and where it stands in the chain's base.
@@ -69,8 +69,8 @@ pub(crate) struct SolidMoved<'a> {
     pub(crate) after: Option<(&'a Shape, Placement<f64>)>,
 }
 
-/// The ball around a solid, as one body's ball meets it: |c − s|² < r² as |c|² − 2 s·c < r² − |s|², of which the left side takes three
-/// products where |c|² is known.
+/// The ball around a solid, as one body's ball meets it: |c − s|² < r² as |c|² − (r² − |s|²) − 2 s·c < 0, which takes three products where
+/// |c|² is known.
 #[derive(Clone, Copy, Debug)]
 struct Reached {
     /// −2 s.
@@ -90,6 +90,28 @@ impl Reached {
             slope: solid.centre * -2.0,
             below: apart - away + Self::ROUNDING * (apart + away),
         }
+    }
+
+    /// Two of them together, the last with one that is met nowhere.
+    fn paired(reached: &[(u32, Self)]) -> Vec<([u32; 2], [Self; 2])> {
+        let nowhere = Self {
+            slope: Vector3::zero(),
+            below: f64::NEG_INFINITY,
+        };
+        let paired = reached.chunks(2).map(|chunk| match *chunk {
+            [(a, of_a), (b, of_b)] => ([a, b], [of_a, of_b]),
+            _ => ([chunk[0].0; 2], [chunk[0].1, nowhere]),
+        });
+        paired.collect()
+    }
+
+    /// Below zero where a ball about a point, of which the squared length is given too, meets it.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn beyond<V: LaneScalar>(&self, centre: Vector3<V>, squared: V) -> V {
+        let side = squared - V::constant(self.below);
+        let side = centre.x.mul_add(V::constant(self.slope.x), side);
+        let side = centre.y.mul_add(V::constant(self.slope.y), side);
+        centre.z.mul_add(V::constant(self.slope.z), side)
     }
 }
 
@@ -187,17 +209,29 @@ impl Solids {
         let reach = chain.bodies[body].bound.radius + self.margin;
         found.clear();
         let squared = centre.norm_squared();
-        let (numbers, reached) = &self.listed.within_reach[body];
-        for (place, solid) in reached.iter().enumerate() {
-            let side = centre.x.mul_add(V::constant(solid.slope.x), squared);
-            let side = centre.y.mul_add(V::constant(solid.slope.y), side);
-            let side = centre.z.mul_add(V::constant(solid.slope.z), side);
-            if V::any(side.less_than(V::constant(solid.below)))
-                && V::any(self.is_near(numbers[place], centre, reach))
-            {
-                found.push(numbers[place]);
+        // Two at a time, as most are far away.
+        for (numbers, [a, b]) in &self.listed.within_reach[body] {
+            let beyond = [a.beyond(centre, squared), b.beyond(centre, squared)];
+            // One comparison of the lesser: masks of both would be put together bit by bit.
+            if !V::any(beyond[0].min(beyond[1]).less_than(V::zero())) {
+                continue;
+            }
+            for (&number, beyond) in numbers.iter().zip(beyond) {
+                if V::any(beyond.less_than(V::zero())) {
+                    found.push(number);
+                }
             }
         }
+        // In a loop of its own, so that the first has room for the centre in registers.
+        let mut near = 0;
+        for place in 0..found.len() {
+            let number = found[place];
+            if V::any(self.is_near(number, centre, reach)) {
+                found[near] = number;
+                near += 1;
+            }
+        }
+        found.truncate(near);
     }
 
     /// The lanes in which a point is nearer than so far to a solid, or in it: by the ball around that first.
@@ -270,7 +304,7 @@ impl Listed {
                 apart.is_nan() || apart <= reach * reach
             });
             let near = near.map(|(n, solid)| (n, Reached::new(&solid.bound, &body.bound, margin)));
-            near.unzip()
+            Reached::paired(&near.collect::<Vec<_>>())
         };
         Self {
             within_reach: chain

@@ -4,6 +4,7 @@ use super::{ConvexHull, Feature, HeightField, PointCloud, Shape, ShapeKind, Tria
 use crate::collision::bounding_box::BoundingBox;
 use crate::collision::box_tree::BoxTree;
 use crate::collision::distance::{Core, Pair, convex_gap};
+use crate::collision::wide_nodes::Met;
 use crate::spatial::{Placement, Vector3};
 
 /// How far a point is from a surface, negative inside, and the place on it that is nearest.
@@ -18,24 +19,23 @@ impl Shape {
     }
 
     /// Whether that is less than so far: of many parts the first that is so near tells.
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn is_within(&self, p: Vector3<f64>, reach: f64) -> bool {
         match self.kind() {
             ShapeKind::Mesh(mesh) => {
-                let near = mesh.tree().any(p, reach, |index| {
-                    far_from_triangle(p, mesh.triangle(index as usize)) < reach
-                });
-                near || mesh.is_closed() && self.signed_distance(p) < reach
+                mesh.tree().any(p, reach, &OfMesh(mesh, p, reach))
+                    || mesh.is_closed() && self.signed_distance(p) < reach
             }
             ShapeKind::HeightField(field) => {
-                let near = field.tree().any(p, reach, |index| {
-                    far_from_triangle(p, field.triangle(index as usize)) < reach
-                });
-                near || field.holds(p) && (reach > 0.0 || self.signed_distance(p) < reach)
+                field.tree().any(p, reach, &OfField(field, p, reach))
+                    || field.holds(p) && (reach > 0.0 || self.signed_distance(p) < reach)
             }
-            ShapeKind::Points(cloud) => cloud.tree().any(p, reach + cloud.radius(), |index| {
-                let far = (p - cloud.positions()[index as usize]).norm();
-                far - cloud.radius() < reach
-            }),
+            ShapeKind::Points(cloud) => {
+                let reach_of_middles = reach + cloud.radius();
+                cloud
+                    .tree()
+                    .any(p, reach_of_middles, &OfCloud(cloud, p, reach))
+            }
             _ => self.signed_distance(p) < reach,
         }
     }
@@ -56,6 +56,33 @@ impl Shape {
             ShapeKind::HeightField(field) => of_field(p, field),
             ShapeKind::Points(cloud) => of_cloud(p, cloud),
         }
+    }
+}
+
+/// A triangle that is nearer to a point than so far; of a field likewise, and a point of a cloud.
+struct OfMesh<'a>(&'a TriangleMesh, Vector3<f64>, f64);
+struct OfField<'a>(&'a HeightField, Vector3<f64>, f64);
+struct OfCloud<'a>(&'a PointCloud, Vector3<f64>, f64);
+
+impl Met<u32> for OfMesh<'_> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn is_met(&self, index: u32) -> bool {
+        far_from_triangle(self.1, self.0.triangle(index as usize)) < self.2
+    }
+}
+
+impl Met<u32> for OfField<'_> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn is_met(&self, index: u32) -> bool {
+        far_from_triangle(self.1, self.0.triangle(index as usize)) < self.2
+    }
+}
+
+impl Met<u32> for OfCloud<'_> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn is_met(&self, index: u32) -> bool {
+        let far = (self.1 - self.0.positions()[index as usize]).norm();
+        far - self.0.radius() < self.2
     }
 }
 
