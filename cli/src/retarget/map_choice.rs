@@ -22,7 +22,7 @@ pub(super) struct MapOptions {
     #[arg(long, value_name = "FILE")]
     pub(super) save_map: Option<PathBuf>,
 
-    /// Print the map that is taken, and do no more.
+    /// Print the map that is taken; without --out do no more.
     #[arg(long)]
     pub(super) print_map: bool,
 }

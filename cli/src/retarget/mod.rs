@@ -149,7 +149,8 @@ impl Clip {
             "{}: {}, {} a second; {:.1} mm off in the mean; what stands slips by {:.3} mm at most{sunk}\n",
             self.out.display(),
             counted(self.frames, "frame"),
-            self.fps,
+            // Times of frames in files have some digits only: of 0.033333 s are 30 a second.
+            (1e3 * self.fps).round() / 1e3,
             1e3 * self.mean_error,
             1e3 * self.slip
         )
@@ -294,11 +295,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         }
         arguments.show_map()?;
     }
-    let Some(out) = arguments
-        .out
-        .as_deref()
-        .filter(|_| !arguments.map.print_map)
-    else {
+    let Some(out) = arguments.out.as_deref() else {
         return Ok(());
     };
     if folder {
@@ -314,5 +311,10 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         ));
     }
     let clip = Job::new(arguments, Format::of(out)?)?.run(&arguments.source, out)?;
+    if arguments.map.print_map {
+        // What is printed is the map alone, so that it can be read as JSON.
+        output::message(clip.summary().trim_end());
+        return Ok(());
+    }
     output::result(json, || &clip, || clip.summary())
 }

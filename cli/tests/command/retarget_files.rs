@@ -41,6 +41,18 @@ fn a_rig_s_keyframes_move_a_robot_by_names_alone() {
     // What is printed, saved and given again says the same.
     let printed = kinopt!("retarget {rig} {robot} --base-joint free --fps 10 --print-map");
     let printed = String::from_utf8(printed.stdout).unwrap();
+    let both = folder.file("both.json");
+    let run = kinopt!("retarget {rig} {robot} --base-joint free --fps 10 --print-map --out {both}");
+    assert_eq!(String::from_utf8(run.stdout).unwrap(), printed);
+    assert_eq!(json(&both), guessed);
+    let told = String::from_utf8(run.stderr).unwrap();
+    says!(told => "frames, 10 a second");
+    // Frames of 0.033333 s.
+    let steps = model("captures/steps.bvh");
+    let out_of_steps = folder.file("steps.npz");
+    let run = kinopt!("retarget {steps} {robot} --base-joint free --out {out_of_steps}");
+    let told = String::from_utf8(run.stdout).unwrap();
+    says!(told => "181 frames, 30 a second");
     let saved = folder.file("map.json");
     let _ = kinopt!("retarget {rig} {robot} --base-joint free --fps 10 --save-map {saved}");
     assert_eq!(text(&saved), printed);
