@@ -5,7 +5,7 @@ use super::lanes_or_core::QUICK;
 use super::workspace::Errors;
 use super::{PoseOutcome, QueryError, Reply};
 use crate::ik::Solution;
-use crate::lanes::Work;
+use crate::lanes::{Attempts, Work};
 use crate::search::Found;
 use crate::spatial::Placement;
 
@@ -167,9 +167,7 @@ impl Arm {
             targets,
             starts,
             search: options.search.lanes(),
-            attempts_from: None,
-            attempts: options.attempts.min(TOGETHER),
-            carries: false,
+            attempts: Attempts::UpTo(options.attempts.min(TOGETHER)),
             q,
             outcomes,
         });

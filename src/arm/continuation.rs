@@ -5,7 +5,7 @@ use super::Reply;
 use super::arm::Arm;
 use super::lanes_or_core::Query;
 use crate::buffer::refill;
-use crate::lanes::{Prefer, Work};
+use crate::lanes::{Attempts, Prefer, Work};
 use crate::model::Source;
 use crate::spatial::Placement;
 
@@ -56,9 +56,7 @@ impl Arm {
             targets,
             starts,
             search: Prefer::Start,
-            attempts_from: None,
-            attempts: 1,
-            carries: false,
+            attempts: Attempts::UpTo(1),
             q: &mut ends.q,
             outcomes: &mut ends.outcomes,
         });
@@ -82,9 +80,7 @@ impl Arm {
             targets: std::slice::from_ref(target),
             starts,
             search: Prefer::Start,
-            attempts_from: None,
-            attempts: 1,
-            carries: true,
+            attempts: Attempts::CarriedOn,
             q: &mut ends.q,
             outcomes: &mut ends.outcomes,
         });
@@ -110,9 +106,7 @@ impl Arm {
                 targets: std::slice::from_ref(target),
                 starts: start,
                 search: Prefer::Start,
-                attempts_from: Some(first),
-                attempts: 1,
-                carries: false,
+                attempts: Attempts::From(first),
                 q,
                 outcomes,
             });

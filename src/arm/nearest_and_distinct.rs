@@ -102,9 +102,7 @@ impl Arm {
             targets: std::slice::from_ref(query.target),
             starts: query.start,
             search: lanes::Prefer::Start,
-            attempts_from: Some(first),
-            attempts: 1,
-            carries: false,
+            attempts: lanes::Attempts::From(first),
             q: &mut workspace.found[begun * n..],
             outcomes: &mut workspace.outcomes[begun..],
         });

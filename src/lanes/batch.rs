@@ -21,14 +21,20 @@ pub(crate) struct Work<'a> {
     /// One start a target, joint values one after another.
     pub(crate) starts: &'a [f64],
     pub(crate) search: Prefer,
-    /// Run only this attempt and those that follow it, one a result, of the single target.
-    pub(crate) attempts_from: Option<u32>,
-    /// Most attempts of one query.
-    pub(crate) attempts: u32,
-    /// Whether the starts are [carried on](super::carry) to a single target: outcomes say whether they reach it, and nothing else.
-    pub(crate) carries: bool,
+    pub(crate) attempts: Attempts,
     pub(crate) q: &'a mut [f64],
     pub(crate) outcomes: &'a mut [PoseOutcome],
+}
+
+/// Which attempts are made.
+#[derive(Clone, Copy)]
+pub(crate) enum Attempts {
+    /// Of each query from its first on, until one reaches, and no more than these.
+    UpTo(u32),
+    /// Of the single target this one and those that follow it, one a result.
+    From(u32),
+    /// Of the single target each start's own, [carried on](super::carry): outcomes say whether it reaches, and nothing else.
+    CarriedOn,
 }
 
 /// Runs the attempts of each query one after another in one lane, so that what a query gives depends
@@ -39,7 +45,7 @@ pub(crate) fn batch<V: LaneScalar, const L: usize, const N: usize>(
     prepared: &Prepared,
     work: Work<'_>,
 ) {
-    if work.carries {
+    if matches!(work.attempts, Attempts::CarriedOn) {
         carry::<V, L, N>(stages, prepared, work);
         return;
     }
@@ -112,10 +118,11 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn take_job(&mut self) -> Option<Job<'a>> {
         let (work, index) = (&self.work, self.next);
-        let source = if work.attempts_from.is_some() {
-            0
-        } else {
-            index
+        let (source, attempt, most) = match work.attempts {
+            Attempts::UpTo(most) => (index, 0, most),
+            Attempts::From(first) => (0, first + index as u32, 1),
+            // Those have a loop of their own.
+            Attempts::CarriedOn => return None,
         };
         if source >= work.targets.len() || index >= work.outcomes.len() {
             return None;
@@ -130,14 +137,11 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
                 target,
                 start: &work.starts[source * n..(source + 1) * n],
                 search: work.search,
-                attempts: (0, work.attempts),
+                attempts: (0, most),
                 budget: self.prepared.options.total_iterations,
                 deadline: None,
             },
-            attempt: match work.attempts_from {
-                Some(first) => first + index as u32,
-                None => 0,
-            },
+            attempt,
             ended: 0,
             age: 0,
             iterations: 0,
@@ -222,8 +226,7 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
         job.attempt += 1;
         job.ended += 1;
         let over = reached
-            || self.work.attempts_from.is_some()
-            || job.ended >= self.work.attempts
+            || job.ended >= job.query.attempts.1
             || job.iterations >= options.total_iterations;
         if over {
             self.finish(lane, reached, errors);

@@ -41,7 +41,7 @@ mod whole_turns;
 
 pub use crate::model::JointKind;
 pub use axis_goal::AxisGoal;
-pub(crate) use batch::Work;
+pub(crate) use batch::{Attempts, Work};
 pub use chain::{Chain, ChainError, ChainJoint, MAX_JOINTS};
 #[cfg(feature = "collision")]
 pub(crate) use links::Links;

@@ -1,6 +1,6 @@
 //! A chain and options compiled once; poses solved by them, one at a time or in batches.
 
-use super::batch::Work;
+use super::batch::{Attempts, Work};
 use super::chain::{Chain, MAX_JOINTS};
 use super::check;
 use super::instruction_set;
@@ -176,9 +176,7 @@ impl PoseSolver {
             targets: base_from_targets,
             starts,
             search,
-            attempts_from: None,
-            attempts: self.attempts(),
-            carries: false,
+            attempts: Attempts::UpTo(self.attempts()),
             q,
             outcomes,
         });
@@ -213,9 +211,7 @@ impl PoseSolver {
                     targets,
                     starts,
                     search,
-                    attempts_from: None,
-                    attempts: self.attempts(),
-                    carries: false,
+                    attempts: Attempts::UpTo(self.attempts()),
                     q,
                     outcomes,
                 });
@@ -247,9 +243,7 @@ impl PoseSolver {
             targets: std::slice::from_ref(base_from_target),
             starts: start,
             search,
-            attempts_from: Some(first),
-            attempts: 1,
-            carries: false,
+            attempts: Attempts::From(first),
             q,
             outcomes,
         });

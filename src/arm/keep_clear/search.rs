@@ -204,9 +204,7 @@ impl Arm {
             targets: &room.targets,
             starts: &seeds,
             search: lanes::Prefer::Start,
-            attempts_from: None,
-            attempts: 1,
-            carries: false,
+            attempts: lanes::Attempts::UpTo(1),
             q: &mut workspace.found[begun * n..],
             outcomes: &mut workspace.outcomes[begun..],
         });
