@@ -102,10 +102,10 @@ fn span(
 /// Whether the steps after these knots may lead from the one configuration to the other; certainly, if there is one.
 fn is_short(growth: &Growth<'_>, way: &Way, knots: Range<usize>, pair: &[f64]) -> bool {
     let (from, to) = pair.split_at(growth.width());
-    let allowance: f64 = way.allowance[knots.start + 1..=knots.end].iter().sum();
-    let excess = match knots.len() {
-        1 => growth.bounds.excess(growth.knots, knots.end, from, to),
-        _ => growth.bounds.least_excess(from, to),
+    let in_time = || {
+        let excess = growth.bounds.excess(growth.knots, knots.end, from, to);
+        excess <= way.allowance[knots.end] + 1e-9
     };
-    excess <= allowance + 1e-9
+    let short = growth.bounds.least_excess(from, to) <= knots.len() as f64 + 1e-9;
+    short && (knots.len() > 1 || in_time())
 }

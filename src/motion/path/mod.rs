@@ -38,6 +38,7 @@ mod graph;
 mod knot_configurations;
 mod knots;
 mod layers;
+mod long_steps;
 mod option_checks;
 mod report;
 mod shorten;

@@ -7,6 +7,7 @@ use super::graph::{Between, Chosen, fewest_reconfigurations, without_reconfigura
 use super::knot_configurations::{self, Way, fill};
 use super::knots::Knots;
 use super::layers::{Growth, Layer};
+use super::long_steps;
 use super::shorten::Shortening;
 use super::solution::PathSolution;
 use super::step_bounds::StepBounds;
@@ -305,13 +306,15 @@ impl<'a> PathSolver<'a> {
                 ring: *ring,
             };
             shortening.run(&mut way)?;
-            // It has drawn the branches together.
+            // It has drawn the branches together, and may have moved a long step off the tool's way.
+            long_steps::leave_unled(growth, &mut way)?;
             bridge(growth, &mut way)?;
         }
         if growth.ring.is_none() {
             knot_configurations::keep_ends(growth, &mut way);
         }
         knot_configurations::rejoin(growth, &mut way);
+        long_steps::leave_unled(growth, &mut way)?;
         Ok(way)
     }
 
