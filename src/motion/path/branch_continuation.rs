@@ -13,7 +13,7 @@ const MOMENTUM: f64 = 0.9;
 /// Where fewer than this are surely free, the shapes are looked at too.
 pub(super) const FEW: usize = 8;
 /// Parts of a step at most.
-const MOST_PARTS: f64 = 10_000.0;
+pub(super) const MOST_PARTS: f64 = 10_000.0;
 
 /// Room for it.
 #[derive(Debug, Default)]

@@ -39,7 +39,7 @@ pub(super) fn bridge(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError
 }
 
 /// Whether the path leads to a knot from the one before, and both are reached.
-fn is_led(growth: &Growth<'_>, way: &Way, knot: usize) -> bool {
+pub(super) fn is_led(growth: &Growth<'_>, way: &Way, knot: usize) -> bool {
     way.reached[knot - 1] && way.reached[knot] && growth.knots.is_led_to(knot)
 }
 

@@ -1,20 +1,22 @@
 //! Steps in which a joint goes further than in a step: a branch is left in each to which small parts of the tool's way do not lead.
 
 use super::PathError;
+use super::branch_continuation::MOST_PARTS;
+use super::bridge::is_led;
 use super::knot_configurations::Way;
 use super::knots::{NEAR, between};
 use super::layers::Growth;
 use crate::arm::Ends;
 
-/// Parts of the tool's way in a step: at least, and at most.
-const PARTS: [f64; 2] = [100.0, 10_000.0];
+/// Parts of the tool's way in a step at least.
+const FEWEST_PARTS: f64 = 100.0;
 /// How near they lead, as a share of the longest step.
 const AGREES: f64 = 5e-3;
 
 /// Leaves the branch in the long steps that are not led.
 pub(super) fn leave_unled(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
     for knot in 1..way.joined.len() {
-        if way.joined[knot] && is_long(growth, way, knot) && !is_led(growth, way, knot)? {
+        if way.joined[knot] && is_long(growth, way, knot) && !do_parts_lead(growth, way, knot)? {
             way.joined[knot] = false;
         }
     }
@@ -31,15 +33,15 @@ fn is_long(growth: &Growth<'_>, way: &Way, knot: usize) -> bool {
 }
 
 /// Whether the arm comes from knot to knot if it follows the tool's way in small parts, without a long move in any.
-fn is_led(growth: &Growth<'_>, way: &Way, knot: usize) -> Result<bool, PathError> {
+fn do_parts_lead(growth: &Growth<'_>, way: &Way, knot: usize) -> Result<bool, PathError> {
     let (knots, n) = (growth.knots, growth.width());
-    if !knots.is_led_to(knot) || !way.reached[knot - 1] || !way.reached[knot] {
+    if !is_led(growth, way, knot) {
         return Ok(false);
     }
     let arm = growth.arms.of(knots.tool(knot));
     let [from, to] = [knot - 1, knot].map(|knot| knots.targets[knot]);
     let parts = (knots.way[knot] - knots.way[knot - 1]) / NEAR;
-    let parts = parts.ceil().clamp(PARTS[0], PARTS[1]) as usize;
+    let parts = parts.ceil().clamp(FEWEST_PARTS, MOST_PARTS) as usize;
     let mut q = way.row(knot - 1, n).to_vec();
     let mut ends = Ends::default();
     for part in 1..=parts {
