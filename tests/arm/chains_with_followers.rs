@@ -305,3 +305,84 @@ fn leaders_are_not_turned_round_whichever_of_them_is_followed() {
     }
     assert!(reached >= 20, "{reached} of 30");
 }
+
+/// Where no attempt reaches, what is told is where the start's own attempt ends, however many others there were.
+#[test]
+fn a_miss_is_answered_by_the_starts_own_way() {
+    let mut missed = 0;
+    for number in 0..40 {
+        let Some((arm, text, tip)) = follower_arm(number) else {
+            continue;
+        };
+        let robot = Robot::parse(&text, "followers.urdf").unwrap();
+        let own_way = Arm::builder(&robot, "l0", &tip).with_atlas(false);
+        let own_way = own_way.with_attempts(1).build().unwrap();
+        let mut random = Random(number);
+        let start = random.configuration(&arm);
+        let mut goal = arm.base_from_tool(&random.configuration(&arm)).unwrap();
+        goal.translation = goal.translation * 1.3;
+        let all = arm.solve(goal, &start).unwrap();
+        if all.reached {
+            continue;
+        }
+        missed += 1;
+        let once = own_way.solve(goal, &start).unwrap();
+        assert_eq!(all.q, once.q, "{number}");
+    }
+    assert!(missed > 8, "{missed}");
+}
+
+/// The seed says which random attempts are made, the same ones each time; another one makes others.
+#[test]
+fn seeds_are_heard() {
+    let (robot, base, tip) = (0..)
+        .find_map(|number| {
+            let (text, tip) = follower_chain(number);
+            let robot = Robot::parse(&text, "followers.urdf").ok()?;
+            Some((robot, "l0", tip))
+        })
+        .unwrap();
+    let told = |seed: u64| -> Vec<(usize, Vec<f64>)> {
+        let builder = Arm::builder(&robot, base, tip.as_str()).with_seed(seed);
+        let arm = builder.with_attempts(2).build().unwrap();
+        let mut random = Random(5);
+        let mut ask = || {
+            let goal = arm.base_from_tool(&random.configuration(&arm)).unwrap();
+            let solution = arm.solve(goal, &random.configuration(&arm)).unwrap();
+            (solution.iterations, solution.q)
+        };
+        (0..30).map(|_| ask()).collect()
+    };
+    assert_eq!(told(1), told(1));
+    assert_ne!(told(1), told(2));
+}
+
+/// A follower in another branch narrows what its leader may do in the arm.
+#[test]
+fn a_follower_outside_the_chain_is_kept_within_its_limits() {
+    let joint = |name: &str, child: &str, end: f64, more: &str| {
+        format!(
+            "<link name=\"{child}\"/><joint name=\"{name}\" type=\"revolute\"><parent link=\"l0\"/>\
+             <child link=\"{child}\"/><axis xyz=\"0 0 1\"/><origin xyz=\"0.1 0 0\"/>\
+             <limit lower=\"-{end}\" upper=\"{end}\" effort=\"1\" velocity=\"1\"/>{more}</joint>"
+        )
+    };
+    for (ratio, most) in [(1.0, 0.5), (-2.0, 0.25), (0.25, 1.5)] {
+        let follows = format!("<mimic joint=\"a\" multiplier=\"{ratio}\"/>");
+        let text = format!(
+            "<robot name=\"r\"><link name=\"l0\"/>{}{}</robot>",
+            joint("a", "l1", 1.5, ""),
+            joint("b", "l2", 0.5, &follows),
+        );
+        let robot = Robot::parse(&text, "r.urdf").unwrap();
+        let arm = Arm::new(&robot, "l0", "l1").unwrap();
+        let limits: Vec<_> = arm.limits().map(|own| (own.lower, own.upper)).collect();
+        assert_eq!(limits, [(-most, most)]);
+        let beyond = arm.base_from_tool(&[1.49]).unwrap();
+        let solution = arm.solve(beyond, &[0.0]).unwrap();
+        assert_eq!(solution.q, [solution.q[0].min(most)]);
+        let mut q = [0.0; 2];
+        arm.configuration(&solution.q, &mut q).unwrap();
+        assert!(robot.model().is_within_limits(&q), "{q:?}");
+    }
+}

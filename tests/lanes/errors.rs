@@ -156,3 +156,25 @@ fn what_many_long_links_cannot_resolve_is_not_reached() {
     };
     assert!(reached(1) && !reached(8));
 }
+
+/// Each of the twelve numbers of weights and half widths is asked, and refused where it is none.
+#[test]
+fn every_number_of_a_goal_s_axes_is_looked_at() {
+    use kinopt::lanes::AxisGoal;
+    type Part = fn(&mut AxisGoal) -> &mut [f64; 3];
+    let parts: [Part; 4] = [
+        |goal| &mut goal.position_weights,
+        |goal| &mut goal.orientation_weights,
+        |goal| &mut goal.position_half_widths,
+        |goal| &mut goal.orientation_half_widths,
+    ];
+    for part in parts {
+        for (axis, bad) in [(0, -1e-3), (1, f64::NAN), (2, f64::NEG_INFINITY)] {
+            let mut axes = AxisGoal::full_pose();
+            part(&mut axes)[axis] = bad;
+            let options = LaneOptions::default().with_axes(axes);
+            let refused = PoseSolver::new(&planar(), options.with_atlas(false));
+            assert!(refused.is_err(), "{axes:?}");
+        }
+    }
+}
