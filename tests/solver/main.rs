@@ -25,6 +25,7 @@ mod pulls;
 mod reported_errors;
 mod restarts;
 mod restated_problems;
+mod reused_workspaces;
 mod same_bits;
 mod singular_rest_poses;
 mod small_chains;

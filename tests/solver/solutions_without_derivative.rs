@@ -354,3 +354,31 @@ fn a_goal_that_does_not_pull_keeps_no_others_weights() {
     }
     assert!(largest > 1e-3, "no weight matters");
 }
+
+/// A limit at the very place where pulls from either side balance holds nothing, though each of them is strong and their sum,
+/// which rounding keeps from zero, is a push.
+#[test]
+fn a_limit_where_pulls_balance_but_for_rounding_decides_nothing() {
+    let x = Vector3::UNITS[0];
+    let at = Placement::identity();
+    for (limits, value) in [
+        (Limits::new(-1.0, 0.3), 0.3),
+        (Limits::new(0.3, 1.0), 0.3),
+        (Limits::new(-0.7, 0.7), 0.7),
+        (Limits::new(-0.1, 0.9), -0.1),
+    ] {
+        let mut builder = Model::builder("slide");
+        let slide = builder.prismatic("slide", None, at, x, limits);
+        let tip = builder.frame("tip", Some(slide), at);
+        let model = builder.build().unwrap();
+        let mut tasks = Problem::builder(&model);
+        for off in [-0.2, -0.1, 0.3] {
+            tasks.add(Point::new(tip, [value + off, 0.0, 0.0]));
+        }
+        let told = existence(&tasks.build().unwrap(), &[value]);
+        let Existence::DoesNotExist(NoDerivative::OnLimit { joint }) = told else {
+            panic!("{limits:?}: {told}");
+        };
+        assert_eq!(joint, "slide");
+    }
+}

@@ -1,0 +1,102 @@
+//! Promise: a workspace that has answered other questions answers the next one as a new one does, to the bit: nothing that was
+//! held, fixed or found before counts, whether the questions before were within reach or not.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::model::FrameId;
+use kinopt::problem::{Problem, ProblemBuilder, TaskId};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{Gaze, Goal, LimitCentring, LookAt, Manipulability, Point, Pose, Posture, Task};
+use kinopt::{Solver, Workspace};
+use support::arms::panda;
+use support::random::Random;
+use support::sample::cases;
+use support::trees::configuration_of;
+
+use crate::pulls::placement_of;
+
+const ELBOW: &str = "link4";
+
+/// A tool's pose, and what else `more` asks; the same problem each time.
+fn problem(goal: Goal, more: impl Fn(&mut ProblemBuilder<'_>)) -> (Problem, TaskId<Pose>) {
+    let (robot, _, tool) = panda();
+    let mut builder = Problem::builder(robot.model());
+    builder.parameters(robot.map().clone());
+    let tool = robot.model().frame(tool).unwrap();
+    let pose = builder.add(Pose::new(tool, Placement::identity()).with_goal(goal));
+    more(&mut builder);
+    (builder.build().unwrap(), pose)
+}
+
+/// Asks for random places, every other one far outside, of one workspace and of new ones.
+fn same(seed: u64, (problem, pose): (Problem, TaskId<Pose>)) {
+    let (robot, _, tool) = panda();
+    let model = robot.model();
+    let (mut random, solver) = (Random::new(seed), Solver::default());
+    let (mut kept, mut told) = (Workspace::new(), [0; 2]);
+    for turn in 0..cases(60, 12) {
+        let [there, start] = [(); 2].map(|()| configuration_of(model, &mut random));
+        let mut target = placement_of(model, tool, &there);
+        if turn % 2 == 0 {
+            target.translation = target.translation * random.within(1.1, 2.0);
+        }
+        let mut targets = problem.targets();
+        targets.get_mut(pose).unwrap().set_target(target);
+        let asked = || problem.with_targets(&targets).unwrap();
+        let fresh = solver.solve_once(asked(), &start).unwrap();
+        let again = solver.solve(asked(), &start, &mut kept).unwrap();
+        assert_eq!(format!("{again:?}"), format!("{fresh:?}"), "{turn}");
+        told[usize::from(fresh.reached)] += 1;
+    }
+    assert!(told[0] > 0, "{told:?}");
+}
+
+fn frame(name: &str) -> FrameId {
+    panda().0.model().frame(name).unwrap()
+}
+
+#[test]
+fn of_preferences_within_what_is_left() {
+    let (robot, ..) = panda();
+    let model = robot.model();
+    let rest = configuration_of(model, &mut Random::new(9));
+    let pulls = |builder: &mut ProblemBuilder<'_>| {
+        builder.add(Posture::new(model, &rest));
+        builder.add(LimitCentring::new(model));
+    };
+    same(1, problem(Goal::pose(), pulls));
+    same(2, problem(Goal::position(), pulls));
+    same(
+        3,
+        problem(Goal::position(), |builder| {
+            let tool = model.frame(panda().2).unwrap();
+            builder.add(Manipulability::new(model, None, tool, 0.1));
+        }),
+    );
+}
+
+#[test]
+fn of_levels_that_give_way() {
+    let (robot, ..) = panda();
+    let model = robot.model();
+    let rest = configuration_of(model, &mut Random::new(10));
+    let elbow = placement_of(model, ELBOW, &rest).translation;
+    let low = |builder: &mut ProblemBuilder<'_>| {
+        builder.add(Task::new(Point::new(frame(ELBOW), elbow)).at_level(1));
+        builder.add(Posture::new(model, &rest));
+    };
+    same(4, problem(Goal::pose(), low));
+    same(
+        5,
+        problem(Goal::within([0.05, 0.05, 0.05, 0.5, 0.5, 0.5]), low),
+    );
+    same(
+        6,
+        problem(Goal::position(), |builder| {
+            let forward = Vector3::new(1.0, 0.2, 0.5);
+            let (axis, ahead) = (Vector3::UNITS[0], frame("link6"));
+            builder.add(Task::new(Gaze::along(ahead, axis, forward, 0.3)).at_level(1));
+            builder.add(Task::new(LookAt::new(ahead, axis, forward)).at_level(2));
+            builder.add(Posture::new(model, &rest));
+        }),
+    );
+}
