@@ -105,3 +105,59 @@ fn within_whole_angles() {
     }
     assert!(farthest > 0.5, "{farthest}");
 }
+
+/// A ball is within its limits where its swing is within the ellipse, its twist in the range and the whole turn
+/// within the angle, whichever of these there are; judged by its making.
+#[test]
+fn a_ball_is_within_what_it_is_made_of() {
+    use kinopt::model::{BallLimits, Model};
+    use kinopt::spatial::{Quaternion, rotation_exp};
+    use std::f64::consts::PI;
+    use support::random::Random;
+    let mut random = Random::new(31);
+    let mut told = [0; 2];
+    for case in 0..600 {
+        let [x, y, z] = Vector3::UNITS;
+        let (axis, first, second) = [(x, y, z), (y, z, x), (z, x, y)][case % 3];
+        let swing = match case % 4 {
+            0 => [PI; 2],
+            _ => [(); 2].map(|()| random.within(0.3, 2.5)),
+        };
+        let (least, most) = (random.within(-2.5, 0.0), random.within(0.0, 2.5));
+        let twist = match case % 5 {
+            0 => Limits::UNBOUNDED,
+            1 => Limits::new(least, PI),
+            2 => Limits::new(-PI, most),
+            3 => Limits::new(f64::NEG_INFINITY, most),
+            _ => Limits::new(least, most),
+        };
+        let mut limits = BallLimits::elliptic(first, swing, twist);
+        let angle = (case % 7 == 0).then(|| random.within(1.0, 2.5));
+        if let Some(angle) = angle {
+            limits = limits.with_angle(angle);
+        }
+        let mut builder = Model::builder("ball");
+        builder.ball("ball", None, Placement::identity(), axis, Some(limits));
+        let model = builder.build().unwrap();
+        for _ in 0..8 {
+            let [a, b] = [(); 2].map(|()| random.within(-2.2, 2.2));
+            let turned = random.within(-3.1, 3.1);
+            let made = rotation_exp(first * a + second * b) * rotation_exp(axis * turned);
+            let Quaternion { w, v } = Quaternion::from_matrix(&made);
+            let inside = (a / swing[0]).hypot(b / swing[1]) <= 1.0
+                && twist.contains(turned)
+                && angle.is_none_or(|most| 2.0 * w.abs().min(1.0).acos() <= most);
+            // A swing by more than half a turn is another one.
+            if a.hypot(b) < 3.1 {
+                let q = [w, v.x, v.y, v.z];
+                assert_eq!(model.is_within_limits(&q), inside, "{limits:?} {q:?}");
+                told[usize::from(inside)] += 1;
+            }
+        }
+        for seed in 0..4 {
+            let q = model.random_configuration(case as u64 + seed);
+            assert!(model.is_within_limits(&q), "{limits:?} {q:?}");
+        }
+    }
+    assert!(told.iter().all(|count| *count > 500), "{told:?}");
+}

@@ -131,3 +131,21 @@ fn rests_written_with_seven_digits_are_still_rigid() {
         assert!(error < 1e-12 * skeleton.size(), "{error:e} at rest");
     }
 }
+
+/// A bone's frames are its own, the tail where it begins and the tip where it ends.
+#[test]
+fn frames_belong_to_their_bones() {
+    let rig = RandomRig::new(3);
+    let skeleton = &rig.skeleton;
+    for bone in skeleton.bone_ids() {
+        let [tail, tip] = [skeleton.tail(bone), skeleton.tip(bone)];
+        assert_eq!(skeleton.bone_of_frame(tail), Some((bone, false)));
+        assert_eq!(skeleton.bone_of_frame(tip), Some((bone, true)));
+    }
+    let frames = skeleton
+        .model()
+        .frame_ids()
+        .map(|frame| skeleton.bone_of_frame(frame));
+    let tips = frames.filter(|own| own.is_some_and(|(_, is_tip)| is_tip));
+    assert_eq!(tips.count(), skeleton.bones().len());
+}

@@ -41,7 +41,7 @@ fn by_range_each_joint_counts_in_half_its_own() {
     assert_eq!(Posture::new(&model, &rest).by_range(&model), expected);
 }
 
-/// A back with two arms of a shoulder, an elbow and a hand each, on a base of two legs; with frames for a camera and a bolt in
+/// A back of two joints with two arms of a shoulder, an elbow and a hand each, on a base of two legs; with frames for a camera and a bolt in
 /// each elbow, before the hand or after it.
 fn body(before: bool, after: bool) -> Model {
     let mut builder = Model::builder("body");
@@ -65,7 +65,8 @@ fn body(before: bool, after: bool) -> Model {
         );
         builder.frame(format!("{name} foot"), Some(knee), at(0.0, 0.0, -0.5));
     }
-    let back = builder.revolute("back", Some(pelvis), at(0.0, 0.0, 0.1), y, limits);
+    let waist = builder.revolute("waist", Some(pelvis), at(0.0, 0.0, 0.05), x, limits);
+    let back = builder.revolute("back", Some(waist), at(0.0, 0.0, 0.05), y, limits);
     for (name, side) in [("left arm", 0.05), ("right arm", -0.05)] {
         let shoulder = builder.revolute(
             format!("{name} shoulder"),
@@ -96,7 +97,7 @@ fn body(before: bool, after: bool) -> Model {
 fn upright_a_back_is_stiff_whatever_frames_its_limbs_have() {
     for (before, after) in [(false, false), (true, false), (false, true), (true, true)] {
         let model = body(before, after);
-        let stiff = ["pelvis", "back"].map(|name| model.joint(name).unwrap());
+        let stiff = ["pelvis", "waist", "back"].map(|name| model.joint(name).unwrap());
         let joints = model.moving_joints().iter();
         let weights = joints.map(|joint| if stiff.contains(joint) { 5.0 } else { 1.0 });
         let posture = Posture::new(&model, &model.neutral());
