@@ -133,3 +133,19 @@ fn a_joints_strongest_force_is_kept() {
     );
     assert_eq!(robot.effort_limit(id), None);
 }
+
+/// Of an element that a class has twice the later one counts, attribute by attribute; an inner class's before an outer one's.
+#[test]
+fn what_is_said_last_of_a_class_counts() {
+    let text = r#"<mujoco><compiler angle="radian"/><default><joint range="-1 1" axis="1 0 0"/><joint range="-2 2"/>
+        <default class="inner"><joint axis="0 1 0"/><joint axis="0 0 1"/></default></default>
+        <worldbody><body><joint name="outer"/><body><joint name="inner" class="inner"/>
+        <body><joint name="own" class="inner" range="-3 3"/></body></body></body></worldbody></mujoco>"#;
+    let robot = Robot::parse_mjcf(text, "joint.xml").unwrap();
+    let joints = robot.model().joints().iter();
+    let read: Vec<_> = joints
+        .map(|joint| (joint.limits.upper, joint.axis.to_array()))
+        .collect();
+    let [x, z] = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+    assert_eq!(read, [(2.0, x), (2.0, z), (3.0, z)]);
+}

@@ -90,8 +90,10 @@ fn maps_hold_passive_joints_and_what_is_outside_a_group() {
     let driven = srdf.driven(&robot, &q).build().unwrap();
     assert_eq!(driven.variables(), 7);
     let mut expanded = vec![0.0; 9];
-    driven.expand(&[0.1; 7], &mut expanded).unwrap();
+    driven.expand(&[0.01; 7], &mut expanded).unwrap();
     assert_eq!(expanded[6], q[6]);
+    // Passive, but it goes where the first one does.
+    assert_eq!(expanded[7..], [0.01; 2]);
     let wrist = srdf.only(&robot, "wrist", &q).unwrap().build().unwrap();
     assert_eq!(wrist.variables(), 2);
     wrist.expand(&[0.25, 0.5], &mut expanded).unwrap();

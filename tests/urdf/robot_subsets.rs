@@ -74,21 +74,24 @@ fn a_tool_hangs_on_its_frame_at_every_configuration() {
     let robot = Robot::read("../models/franka_panda.urdf").unwrap();
     let coordinates = robot.model().degrees_of_freedom();
     let robot = robot.with_tool("welder", "hand", offset).unwrap();
+    // A tool on a tool stands in that one's axes.
+    let next = Placement::new(
+        rotation_exp(Vector3::new(-0.5, 0.7, 0.1)),
+        Vector3::new(0.1, 0.0, -0.03),
+    );
+    let robot = robot.with_tool("wire", "welder", next).unwrap();
     assert_eq!(robot.model().degrees_of_freedom(), coordinates);
-    let frames = ["hand", "welder"].map(|name| robot.model().frame(name).unwrap());
+    let frames = ["hand", "welder", "wire"].map(|name| robot.model().frame(name).unwrap());
     let mut kinematics = ForwardKinematics::under(robot.model(), robot.map(), &frames).unwrap();
     let x: Vec<f64> = (0..kinematics.variables())
         .map(|i| 0.3 - 0.1 * i as f64)
         .collect();
     let placed = kinematics.place(&x).unwrap();
-    let (hand, welder) = (placed[0], placed[1]);
-    let wanted = hand * offset;
-    assert!((welder.translation - wanted.translation).norm() < 1e-15);
-    for (got, wanted) in [
-        (welder.rotation.x, wanted.rotation.x),
-        (welder.rotation.y, wanted.rotation.y),
-    ] {
-        assert!((got - wanted).norm() < 1e-15);
+    let (hand, welder, wire) = (placed[0], placed[1], placed[2]);
+    for (got, wanted) in [(welder, hand * offset), (wire, hand * offset * next)] {
+        assert!((got.translation - wanted.translation).norm() < 1e-15);
+        assert!((got.rotation.x - wanted.rotation.x).norm() < 1e-15);
+        assert!((got.rotation.y - wanted.rotation.y).norm() < 1e-15);
     }
 }
 
