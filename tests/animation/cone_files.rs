@@ -11,7 +11,8 @@ fn degrees_become_radians() {
         "whole":  {"swing": 180, "twist": [-180, 180]},
         "ellipse": {"swing": [45, 30], "about": [0, 2, 0]},
         "hinge":  {"axis": [0, 0, 1], "swing": 0.5, "twist": [0, 90]},
-        "turned": {"twist": [-10, -5]}
+        "turned": {"twist": [-10, -5]},
+        "whole angle": {"angle": 60}
     }"#;
     let cones = cones::from_bytes(text.as_bytes(), "cones.json").unwrap();
     let pi = std::f64::consts::PI;
@@ -33,6 +34,8 @@ fn degrees_become_radians() {
         (None, None)
     );
     assert_eq!(cones["turned"].limits.swing, [pi; 2]);
+    assert_eq!(cones["turned"].limits.angle, None);
+    assert_eq!(cones["whole angle"].limits.angle, Some(60f64.to_radians()));
 }
 
 #[test]

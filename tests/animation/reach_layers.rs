@@ -3,12 +3,14 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, Quat, Vec3, Vec3A};
-use kinopt::Solver;
 use kinopt::animation::{
     Armature, ArmatureBone, LocalTransform, Pose, PoseAngles, ReachError, ReachLayer,
 };
+use kinopt::model::Limits;
 use kinopt::problem::ProblemError;
-use kinopt::skeleton::BoneId;
+use kinopt::skeleton::{Bone, BoneId};
+use kinopt::spatial::Placement;
+use kinopt::{Skeleton, Solver};
 use support::armatures::{apart, difference, model_by_ancestors};
 use support::bones::RandomRig;
 use support::random::Random;
@@ -64,6 +66,39 @@ fn angles_and_local_rotations_are_the_same_pose() {
                 within(angles[0], [lower[0], upper[0]]);
                 within(angles[2], [lower[2], upper[2]]);
             }
+        }
+    }
+}
+
+/// Also where 0 is no angle that a bone may have, of either end of its ranges.
+#[test]
+fn angles_are_those_within_limits_wherever_these_are() {
+    let mut random = Random::new(44);
+    for case in 0..300 {
+        let about = |middle: f64, half: f64| Limits::new(middle - half, middle + half);
+        let sign = |bit: u32| if case >> bit & 1 == 0 { 1.0 } else { -1.0 };
+        let limits = [
+            about(2.4 * sign(0), 0.5),
+            about(0.9 * sign(1), 0.6),
+            about(1.7 * sign(2), 0.5),
+        ];
+        let mut builder = Skeleton::builder("bone");
+        builder.add(Bone {
+            name: "bone".into(),
+            parent: None,
+            length: 1.0,
+            model_from_rest: Placement::identity(),
+            limits,
+        });
+        let skeleton = builder.build().unwrap();
+        let bridge = PoseAngles::new(&skeleton);
+        let q = limits.map(|own| random.within(own.lower, own.upper));
+        let mut pose = Armature::of_skeleton(&skeleton).rest().clone();
+        bridge.pose_of(&q, &mut pose).unwrap();
+        let mut back = [0.0; 3];
+        bridge.angles_of(&pose, &mut back[..]).unwrap();
+        for (back, q) in back.iter().zip(&q) {
+            assert!((back - q).abs() < 1e-4, "{back} {q} {limits:?}");
         }
     }
 }
