@@ -268,3 +268,41 @@ fn what_a_floor_and_a_point_leave_is_stationary_for_a_posture() {
     let settled = left.iter().filter(|left| **left < 1e-4).count();
     assert!(settled * 100 >= 98 * left.len(), "{settled}: {left:?}");
 }
+
+/// A goal with rooms of several axes holds each of them where what is below pulls out of all: it ends in the corner.
+#[test]
+fn every_room_of_a_goal_is_held() {
+    let mut builder = Model::builder("slides");
+    let (mut last, room) = (None, Limits::new(-2.0, 2.0));
+    for (name, axis) in ["x", "y", "z"].iter().zip(Vector3::UNITS) {
+        last = Some(builder.prismatic(*name, last, Placement::identity(), axis, room));
+    }
+    let carried = builder.frame("t", last, Placement::identity());
+    let model = builder.build().unwrap();
+    let widths = [0.5, 0.25, 0.75];
+    for signs in 0..8 {
+        let sign = [0, 1, 2].map(|k| if signs >> k & 1 == 0 { 1.0 } else { -1.0 });
+        let corner = [0, 1, 2].map(|k| sign[k] * widths[k]);
+        // Of a point on a level of its own, and of a preference.
+        for level in [true, false] {
+            let mut builder = Problem::builder(&model);
+            let room = Goal::within([0.5, 0.25, 0.75, 0.0, 0.0, 0.0]);
+            builder.add(Pose::new(carried, Placement::identity()).with_goal(room));
+            let far = sign.map(|sign| 1.5 * sign);
+            match level {
+                true => {
+                    builder.add(Task::new(Point::new(carried, far)).at_level(1));
+                }
+                false => {
+                    builder.add(Posture::new(&model, &far));
+                }
+            }
+            let problem = builder.build().unwrap();
+            let start = [0.1, -0.2, 0.3];
+            let solution = Solver::default().solve_once(&problem, &start).unwrap();
+            for (value, edge) in solution.q.iter().zip(corner) {
+                assert!((value - edge).abs() < 2e-6, "{corner:?}: {:?}", solution.q);
+            }
+        }
+    }
+}

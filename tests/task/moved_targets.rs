@@ -78,3 +78,51 @@ fn a_task_that_is_set_is_one_made_so() {
     moving.set_velocity(c, d);
     assert_eq!(moving, FrameVelocity::new(frame, other, 0.1, (c, d)));
 }
+
+/// Targets are those of a problem with the same kinds of tasks, one for one, and of no other.
+#[test]
+fn targets_of_other_tasks_are_refused() {
+    use kinopt::model::Limits;
+    use kinopt::problem::{Problem, ProblemBuilder, ProblemError};
+    let mut builder = Model::builder("hinge");
+    let at = Placement::identity();
+    let z = Vector3::UNITS[2];
+    let hinge = builder.revolute("hinge", None, at, z, Limits::new(-1.0, 1.0));
+    let frame = builder.frame(
+        "tip",
+        Some(hinge),
+        Placement::translation(Vector3::UNITS[0]),
+    );
+    let model = builder.build().unwrap();
+    let [a, b] = [Vector3::new(0.5, 0.5, 0.0), Vector3::new(0.0, 1.0, 0.0)];
+    type Adds<'a> = &'a dyn Fn(&mut ProblemBuilder<'_>);
+    let problem = |adds: &[Adds<'_>]| {
+        let mut builder = Problem::builder(&model);
+        adds.iter().for_each(|add| add(&mut builder));
+        builder.build().unwrap()
+    };
+    let point: Adds<'_> = &|builder| {
+        builder.add(Point::new(frame, a));
+    };
+    let other: Adds<'_> = &|builder| {
+        builder.add(Point::new(frame, b));
+    };
+    let pose: Adds<'_> = &|builder| {
+        builder.add(Pose::new(frame, Placement::translation(a)));
+    };
+    let look: Adds<'_> = &|builder| {
+        builder.add(LookAt::new(frame, a, b));
+    };
+    let own = problem(&[point, pose]);
+    assert!(own.with_targets(&problem(&[other, pose]).targets()).is_ok());
+    for others in [
+        &[point][..],
+        &[point, look],
+        &[pose, point],
+        &[point, pose, look],
+    ] {
+        let targets = problem(others).targets();
+        let refused = own.with_targets(&targets);
+        assert!(matches!(refused, Err(ProblemError::ForeignTargets { .. })));
+    }
+}
