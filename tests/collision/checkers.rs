@@ -5,6 +5,7 @@ use kinopt::collision::{
 };
 use kinopt::model::{FrameId, Limits, Model};
 use kinopt::spatial::{Placement, Vector3};
+use support::random::Random;
 
 /// Three links of a metre along x that turn about z, each with a ball of 0.1 at its end.
 fn model() -> (Model, Vec<FrameId>) {
@@ -63,6 +64,57 @@ fn pairs_are_told_with_their_distance_the_deepest_first() {
     // The end at 3 is 0.85 from the wall, its ball 0.75; the end at 1 the same on the other side, 0.95 and 0.85.
     assert!((found[1].distance - 0.75).abs() < 1e-9);
     assert!((found[2].distance - 0.85).abs() < 1e-9);
+}
+
+/// Between links, and a link and an obstacle, of several shapes each the nearest two are what is told, whichever come first.
+#[test]
+fn of_several_shapes_the_nearest_count() {
+    let mut random = Random::new(71);
+    for _ in 0..200 {
+        let (model, ends) = model();
+        let mut objects = Vec::new();
+        let mut balls: Vec<(usize, Vector3<f64>, f64)> = Vec::new();
+        for (link, end) in ends.iter().enumerate() {
+            for ball in 0..3 {
+                let at = random.vector(0.3);
+                let at = Vector3::new(at.x, at.y, at.z);
+                let radius = random.within(0.02, 0.1);
+                let shape = Shape::sphere(radius).unwrap();
+                let place = Placement::translation(at);
+                objects.push(CollisionObject::new(format!("{ball}"), *end, place, shape));
+                balls.push((link, at, radius));
+            }
+        }
+        let model = CollisionModel::new(&model, objects).unwrap();
+        // Stretched, link k stands k + 1 metres along x; a and c alone are kept apart, and all from the world.
+        let middle = Vector3::new(2.0, 0.5, 0.0);
+        let mut world = World::new();
+        world.add_sphere("ball", 0.1, middle).unwrap();
+        let checker = Checker::new(model).with_world(&world).unwrap();
+        let checker = checker.with_margin(5.0).unwrap();
+        let found = checker.collisions(&[0.0; 3]).unwrap();
+        let at = |(link, at, radius): &(usize, Vector3<f64>, f64)| {
+            (*at + Vector3::new(1.0 + *link as f64, 0.0, 0.0), *radius)
+        };
+        let of = |link: usize| balls.iter().filter(move |ball| ball.0 == link).map(at);
+        for pair in &found {
+            let link = |name: &str| ["a", "b", "c"].iter().position(|own| *own == name);
+            let first: Vec<_> = of(link(&pair.first).unwrap()).collect();
+            let second: Vec<_> = match link(&pair.second) {
+                Some(link) => of(link).collect(),
+                None => vec![(middle, 0.1)],
+            };
+            let apart = first
+                .iter()
+                .flat_map(|(a, r)| second.iter().map(move |(b, s)| (*a - *b).norm() - r - s));
+            let nearest = apart.fold(f64::INFINITY, f64::min);
+            assert!(
+                (pair.distance - nearest).abs() < 1e-12,
+                "{pair:?} {nearest}"
+            );
+        }
+        assert!(found.len() >= 4, "{found:?}");
+    }
 }
 
 /// Of several that are in the way at once the deepest is told, whichever of them is looked at first.

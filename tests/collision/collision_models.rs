@@ -63,6 +63,36 @@ fn a_cylinder_with_spheres_at_its_ends_is_a_capsule() {
     assert_eq!((*radius, *length), (0.1, 0.2));
 }
 
+/// Spheres of another size, or elsewhere, or only one, are shapes of their own.
+#[test]
+fn a_cylinder_with_other_spheres_is_none() {
+    for (radius, ends) in [
+        (0.12, [0.1, -0.1]),
+        (0.08, [0.1, -0.1]),
+        (0.1, [0.1, -0.09]),
+        (0.1, [0.1, 0.1]),
+    ] {
+        let sphere = |z: f64| {
+            format!(
+                "<collision><origin xyz=\"0 0 {z}\"/><geometry><sphere radius=\"{radius}\"/></geometry></collision>"
+            )
+        };
+        let text = format!(
+            "<robot name=\"r\"><link name=\"e\"><collision><geometry><cylinder radius=\"0.1\" length=\"0.2\"/></geometry></collision>{}</link></robot>",
+            ends.map(sphere).concat()
+        );
+        let robot = Robot::parse(&text, "r.urdf").unwrap();
+        let model = CollisionModel::of(&robot).unwrap();
+        let own: Vec<_> = model
+            .objects_of(robot.model().frame("e").unwrap())
+            .collect();
+        let capsules = own
+            .iter()
+            .filter(|own| matches!(own.shape.kind(), ShapeKind::Capsule { .. }));
+        assert_eq!((own.len(), capsules.count()), (3, 0), "{radius} {ends:?}");
+    }
+}
+
 #[test]
 fn pairs_are_edited_by_name() {
     let robot = Robot::parse(ROW, "row.urdf").unwrap();

@@ -219,3 +219,72 @@ fn what_is_no_fineness_is_refused() {
     }
     assert!(SphereModel::of(&model, Fineness::PerLink(0)).is_err());
 }
+
+/// Where links are spheres, an arm that looks at spheres alone knows what the shapes say, of chains of turns and slides about
+/// any axes, by kinematics of its own.
+#[test]
+fn of_links_that_are_spheres_all_is_known() {
+    use kinopt::Arm;
+    use kinopt::collision::{Checker, World};
+    use kinopt::model::Limits;
+    use kinopt::spatial::rotation_exp;
+    let mut random = Random::new(83);
+    let mut told = [0; 2];
+    for case in 0..cases(60, 24) {
+        let three = |random: &mut Random, size: f64| {
+            let v = random.vector(size);
+            Vector3::new(v.x, v.y, v.z)
+        };
+        let mut builder = Model::builder("chain");
+        let base = builder.frame("base", None, Placement::identity());
+        let (mut last, mut objects) = (None, Vec::new());
+        let joints = 4 + case % 3;
+        for k in 0..joints {
+            let place = Placement::new(
+                rotation_exp(three(&mut random, 1.5)),
+                three(&mut random, 0.3),
+            );
+            let axis = three(&mut random, 1.0);
+            let (name, limits) = (format!("j{k}"), Limits::new(-1.0, 1.0));
+            let joint = match random.below(3) {
+                0 => builder.prismatic(name, last, place, axis, Limits::new(-0.3, 0.3)),
+                _ => builder.revolute(name, last, place, axis, limits),
+            };
+            let link = builder.frame(format!("l{k}"), Some(joint), Placement::identity());
+            let shape = Shape::sphere(0.08).unwrap();
+            let at = Placement::translation(three(&mut random, 0.2));
+            objects.push(CollisionObject::new("ball", link, at, shape));
+            last = Some(joint);
+        }
+        let tip = builder.frame("tip", last, Placement::identity());
+        let model = builder.build().unwrap();
+        let mut world = World::new();
+        for ball in 0..4 {
+            let place = three(&mut random, 0.8);
+            world
+                .add_sphere(&format!("ball {ball}"), 0.1, place)
+                .unwrap();
+        }
+        let bodies = CollisionModel::new(&model, objects).unwrap();
+        let spheres = SphereModel::of(&bodies, Fineness::Overhang(0.01)).unwrap();
+        let alone = Checker::new(bodies).with_world(&world).unwrap();
+        let checker = alone.clone().with_spheres(spheres);
+        let arm = Arm::builder(&model, base, tip).with_atlas(false).build();
+        let arm = arm
+            .unwrap()
+            .with_checker(&checker, &vec![0.0; joints])
+            .unwrap();
+        for _ in 0..20 {
+            let q: Vec<f64> = arm
+                .limits()
+                .map(|own| random.within(own.lower, own.upper))
+                .collect();
+            let mut clear = [false];
+            arm.clear_by_spheres(&q, &mut clear).unwrap();
+            let is_free = alone.collisions(&q).unwrap().is_empty();
+            assert_eq!(clear[0], is_free, "{case}: {q:?}");
+            told[usize::from(is_free)] += 1;
+        }
+    }
+    assert!(told.iter().all(|count| *count > 40), "{told:?}");
+}

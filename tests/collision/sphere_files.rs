@@ -207,6 +207,12 @@ fn an_arm_whose_spheres_leave_gaps_answers_by_its_shapes_all_the_same() {
     let shapes = shapes.with_pairs_sampled(300, 1).unwrap();
     let text = small_spheres(&shapes);
     let small = SphereModel::parse(text.as_bytes(), "s.yml", &shapes).unwrap();
+    // What they leave is kept where they are.
+    assert!(small.gap() > 0.0);
+    let json = serde_json::to_string(&small).unwrap();
+    let again: SphereModel = serde_json::from_str(&json).unwrap();
+    assert_eq!(again, small);
+    assert_eq!(again.gap(), small.gap());
     let alone = Checker::new(shapes);
     let rest = robot.model().neutral();
     let mut random = Random::new(11);
