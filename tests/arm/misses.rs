@@ -275,3 +275,29 @@ fn a_miss_of_a_goal_with_room_costs_its_chord() {
         );
     }
 }
+
+/// A place beyond reach whose room comes back within it is sought as any other, from wherever the arm stands.
+#[test]
+fn a_room_that_is_within_reach_is_found() {
+    use kinopt::arm::Goal;
+    let (robot, base, tip) = panda();
+    let goal = Goal::within([0.4, 0.4, 0.4, 0.0, 0.0, 0.0]);
+    let arm = Arm::builder(&robot, base, tip).with_goal(goal);
+    let arm = arm.build().unwrap();
+    let (mut random, mut asked) = (Random(52), 0);
+    while asked < 40 {
+        let mut target = arm.base_from_tool(&random.configuration(&arm)).unwrap();
+        let length = target.translation.norm();
+        let reached = target.translation;
+        target.translation = target.translation * (1.4 / length);
+        // The whole of the arm is 1.37 m long where it is stretched out; the room is of the target's own axes.
+        let back = target.rotation.transpose() * (reached - target.translation);
+        if back.to_array().iter().any(|off| off.abs() > 0.35) {
+            continue;
+        }
+        asked += 1;
+        let start = random.configuration(&arm);
+        let solution = arm.solve(target, &start).unwrap();
+        assert!(solution.reached, "{asked}: {}", solution.explain());
+    }
+}
