@@ -411,3 +411,16 @@ fn as_many_frames_are_written_as_were_read() {
         }
     }
 }
+
+/// What has no frames has none in another armature either: its rest is still nobody's pose.
+#[test]
+fn a_clip_without_frames_stays_without() {
+    let text = "HIERARCHY ROOT a\n{OFFSET 0 0 0 CHANNELS 3 Zrotation Xrotation Yrotation\n\
+                End Site {OFFSET 0 1 0}}\nMOTION\nFrames: 0\nFrame Time: 0.1\n";
+    let capture = kinopt::io::bvh::from_bytes(text.as_bytes(), "none.bvh").unwrap();
+    assert!(capture.clip.is_empty());
+    let armature = &capture.armature;
+    let moved = capture.clip.at_rest_in(armature, armature).unwrap();
+    assert!(moved.is_empty());
+    assert_eq!(moved.span(), [0.0; 2]);
+}

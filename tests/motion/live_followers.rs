@@ -137,3 +137,62 @@ fn a_foot_stands_on_the_ground_and_not_in_the_air() {
     assert!(moved(0) < 1e-3, "the left foot slipped by {}", moved(0));
     assert!(moved(1) > 0.02, "the right foot moved by {}", moved(1));
 }
+
+/// A body with an arm that turns at its middle: by itself, or as another joint, which carries nothing, tells it to.
+fn one_armed(ratio: Option<f64>) -> Robot {
+    let turns = |name: &str, child: &str, end: f64, more: &str| {
+        format!(
+            "<link name=\"{child}\"/><joint name=\"{name}\" type=\"revolute\"><parent link=\"torso\"/>\
+             <child link=\"{child}\"/><axis xyz=\"0 0 1\"/>\
+             <limit lower=\"-{end}\" upper=\"{end}\" effort=\"1\" velocity=\"50\"/>{more}</joint>"
+        )
+    };
+    let arm = match ratio {
+        None => turns("arm", "upper", 2.0, ""),
+        Some(ratio) => {
+            let follows = format!("<mimic joint=\"lever\" multiplier=\"{ratio}\"/>");
+            let lever = turns("lever", "crank", 2.0 / ratio.abs(), "");
+            lever + &turns("arm", "upper", 2.0, &follows)
+        }
+    };
+    let text = format!(
+        "<robot name=\"one armed\"><link name=\"torso\"/>{arm}<link name=\"hand\"/>\
+         <joint name=\"wrist\" type=\"fixed\"><parent link=\"upper\"/><child link=\"hand\"/>\
+         <origin xyz=\"0.5 0 0\"/></joint></robot>"
+    );
+    let robot = Robot::parse(&text, "one_armed.urdf").unwrap();
+    robot.with_base_joint(BaseJoint::FREE).unwrap()
+}
+
+/// A joint that is turned by another, which moves nothing else that is followed, goes where it would by itself.
+#[test]
+fn a_limb_on_a_follower_goes_where_it_would_alone() {
+    let map = r#"{"joints": ["hips", "hand"], "drives": {"hips": "torso", "hand": "hand"}}"#;
+    let map = BodyMap::from_json(map, "").unwrap();
+    let places = (0..40).flat_map(|frame| {
+        let angle = 1.2 * (0.15 * f64::from(frame)).sin();
+        [0.0, 0.0, 0.9, 0.5 * angle.cos(), 0.5 * angle.sin(), 0.9]
+    });
+    let places: Vec<f64> = places.collect();
+    let capture = Capture::new(map.joints.clone(), &places, 30.0).unwrap();
+    let hands = |ratio: Option<f64>| -> Vec<Vector3<f64>> {
+        let robot = one_armed(ratio);
+        let options = RetargetOptions::default();
+        let retargeting = Retargeting::new(&robot, &map, &capture, options).unwrap();
+        let mut live = retargeting.live().unwrap();
+        let mut kinematics = ForwardKinematics::new(robot.model());
+        let hand = robot.model().frame("hand").unwrap();
+        let frames = (0..capture.frames()).map(|frame| {
+            let q = live.step(capture.frame(frame).unwrap()).unwrap();
+            kinematics.place(q).unwrap()[hand.index()].translation
+        });
+        frames.collect()
+    };
+    let alone = hands(None);
+    for ratio in [0.05, -0.5, 2.0, -20.0] {
+        for (frame, (own, alone)) in hands(Some(ratio)).iter().zip(&alone).enumerate() {
+            let off = (*own - *alone).norm();
+            assert!(off < 2e-8, "{ratio}, frame {frame}: {off}");
+        }
+    }
+}

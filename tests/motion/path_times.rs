@@ -182,3 +182,34 @@ fn a_step_that_must_be_too_fast_is_told() {
         }
     }
 }
+
+/// Times that leave every joint all the time it needs change nothing: what else bounds a step still does.
+#[test]
+fn times_that_bind_nothing_change_nothing() {
+    let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
+    let mut random = support::arms::Random(7);
+    let mut broken = 0;
+    for _ in 0..3 {
+        let ends: Vec<Vec<f64>> = (0..5).map(|_| random.configuration(&arm)).collect();
+        let points: Vec<_> = ends
+            .iter()
+            .flat_map(|q| {
+                let end = arm.base_from_tool(q).unwrap();
+                (0..4).map(move |k| {
+                    let by = Vector3::new(0.0, 0.0, 0.002 * f64::from(k));
+                    Placement::new(end.rotation, end.translation + by)
+                })
+            })
+            .collect();
+        let times: Vec<f64> = (0..points.len()).map(|k| 1e6 * k as f64).collect();
+        let path = CartesianPath::new(points).unwrap();
+        let timed = path.clone().with_times(times).unwrap();
+        let plain = PathSolver::new(&arm).solve(&path).unwrap();
+        let solver = PathSolver::new(&arm).with_times_kept(true);
+        let timed = solver.solve(&timed).unwrap();
+        assert_eq!(plain.q, timed.q);
+        assert_eq!(plain.reconfigurations, timed.reconfigurations);
+        broken += plain.reconfigurations.len();
+    }
+    assert!(broken > 3, "{broken}");
+}

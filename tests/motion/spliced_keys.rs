@@ -70,3 +70,33 @@ fn what_one_key_holds_gets_keys_over_the_span_alone() {
         }
     }
 }
+
+/// Where a span ends within a fraction of a frame of the clip's end, the clip still ends as it did.
+#[test]
+fn the_last_moment_stays_wherever_a_span_ends_before_it() {
+    let armature = figure();
+    let id = |name: &str| armature.bone(name).unwrap();
+    let mut builder = Clip::builder("swing", &armature);
+    for bone in ["arm", "forearm", "chest"] {
+        let turns = [0.0, 1.1].map(Quat::from_rotation_z).to_vec();
+        let swing = RotationCurve::slerp(vec![0.0, 1.0], turns).unwrap();
+        builder.channel(id(bone), Channel::Rotation(swing)).unwrap();
+    }
+    let clip = builder.build();
+    for before in [0.1, 0.3, 0.45, 0.6, 2.0] {
+        let end = 1.0 - before / 30.0;
+        let reach = Reach::to(id("hand"), DVec3::new(0.4, 1.5, 0.3)).unwrap();
+        let reach = reach.with_span(0.3..=end).with_fade(0.1);
+        let edited = ClipIk::new(&armature).with_reach(reach);
+        let edited = edited.with_keys_per_second(30.0).solve(&clip).unwrap();
+        assert_eq!(edited.clip.span(), clip.span());
+        for time in [0.0, end, 1.0] {
+            let [old, new] = [&clip, &edited.clip].map(|clip| pose(&armature, clip, time));
+            for bone in armature.bone_ids() {
+                let [old, new] = [&old, &new].map(|pose| pose.local(bone).unwrap());
+                let apart = old.rotation.angle_between(new.rotation);
+                assert!(apart < 1e-3, "{before} {time} s: {apart}");
+            }
+        }
+    }
+}
