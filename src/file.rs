@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::fs::File;
-use std::io::Read;
+use std::io::{Read, Write};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -193,6 +193,37 @@ pub(crate) fn read_with<T>(
     parse(&read_bytes(path, limit)?, &path.display().to_string())
 }
 
+/// Writes a whole file. What is there already stays as it is until the new one is whole beside it.
 pub(crate) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    std::fs::write(path, bytes).map_err(|problem| WriteError::new(path, problem))
+    let written = match std::fs::canonicalize(path) {
+        Ok(own) if own.is_file() => replace(&own, bytes),
+        // None yet, a device or a pipe.
+        _ => std::fs::write(path, bytes),
+    };
+    written.map_err(|problem| WriteError::new(path, problem))
+}
+
+/// Writes beside a file and puts that in its place, with its permissions.
+fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let mut name = std::ffi::OsString::from(".part.");
+    name.push(path.file_name().unwrap_or_default());
+    let beside = path.with_file_name(name);
+    // What may not be written is not replaced either.
+    let permissions = File::options()
+        .write(true)
+        .open(path)?
+        .metadata()?
+        .permissions();
+    let Ok(mut new) = File::create(&beside) else {
+        // A folder that takes no file more.
+        return std::fs::write(path, bytes);
+    };
+    let written = new
+        .write_all(bytes)
+        .and_then(|()| new.set_permissions(permissions))
+        .and_then(|()| std::fs::rename(&beside, path));
+    if written.is_err() {
+        let _ = std::fs::remove_file(&beside);
+    }
+    written
 }

@@ -257,6 +257,62 @@ fn the_root_moves_by_what_limbs_are_too_short_for() {
     assert!(edited.led[0].miss < 1e-5);
 }
 
+/// Lines turn joints from key to key and do not lead feet: keys are set closer where a foot would stray, and only there.
+#[test]
+fn between_few_keys_planted_feet_stray_by_a_thousandth_of_a_leg() {
+    let armature = figure();
+    let leg = f64::from(THIGH + SHIN);
+    for rate in [10.0, 15.0, 24.0, 30.0] {
+        let clip = walk(&armature, true);
+        let edited = planted(&armature)
+            .with_keys_per_second(rate)
+            .solve(&clip)
+            .unwrap();
+        assert!(edited.stances.len() >= 4);
+        for stance in &edited.stances {
+            let name = &armature.names()[stance.bone.index()];
+            let [from, to] = stance.span;
+            let off = |time| {
+                let at = at(&armature, &edited.clip, name, time).as_dvec3();
+                at.distance(stance.place)
+            };
+            let moments = (0..=2000).map(|k| from + (to - from) * f64::from(k) / 2000.0);
+            let measured = moments.map(off).fold(0.0, f64::max);
+            let told = stance.slide.max(stance.stray);
+            assert!(measured < 1.2e-3 * leg, "{rate} a second: {measured}");
+            // Looked at three times between keys.
+            assert!(
+                (0.7 * measured - 1e-6..measured + 1e-6).contains(&told),
+                "{rate} a second: {told} told, {measured} measured"
+            );
+        }
+        let shin = armature.bone("shin.l").unwrap();
+        let channels = edited.clip.channels(&armature).unwrap();
+        let own = channels.iter().find(|(bone, _)| *bone == shin).unwrap();
+        let times = own.1.times();
+        let in_stance = |time: f32| {
+            let spans = edited.stances.iter().map(|stance| stance.span);
+            spans
+                .into_iter()
+                .any(|[from, to]| (from - 1e-6..to + 1e-6).contains(&f64::from(time)))
+        };
+        // In the air as many as were asked for.
+        for pair in times.windows(2) {
+            let close = f64::from(pair[1] - pair[0]) < 0.9 / rate;
+            assert!(
+                !close || (in_stance(pair[0]) && in_stance(pair[1])),
+                "{pair:?}"
+            );
+        }
+        let even = (2.0 * rate) as usize + 1;
+        assert!(
+            (even..4 * even).contains(&times.len()),
+            "{} keys",
+            times.len()
+        );
+    }
+}
+
 #[test]
 fn feet_stand_on_stairs() {
     let armature = figure();

@@ -54,6 +54,8 @@ export interface Stance {
     place: [number, number, number];
     /** How far it is from there at most. */
     slide: number;
+    /** How far it is from there at most between keys. */
+    stray: number;
 }
 
 /** A bone that was led, and how well. */
@@ -234,6 +236,7 @@ impl EditedClip {
                     ("span", list(&own.span).into()),
                     ("place", list(&own.place.to_array()).into()),
                     ("slide", own.slide.into()),
+                    ("stray", own.stray.into()),
                 ])
             });
         told.collect::<Array>().unchecked_into()

@@ -32,7 +32,10 @@ struct StanceReport {
     bone: String,
     span: [f64; 2],
     place: [f64; 3],
+    /// At keys.
     slide: f64,
+    /// Between keys.
+    stray: f64,
 }
 
 #[derive(Serialize)]
@@ -51,6 +54,7 @@ impl IkReport {
             span: stance.span,
             place: stance.place.to_array(),
             slide: stance.slide,
+            stray: stance.stray,
         });
         Self {
             stances: stances.collect(),
@@ -84,11 +88,13 @@ impl IkReport {
     pub(super) fn text(&self) -> String {
         let mut lines = Vec::new();
         if !self.stances.is_empty() {
-            let slides = self.stances.iter().map(|stance| stance.slide);
+            let most =
+                |off: fn(&StanceReport) -> f64| self.stances.iter().map(off).fold(0.0, f64::max);
             lines.push(format!(
-                "{} stances, which slide by {:.2e} at most",
+                "{} stances, which slide by {:.2e} at most, {:.2e} between keys",
                 self.stances.len(),
-                slides.fold(0.0, f64::max)
+                most(|stance| stance.slide),
+                most(|stance| stance.stray)
             ));
         }
         for led in &self.led {

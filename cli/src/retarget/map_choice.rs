@@ -80,8 +80,8 @@ impl MapChoice {
         }
     }
 
-    /// The map from a capture to a model; says of a guess what it is by, and what is to be looked at.
-    pub(super) fn of(&self, file: &str, source: &Source, model: &Model) -> Outcome<BodyMap> {
+    /// The map from a capture to a model.
+    pub(super) fn of(&self, file: &str, source: &Source, model: &Model) -> Outcome<MapGuess> {
         let capture = &source.capture;
         let told = |error: RetargetError| failure!("{file}: {error}");
         let guess = match self {
@@ -89,21 +89,25 @@ impl MapChoice {
             Self::Skeleton(skeleton) => BodyMap::from_skeleton(skeleton, capture, model),
             Self::Guessed => BodyMap::guess(capture, model),
         };
-        let lacking = match self {
-            Self::Given(map, given) if given.drives.is_empty() => {
-                Some(format!("{map}: it drives nothing of this target"))
+        guess.map_err(|error| match self {
+            Self::Given(map, _) if self.is_guessed() => {
+                failure!("{map}: it drives nothing of this target, and of {file} {error}")
             }
-            _ => None,
-        };
-        let guess = guess.map_err(|error| match &lacking {
-            Some(lacking) => failure!("{lacking}, and of {file} {error}"),
-            None => told(error),
-        })?;
-        if lacking.is_some() || self.given().is_none() {
-            say_parts(file, &guess);
+            _ => told(error),
+        })
+    }
+
+    /// Says of a guess what it is by, and what is to be looked at.
+    pub(super) fn say(&self, file: &str, guess: &MapGuess, up: UpAxis) {
+        if self.is_guessed() {
+            say_parts(file, guess);
         }
-        say(file, &guess, source.up);
-        Ok(guess.map)
+        say(file, guess, up);
+    }
+
+    /// Whether names tell what drives what.
+    fn is_guessed(&self) -> bool {
+        self.given().is_none_or(|given| given.drives.is_empty())
     }
 
     /// What of it is wrong, with where it is from.

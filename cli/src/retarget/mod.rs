@@ -227,7 +227,9 @@ impl<'a> Job<'a> {
             .source_options
             .read(source, given, skeleton)?;
         let robot = &self.target.robot;
-        let mut map = self.map.of(&file, &read, robot.model())?;
+        let guess = self.map.of(&file, &read, robot.model())?;
+        self.map.say(&file, &guess, read.up);
+        let mut map = guess.map;
         // What the command says comes first.
         map.up = Some(read.up);
         let fitted = Retargeting::new(robot, &map, &read.capture, self.options());
@@ -269,7 +271,12 @@ impl Arguments {
         let (given, skeleton) = (choice.given(), choice.skeleton());
         let read = self.source_options.read(&self.source, given, skeleton)?;
         let file = self.source.display().to_string();
-        let mut map = choice.of(&file, &read, target.robot.model())?;
+        let guess = choice.of(&file, &read, target.robot.model())?;
+        // Where it is gone by as well, that is said there.
+        if self.out.is_none() {
+            choice.say(&file, &guess, read.up);
+        }
+        let mut map = guess.map;
         if source::is_array(&self.source) {
             map.joints = read.capture.names().to_vec();
         }

@@ -170,6 +170,11 @@ fn as_npz(found: &Retargeted, names: &[String]) -> Outcome<Vec<u8>> {
             Column::Flags(&found.contacts),
         ),
         ("standing", &[standing], Column::Words(&found.standing)),
+        (
+            "standing_at",
+            &[standing, 3],
+            Column::Numbers(standing_at(found).as_flattened()),
+        ),
     ])
 }
 
@@ -179,6 +184,8 @@ struct Document<'a> {
     fps: f64,
     names: &'a [String],
     standing: &'a [String],
+    /// Points of those frames, metres.
+    standing_at: Vec<[f64; 3]>,
     q: Vec<&'a [f64]>,
     contacts: Vec<&'a [bool]>,
 }
@@ -188,9 +195,15 @@ fn document<'a>(found: &'a Retargeted, names: &'a [String]) -> Document<'a> {
         fps: found.frame_rate,
         names,
         standing: &found.standing,
+        standing_at: standing_at(found),
         q: found.q.chunks_exact(names.len().max(1)).collect(),
         contacts: contacts(found).collect(),
     }
+}
+
+/// The points that stand, each in its frame.
+fn standing_at(found: &Retargeted) -> Vec<[f64; 3]> {
+    found.standing_at.iter().map(|at| at.to_array()).collect()
 }
 
 /// What stands, frame by frame.

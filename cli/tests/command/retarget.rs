@@ -38,6 +38,50 @@ fn array(folder: &Folder, name: &str, bytes: &[u8]) -> String {
     path
 }
 
+/// Two points of one foot are told apart by where they are.
+#[test]
+fn points_that_stand_are_told_with_their_frames() {
+    let folder = Folder::new("retarget-standing");
+    let drives = r#""left": {"frame": "left_sole", "offset": [0.05, 0, 0]}, "right": {"frame": "left_sole", "offset": [-0.05, 0.01, 0]}"#;
+    let map = folder.text(
+        "map.json",
+        format!(
+            r#"{{"joints": ["hips", "left", "right"], "drives": {{"hips": "torso", {drives}}}, "contacts": ["left", "right"]}}"#
+        ),
+    );
+    let source = array(&folder, "sway.npy", &sway(6));
+    let robot = model("aldebaran_nao.urdf");
+    let out = folder.file("sway.json");
+    let asked = format!("retarget {source} {robot} --map {map} --base-joint free --fps 30");
+    let _ = answer!("{asked} --out {out}");
+    let text = std::fs::read_to_string(&out).unwrap();
+    let written: serde_json::Value = serde_json::from_str(&text).unwrap();
+    has!(written, {"standing": ["left_sole", "left_sole"], "standing_at": [[0.05, 0.0, 0.0], [-0.05, 0.01, 0.0]]});
+}
+
+/// What a map says of an array is the map's to answer for.
+#[test]
+fn a_map_s_own_mistakes_are_told_of_the_map() {
+    let folder = Folder::new("retarget-map-mistakes");
+    let source = array(&folder, "sway.npy", &sway(2));
+    let robot = model("aldebaran_nao.urdf");
+    for (from, to, told) in [
+        ("\"fps\": 30", "\"fps\": -30", "map.json: | frames a second"),
+        (
+            "\"right\"],",
+            "\"left\"],",
+            "map.json: | `left` is named twice",
+        ),
+    ] {
+        assert!(MAP.contains(from));
+        let map = folder.text("map.json", MAP.replacen(from, to, 1));
+        let out = folder.file("sway.json");
+        let asked = format!("retarget {source} {robot} --map {map} --base-joint free --out {out}");
+        refused!("{asked}" => 1, "{told}");
+        assert!(!std::path::Path::new(&out).exists());
+    }
+}
+
 /// A foot on the ground, then on a step of 0.3 m: it hardly moves but on the way there.
 #[test]
 fn what_stands_is_said_by_speed_and_height() {
@@ -88,7 +132,9 @@ fn a_swaying_person_sways_on_a_robot() {
                 .all(|q| list(q).len() == names.len())
         );
         // Its names tell of no feet, so none stands.
-        assert!(list(&written["standing"]).is_empty());
+        for none in ["standing", "standing_at"] {
+            assert!(list(&written[none]).is_empty());
+        }
     }
     // A root that stands still is told, unless that is what was asked for.
     for (base, notes) in [("", 1), ("--base-joint fixed", 0), ("--base-joint free", 0)] {
@@ -103,7 +149,14 @@ fn a_swaying_person_sways_on_a_robot() {
     let npz = folder.file("sway.npz");
     let _ = answer!("retarget {source} {robot} --map {map} --base-joint free --out {npz}");
     let bytes = std::fs::read(&npz).unwrap();
-    for name in ["q.npy", "fps.npy", "names.npy", "contacts.npy"] {
+    for name in [
+        "q.npy",
+        "fps.npy",
+        "names.npy",
+        "contacts.npy",
+        "standing.npy",
+        "standing_at.npy",
+    ] {
         let found = bytes
             .windows(name.len())
             .any(|window| window == name.as_bytes());

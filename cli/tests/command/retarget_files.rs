@@ -47,6 +47,7 @@ fn a_rig_s_keyframes_move_a_robot_by_names_alone() {
     assert_eq!(json(&both), guessed);
     let told = String::from_utf8(run.stderr).unwrap();
     says!(told => "frames, 10 a second");
+    assert_eq!(told.matches("parts are driven").count(), 1, "{told}");
     // Frames of 0.033333 s.
     let steps = model("captures/steps.bvh");
     let out_of_steps = folder.file("steps.npz");

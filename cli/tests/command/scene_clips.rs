@@ -57,6 +57,36 @@ fn a_clip_goes_into_a_file_and_another_behind_it() {
     assert!(spot.rotations()[0].abs_diff_eq(start.rotations()[0], 1e-5));
 }
 
+/// A disk that is full, as one that takes no file of more than 512 bytes.
+#[cfg(unix)]
+#[test]
+fn a_file_stays_whole_where_there_is_no_room_for_the_new_one() {
+    let folder = Folder::new("full-disk");
+    let (file, out) = (
+        folder.text("walker.gltf", WALKER),
+        folder.file("walker.glb"),
+    );
+    text!("animate {file} --fps=10 --into {out}");
+    let before = std::fs::read(&out).unwrap();
+    let kinopt = env!("CARGO_BIN_EXE_kinopt");
+    let line = format!("trap '' XFSZ; ulimit -f 1; {kinopt} animate {file} --fps=60 --into {out}");
+    let run = std::process::Command::new("sh")
+        .args(["-c", &line])
+        .output()
+        .unwrap();
+    assert_eq!(run.status.code(), Some(1));
+    says!(String::from_utf8(run.stderr).unwrap() => "walker.glb");
+    assert_eq!(std::fs::read(&out).unwrap(), before);
+    let beside = std::fs::read_dir(std::path::Path::new(&out).parent().unwrap()).unwrap();
+    assert_eq!(beside.count(), 2);
+    // With room it is written, by a link as well, which stays one.
+    let link = folder.file("link.glb");
+    std::os::unix::fs::symlink(&out, &link).unwrap();
+    text!("animate {file} --fps=60 --into {link}");
+    assert_eq!(keeps(&out).clips.len(), 3);
+    assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
+}
+
 /// 3.3 s in single precision are 197.999997 sixtieths, and the last frame is there all the same.
 #[test]
 fn a_clip_is_written_to_its_end() {

@@ -69,6 +69,8 @@ class Retargeted:
     """What stands, shape (T, S)."""
     standing: list[str]
     """The S frames of the target that stand at times."""
+    standing_at: Floats
+    """The point of each that stands, in its coordinates, shape (S, 3), metres."""
     errors: Floats
     """How far each driven place is from where it should be, shape (T, K), metres."""
     driven: list[str]
@@ -116,7 +118,7 @@ class Retargeted:
         return figure.clip(self.q, self.fps, name)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes ``q``, ``fps``, ``names``, ``contacts`` and ``standing`` as a .npz; it appears when it is whole.
+        """Writes ``q``, ``fps``, ``names``, ``contacts``, ``standing`` and ``standing_at`` as a .npz; it appears when it is whole.
 
         Raises ``InvalidValueError`` for another ending, ``FileError`` where it cannot be written.
         """
@@ -133,6 +135,7 @@ class Retargeted:
                     names=np.array(self.names),
                     contacts=self.contacts,
                     standing=np.array(self.standing, dtype=str),
+                    standing_at=self.standing_at,
                 )
             part.replace(path)
         except OSError as error:

@@ -113,7 +113,7 @@ def retarget(
         world=world,
         margin=margin,
     )
-    q, names, contacts, standing, errors, driven, measured, limits, touching, given_up, stands_along = capture_retargeted(
+    q, names, contacts, (standing, standing_at), errors, driven, measured, limits, touching, given_up, stands_along = capture_retargeted(
         own.capture, own.target, json.dumps(own.map), whole, own.options
     )
     mean_error, slip, sunk, stride = measured
@@ -126,6 +126,7 @@ def retarget(
         names=names,
         contacts=contacts,
         standing=standing,
+        standing_at=standing_at,
         errors=errors,
         driven=driven,
         mean_error=mean_error,

@@ -27,8 +27,10 @@ pub(crate) struct Stance {
     span: (f64, f64),
     /// Where it stands in the model.
     place: (f64, f64, f64),
-    /// How far it is from there at most.
+    /// How far it is from there at most at any key.
     slide: f64,
+    /// How far it is from there at most between keys.
+    stray: f64,
 }
 
 #[pymethods]
@@ -77,7 +79,8 @@ pub(crate) struct EditedClip {
 #[pymethods]
 impl EditedClip {
     fn __repr__(&self) -> String {
-        let slides = self.stances.iter().map(|stance| stance.slide);
+        let stances = self.stances.iter();
+        let slides = stances.map(|stance| stance.slide.max(stance.stray));
         format!(
             "EditedClip({} stances that slide by {:.2e} at most, the root moves by {:.2e})",
             self.stances.len(),
@@ -247,6 +250,7 @@ fn edited_clip(py: Python<'_>, edited: Edited, armature: &Arc<Bones>) -> PyResul
         span: own.span.into(),
         place: own.place.into(),
         slide: own.slide,
+        stray: own.stray,
     });
     let led = edited.led.iter().map(|own| Led {
         bone: name(own.bone),

@@ -16,7 +16,7 @@ type MovementParts<'py> = (
     Bound<'py, PyArray2<f64>>,
     Vec<String>,
     Bound<'py, PyAny>,
-    Vec<String>,
+    (Vec<String>, Bound<'py, PyArray2<f64>>),
     Bound<'py, PyArray2<f64>>,
     Vec<String>,
     (f64, f64, f64, f64),
@@ -71,11 +71,16 @@ pub(super) fn capture_retargeted<'py>(
     let given_up = given_up.map(|own| (own.frame, own.standing));
     let frames = found.q.len() / found.configuration_len.max(1);
     let contacts = PyArray1::from_slice(py, &found.contacts);
+    let points = found.standing_at.iter();
+    let standing_at: Vec<f64> = points.flat_map(|at| at.to_array()).collect();
     Ok((
         arrays::list(py, &found.q).reshape([frames, found.configuration_len])?,
         question.names(),
         contacts.reshape([frames, found.standing.len()])?.into_any(),
-        found.standing,
+        (
+            found.standing,
+            arrays::list(py, &standing_at).reshape([found.standing_at.len(), 3])?,
+        ),
         arrays::list(py, &errors).reshape([frames, driving.len()])?,
         driven.collect(),
         (found.mean_error, found.slip, found.sunk, stride),

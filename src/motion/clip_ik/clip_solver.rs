@@ -123,7 +123,8 @@ impl<'a> ClipIk<'a> {
         pub fn with_root(mut self, bone: BoneId) { self.root = Some(bone) }
         /// Which way is up in the model: y unless set, as in glTF.
         pub fn with_up(mut self, axis: impl Into<Vector3<f64>>) { self.up = single(axis) }
-        /// How many frames a second are solved, and keys made.
+        /// How many frames a second are solved, and keys made: more where a foot that stands would stray by more than a
+        /// thousandth of its limb between two.
         pub fn with_keys_per_second(mut self, rate: f64) { self.rate = rate }
         /// When a foot stands, in the armature's unit of length. Unless set, as long as it moves by less than 0.28 lengths of
         /// its limb a second or half of its mean speed in the clip, and is no higher than an eighth of its limb over where

@@ -15,8 +15,10 @@ pub struct Stance {
     pub span: [f64; 2],
     /// Where its origin stands, in the model.
     pub place: DVec3,
-    /// How far it is from there at most in any frame of the new clip.
+    /// How far it is from there at most at any key of the new clip.
     pub slide: f64,
+    /// How far it is from there at most between keys: lines turn joints and do not lead feet.
+    pub stray: f64,
 }
 
 /// A bone that was led, and how well.
@@ -25,7 +27,7 @@ pub struct Stance {
 pub struct Led {
     /// Which bone.
     pub bone: BoneId,
-    /// How far its origin is from where it should be, at most in any frame of the new clip.
+    /// How far its origin is from where it should be, at most at any key of the new clip.
     pub miss: f64,
     /// When that is, in seconds of the clip.
     pub at: f64,

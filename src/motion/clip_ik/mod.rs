@@ -11,6 +11,7 @@ mod error;
 mod frame_solver;
 mod ground_speed;
 mod keyframes;
+mod plan;
 mod planting;
 mod posed_bones;
 mod root;
@@ -18,6 +19,7 @@ mod root_bone;
 mod sampling;
 mod solving;
 mod splice;
+mod straying;
 
 pub use clip_solver::ClipIk;
 pub use edited::{EditedClip, Led, Stance};

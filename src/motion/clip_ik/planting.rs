@@ -26,6 +26,15 @@ pub(super) struct Planted {
     pub(super) ground: Vec<f64>,
 }
 
+impl Planted {
+    /// Where it stands from a frame to the next.
+    pub(super) fn stands_from(&self, frame: usize) -> Option<Vector3<f64>> {
+        let mut stances = self.stances.iter();
+        let own = stances.find(|(span, _)| span.contains(&frame) && span.contains(&(frame + 1)));
+        own.map(|(_, place)| *place)
+    }
+}
+
 /// Plants a foot that a clip leads along `way`: in each stance at the middle of where it went, on the ground.
 ///
 /// Out of a stance and into the next it is led over `detection.lead_s`, and over the whole swing where the ground rises

@@ -1,4 +1,4 @@
-//! From what is asked to a new clip: where bones should be, how the root moves, then frame by frame.
+//! From what is asked to a new clip: where bones should be, how the root moves, then moment by moment.
 
 use std::ops::Range;
 
@@ -8,20 +8,21 @@ use super::ClipIkError;
 use super::clip_solver::{ClipIk, ClipRequest};
 use super::edited::{EditedClip, Led, Stance};
 use super::frame_solver::FrameSolver;
+use super::plan::{Goal, Moment, Plan, dvec, reached, travelled};
 use super::planting::{Ground, Planted, plant};
 use super::posed_bones::PosedBones;
 use super::root::{self, Demand};
 use super::sampling::{LimbWay, Poses, limb_ways, sample_times};
 use super::splice::{NewKeys, spliced};
+use super::straying::Strays;
 use crate::animation::Clip;
 use crate::skeleton::BoneId;
 use crate::spatial::Vector3;
 
 /// A limb counts as this share of its length, so that it need not be stretched.
 const NOT_STRETCHED: f64 = 0.998;
-
-/// Where a bone should be in each frame, and how much of the way it goes there.
-type Goals = Vec<(DVec3, f64)>;
+/// How often keys are set more densely where a standing foot strays between them.
+const MOST_REFINEMENTS: usize = 3;
 
 pub(super) fn solve(
     ik: &ClipIk<'_>,
@@ -34,21 +35,24 @@ pub(super) fn solve(
         ik.hinges(bone)
     })?;
     let mut limbs = limb_ways(ik.armature, clip, &times, &request.bones, &mut posed)?;
-    let travelled: Vec<DVec3> = times
-        .iter()
-        .map(|time| request.travel * (f64::from(*time) - request.span[0]))
-        .collect();
+    let on_its_way: Vec<DVec3> = times.iter().map(|time| travelled(request, *time)).collect();
     for limb in &mut limbs {
-        limb.move_by(&travelled);
+        limb.move_by(&on_its_way);
     }
     let feet: Vec<Planted> = limbs[..ik.planted.len()]
         .iter()
         .map(|limb| foot(ik, request, limb, rate))
         .collect();
-    let goals: Vec<Goals> = (0..limbs.len())
+    let goals: Vec<Vec<Goal>> = (0..limbs.len())
         .map(|k| match feet.get(k) {
             Some(foot) => foot.way.iter().map(|at| (dvec(*at), 1.0)).collect(),
-            None => reached(ik, request, request.bones[k], &limbs[k], &times),
+            None => {
+                let frames = times.iter().zip(&limbs[k].way);
+                let goals = frames.map(|(time, free)| {
+                    reached(ik, request, request.bones[k], f64::from(*time), *free)
+                });
+                goals.collect()
+            }
         })
         .collect();
     let runs = match request.travel == DVec3::ZERO {
@@ -56,49 +60,57 @@ pub(super) fn solve(
         false => std::iter::once(0..times.len()).collect(),
     };
     let moved = root_moves(request, (&limbs, &goals, &feet), &runs, rate)?;
-    let frames = Frames {
+    let plan = Plan {
+        ik,
+        request,
         times: &times,
         limbs: &limbs,
-        goals: &goals,
-        travelled: &travelled,
+        feet: &feet,
         moved: &moved,
-        runs: &runs,
     };
-    let (keys, at) = frames.solve(ik, request, clip, &mut posed)?;
-    let bones = request.bones.iter().enumerate();
-    let stances = feet
-        .iter()
-        .zip(bones.clone())
-        .flat_map(|(foot, (k, bone))| {
-            let at = &at[k];
-            let (times, spans) = (&times, foot.stances.iter());
-            spans.map(move |(span, place)| {
-                let place = dvec(*place);
-                let off = |at: &DVec3| at.distance(place);
-                Stance {
-                    bone: *bone,
-                    span: [span.start, span.end - 1].map(|frame| f64::from(times[frame])),
-                    place,
-                    slide: at[span.clone()].iter().map(off).fold(0.0, f64::max),
-                }
-            })
-        });
-    let led = bones.clone().map(|(k, bone)| {
-        let miss = |frame: usize| at[k][frame].distance(frames.place(k, frame));
-        let misses = (0..times.len()).map(|frame| (miss(frame), frame));
-        let worst = misses.max_by(|one, other| one.0.total_cmp(&other.0));
-        let (miss, frame) = worst.unwrap_or((0.0, 0));
+    let mut moments: Vec<Moment> = runs.iter().cloned().flatten().map(Moment::at).collect();
+    let mut refinements = 0;
+    let (edited, misses, strays) = loop {
+        let (keys, misses) = solved(&plan, &moments, clip, &mut posed)?;
+        let edited = spliced(clip, ik.armature, &times, &runs, keys)?;
+        let strays = Strays::measured(&plan, &moments, &edited, &mut posed)?;
+        let finer = strays.finer(&plan, &moments);
+        if refinements == MOST_REFINEMENTS || finer.len() == moments.len() {
+            break (edited, misses, strays);
+        }
+        moments = finer;
+        refinements += 1;
+    };
+    let stances = feet.iter().enumerate().flat_map(|(k, foot)| {
+        let (times, moments, misses, strays) = (&times, &moments, &misses[k], &strays);
+        foot.stances.iter().map(move |(span, place)| {
+            let (first, last) = (span.start, span.end - 1);
+            let of = |frame: usize| moments.partition_point(|moment| *moment < Moment::at(frame));
+            let (from, to) = (of(first), of(last));
+            Stance {
+                bone: request.bones[k],
+                span: [first, last].map(|frame| f64::from(times[frame])),
+                place: dvec(*place),
+                slide: misses[from..=to].iter().copied().fold(0.0, f64::max),
+                stray: strays.most(k, from, to),
+            }
+        })
+    });
+    let led = request.bones.iter().zip(&misses).map(|(bone, misses)| {
+        let misses = misses.iter().zip(&moments);
+        let worst = misses.max_by(|one, other| one.0.total_cmp(other.0));
+        let (miss, at) = worst.map_or((0.0, times[0]), |(miss, at)| (*miss, plan.time(*at)));
         Led {
             bone: *bone,
             miss,
-            at: f64::from(times[frame]),
+            at: f64::from(at),
         }
     });
     Ok(EditedClip {
         stances: stances.collect(),
         led: led.collect(),
         root_moved: moved.iter().map(|by| by.length()).fold(0.0, f64::max),
-        clip: spliced(clip, ik.armature, &times, &runs, keys)?,
+        clip: edited,
     })
 }
 
@@ -110,28 +122,8 @@ fn foot(ik: &ClipIk<'_>, request: &ClipRequest, limb: &LimbWay, rate: f64) -> Pl
     plant(&detection, &way, request.up, ground, rate)
 }
 
-/// Where a bone that reaches should be.
-fn reached(
-    ik: &ClipIk<'_>,
-    request: &ClipRequest,
-    bone: BoneId,
-    limb: &LimbWay,
-    times: &[f32],
-) -> Goals {
-    let moments = times.iter().map(|time| f64::from(*time));
-    let goals = moments.zip(&limb.way).map(|(time, free)| {
-        let own = ik.reaches.iter().filter(|reach| reach.bone == bone);
-        let nearest = own.map(|reach| (reach.target(time), reach.weight(time, request.span)));
-        nearest.fold(
-            (*free, 0.0),
-            |found, goal| if goal.1 > 0.0 { goal } else { found },
-        )
-    });
-    goals.collect()
-}
-
 /// Stretches of frames in which anything is asked, with a frame on either side that is as the clip has it.
-fn runs(goals: &[Goals]) -> Vec<Range<usize>> {
+fn runs(goals: &[Vec<Goal>]) -> Vec<Range<usize>> {
     let frames = goals.first().map_or(0, Vec::len);
     let asked = |frame: usize| goals.iter().any(|goals| goals[frame].1 > 0.0);
     let mut runs: Vec<Range<usize>> = Vec::new();
@@ -148,7 +140,7 @@ fn runs(goals: &[Goals]) -> Vec<Range<usize>> {
 /// How far the root moves in each frame.
 fn root_moves(
     request: &ClipRequest,
-    (limbs, goals, feet): (&[LimbWay], &[Goals], &[Planted]),
+    (limbs, goals, feet): (&[LimbWay], &[Vec<Goal>], &[Planted]),
     runs: &[Range<usize>],
     rate: f64,
 ) -> Result<Vec<DVec3>, ClipIkError> {
@@ -185,74 +177,60 @@ fn root_moves(
     Ok(moved)
 }
 
-/// What is wanted of each frame.
-struct Frames<'a> {
-    times: &'a [f32],
-    limbs: &'a [LimbWay],
-    goals: &'a [Goals],
-    /// How far the root is from where the clip has it, on its way and beside it.
-    travelled: &'a [DVec3],
-    moved: &'a [DVec3],
-    runs: &'a [Range<usize>],
-}
-
-impl Frames<'_> {
-    /// Where a bone should be: what is not asked for goes with the root.
-    fn place(&self, bone: usize, frame: usize) -> DVec3 {
-        let (at, weight) = self.goals[bone][frame];
-        (self.limbs[bone].way[frame] + self.moved[frame]).lerp(at, weight)
-    }
-
-    /// The new keys, and where each bone then is in each frame.
-    fn solve(
-        &self,
-        ik: &ClipIk<'_>,
-        request: &ClipRequest,
-        clip: &Clip,
-        posed: &mut PosedBones,
-    ) -> Result<(NewKeys, Vec<Vec<DVec3>>), ClipIkError> {
-        let longest = self.limbs.iter().map(LimbWay::longest).fold(0.0, f64::max);
-        let planted = ik.planted.len();
-        let effectors = request.bones.iter().enumerate();
-        let effectors: Vec<(BoneId, bool)> =
-            effectors.map(|(k, bone)| (*bone, k < planted)).collect();
-        let mut solver = FrameSolver::new(posed, &effectors, longest)?;
-        let turning: Vec<BoneId> = posed.turning().collect();
-        let mut rotations: Vec<Vec<Quat>> = vec![Vec::new(); turning.len()];
-        let mut translations: Vec<Vec3A> = Vec::new();
-        let mut at: Vec<Vec<DVec3>> = self.limbs.iter().map(|limb| limb.way.clone()).collect();
-        let mut places = vec![DVec3::ZERO; request.bones.len()];
-        let mut poses = Poses::new(ik.armature, clip);
-        for frame in self.runs.iter().cloned().flatten() {
-            let pose = poses.at(self.times[frame])?;
-            let moved = self.travelled[frame] + self.moved[frame];
-            let is_asked = self.goals.iter().any(|goals| goals[frame].1 > 0.0);
-            if is_asked || moved != DVec3::ZERO {
-                posed.take(ik.armature, pose)?;
-                for (k, place) in places.iter_mut().enumerate() {
-                    *place = self.place(k, frame);
-                }
-                solver.solve((ik.armature, posed), &places, moved, pose)?;
-                posed.take(ik.armature, pose)?;
-                for (at, &bone) in at.iter_mut().zip(&request.bones) {
-                    at[frame] = posed.place(bone);
-                }
-            }
-            for (keys, bone) in rotations.iter_mut().zip(&turning) {
-                keys.push(pose.rotations()[bone.index()]);
-            }
-            translations.extend(request.root.map(|root| pose.translations()[root.index()]));
+/// The new keys, and bone by bone how far each is at each of the moments from where it should be.
+fn solved(
+    plan: &Plan<'_>,
+    moments: &[Moment],
+    clip: &Clip,
+    posed: &mut PosedBones,
+) -> Result<(NewKeys, Vec<Vec<f64>>), ClipIkError> {
+    let (armature, bones) = (plan.ik.armature, &plan.request.bones);
+    let longest = plan.limbs.iter().map(LimbWay::longest).fold(0.0, f64::max);
+    let effectors = bones.iter().enumerate();
+    let effectors: Vec<(BoneId, bool)> = effectors
+        .map(|(k, bone)| (*bone, k < plan.feet.len()))
+        .collect();
+    let mut solver = FrameSolver::new(posed, &effectors, longest)?;
+    let turning: Vec<BoneId> = posed.turning().collect();
+    let mut rotations: Vec<Vec<Quat>> = vec![Vec::new(); turning.len()];
+    let (mut translations, mut root_stays): (Vec<Vec3A>, bool) = (Vec::new(), true);
+    let mut misses: Vec<Vec<f64>> = vec![Vec::new(); bones.len()];
+    let mut places = vec![DVec3::ZERO; bones.len()];
+    let mut poses = Poses::new(armature, clip);
+    for &moment in moments {
+        let pose = poses.at(plan.time(moment))?;
+        let travelled = plan.travelled(moment);
+        let moved = travelled + plan.moved(moment);
+        root_stays &= moved == DVec3::ZERO;
+        posed.take(armature, pose)?;
+        let mut is_asked = moved != DVec3::ZERO;
+        for (k, place) in places.iter_mut().enumerate() {
+            let free = posed.place(bones[k]) + travelled;
+            let goal = plan.goal(k, moment, free);
+            is_asked |= goal.1 > 0.0;
+            *place = plan.place(moment, free, goal);
         }
-        let stays = |frame: usize| self.travelled[frame] + self.moved[frame] == DVec3::ZERO;
-        let root = request.root.filter(|_| !(0..self.times.len()).all(stays));
-        let keys = NewKeys {
-            rotations: turning.into_iter().zip(rotations).collect(),
-            translations: root.map(|root| (root, translations)).into_iter().collect(),
-        };
-        Ok((keys, at))
+        if is_asked {
+            solver.solve((armature, posed), &places, moved, pose)?;
+            posed.take(armature, pose)?;
+        }
+        for ((misses, &bone), place) in misses.iter_mut().zip(bones).zip(&places) {
+            misses.push(posed.place(bone).distance(*place));
+        }
+        for (keys, bone) in rotations.iter_mut().zip(&turning) {
+            keys.push(pose.rotations()[bone.index()]);
+        }
+        translations.extend(
+            plan.request
+                .root
+                .map(|root| pose.translations()[root.index()]),
+        );
     }
-}
-
-fn dvec(at: Vector3<f64>) -> DVec3 {
-    DVec3::from(at.to_array())
+    let root = plan.request.root.filter(|_| !root_stays);
+    let keys = NewKeys {
+        times: moments.iter().map(|moment| plan.time(*moment)).collect(),
+        rotations: turning.into_iter().zip(rotations).collect(),
+        translations: root.map(|root| (root, translations)).into_iter().collect(),
+    };
+    Ok((keys, misses))
 }

@@ -10,15 +10,17 @@ use crate::animation::rotation::RotationCurve;
 use crate::animation::{Armature, Channel, Clip, Cursor, Playback, Property};
 use crate::skeleton::BoneId;
 
-/// A bone's new values, one for each frame that was solved.
+/// The bones' new values, one at each of the times that were solved.
 #[derive(Clone, Debug, Default)]
 pub(super) struct NewKeys {
+    /// In seconds of the clip.
+    pub(super) times: Vec<f32>,
     pub(super) rotations: Vec<(BoneId, Vec<Quat>)>,
     pub(super) translations: Vec<(BoneId, Vec<Vec3A>)>,
 }
 
-/// A clip with new keys at the frames of `runs`, whose first and last are the clip's own unless the clip ends there. Channels
-/// of lines keep their other keys; others become lines through samples at their own keys and at all `times`.
+/// A clip with new keys within the frames of `runs`, whose first and last are the clip's own unless the clip ends there. Channels
+/// of lines keep their other keys; others become lines through samples at their own keys and at all `times`, those of the frames.
 pub(super) fn spliced(
     clip: &Clip,
     armature: &Armature,
@@ -26,7 +28,6 @@ pub(super) fn spliced(
     runs: &[Range<usize>],
     new: NewKeys,
 ) -> Result<Clip, ClipIkError> {
-    let solved: Vec<usize> = runs.iter().cloned().flatten().collect();
     let mut builder = Clip::builder(clip.name(), armature);
     let own = clip.channels(armature)?;
     let channel_of = |bone: BoneId, property: Property| {
@@ -48,7 +49,7 @@ pub(super) fn spliced(
             Some(other) => (other.times(), false),
         };
         let kept = lines.keys(kept, straight, |pose| pose.rotations()[bone.index()])?;
-        let (times, values) = lines.merged(kept, &solved, values);
+        let (times, values) = merged(kept, &new.times, values);
         let curve = RotationCurve::slerp(times, values)?;
         builder.channel(bone, Channel::Rotation(curve))?;
         replaced.push((bone, Property::Rotation));
@@ -60,7 +61,7 @@ pub(super) fn spliced(
             Some(other) => (other.times(), false),
         };
         let kept = lines.keys(kept, straight, |pose| pose.translations()[bone.index()])?;
-        let (times, values) = lines.merged(kept, &solved, values);
+        let (times, values) = merged(kept, &new.times, values);
         let curve = KeyedCurve::linear(times, values)?;
         builder.channel(bone, Channel::Translation(curve))?;
         replaced.push((bone, Property::Translation));
@@ -121,16 +122,11 @@ impl Lines<'_> {
         });
         keys.collect()
     }
+}
 
-    fn merged<V>(
-        &self,
-        kept: Vec<(f32, V)>,
-        solved: &[usize],
-        values: Vec<V>,
-    ) -> (Vec<f32>, Vec<V>) {
-        let new = solved.iter().map(|&frame| self.times[frame]).zip(values);
-        let mut all: Vec<(f32, V)> = kept.into_iter().chain(new).collect();
-        all.sort_by(|one, other| one.0.total_cmp(&other.0));
-        all.into_iter().unzip()
-    }
+fn merged<V>(kept: Vec<(f32, V)>, solved: &[f32], values: Vec<V>) -> (Vec<f32>, Vec<V>) {
+    let new = solved.iter().copied().zip(values);
+    let mut all: Vec<(f32, V)> = kept.into_iter().chain(new).collect();
+    all.sort_by(|one, other| one.0.total_cmp(&other.0));
+    all.into_iter().unzip()
 }

@@ -10,6 +10,8 @@ use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 
 use super::RetargetError;
+use super::capture::check_named_once;
+use crate::bad_option::{BadOption, POSITIVE};
 use crate::spatial::{Matrix3, Vector3};
 
 /// What a captured joint drives.
@@ -205,7 +207,7 @@ impl BodyMap {
     /// of them is meant. A map without drives of that robot has none, and is [completed](Self::completed) by names.
     ///
     /// # Errors
-    /// Text that is none such, the error says where; and `drives` of nothing.
+    /// Text that is none such, the error says where; `drives` of nothing, a joint of the array named twice, a rate that is not positive.
     pub fn from_json(text: &str, robot: &str) -> Result<Self, RetargetError> {
         let wrong = |error: serde_json::Error| RetargetError::Map(error.to_string());
         if text.trim_start().starts_with('[') {
@@ -218,6 +220,10 @@ impl BodyMap {
                 model: robot.to_owned(),
             });
         }
+        if let Some(rate) = file.fps {
+            BadOption::check("frames a second", rate, POSITIVE)?;
+        }
+        check_named_once(&file.joints)?;
         let drives = file.drives.unwrap_or_default();
         let of_robots = |value: &Value| value.is_object() && value.get("frame").is_none();
         let drives = match drives.values().any(of_robots) {

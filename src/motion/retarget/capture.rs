@@ -33,12 +33,7 @@ impl Capture {
         frame_rate: f64,
     ) -> Result<Self, RetargetError> {
         BadOption::check("frames a second", frame_rate, POSITIVE)?;
-        let mut seen = std::collections::BTreeSet::new();
-        if let Some(joint) = names.iter().find(|name| !seen.insert(name.as_str())) {
-            return Err(RetargetError::NamedTwice {
-                joint: joint.clone(),
-            });
-        }
+        check_named_once(&names)?;
         let width = 3 * names.len();
         if width == 0 || !numbers.len().is_multiple_of(width) {
             return Err(RetargetError::NotFrames {
@@ -137,5 +132,16 @@ impl Capture {
     pub fn frame(&self, frame: usize) -> Option<&[Vector3<f64>]> {
         let n = self.names.len();
         self.places.get(frame * n..(frame + 1) * n)
+    }
+}
+
+/// Refuses a joint that is named twice.
+pub(super) fn check_named_once(names: &[String]) -> Result<(), RetargetError> {
+    let mut seen = std::collections::BTreeSet::new();
+    match names.iter().find(|name| !seen.insert(name.as_str())) {
+        Some(joint) => Err(RetargetError::NamedTwice {
+            joint: joint.clone(),
+        }),
+        None => Ok(()),
     }
 }

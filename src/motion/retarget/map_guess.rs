@@ -28,7 +28,7 @@ pub struct MapGuess {
     pub skeleton: Option<&'static str>,
     /// The known body whose frames the model has.
     pub body: Option<&'static str>,
-    /// The axis along which the body stands, of y and z, where its parts tell.
+    /// The axis along which the body stands, of y and z, where its parts tell, whether they drive anything or not.
     pub up: Option<UpAxis>,
     /// What is to be looked at: a map that drives nothing of the model, parts that one of both has not by its names, and proportions
     /// that are no body's.
@@ -81,13 +81,14 @@ impl BodyMap {
             });
         }
         let (mut parts, _) = parts_of_capture(capture);
+        let up = stands_along(capture, &parts);
         let drives = |joint: &String| self.drives.iter().any(|drive| drive.joint == *joint);
         parts.retain(|_, joint| drives(&capture.names()[*joint]));
         Ok(MapGuess {
             map: self,
             skeleton: None,
             body: None,
-            up: stands_along(capture, &parts),
+            up,
             notes: Proportions::of(capture, &parts).faults(),
         })
     }
@@ -123,6 +124,7 @@ impl BodyMap {
                 names: some_of(capture.names().iter().map(String::as_str)),
             });
         }
+        let up = stands_along(capture, &joints);
         let frames = || model.frames().iter().map(|frame| frame.name.as_str());
         let mut notes = Vec::new();
         let (body, parts) = match KnownBody::of_model(model)? {
@@ -179,7 +181,7 @@ impl BodyMap {
             map,
             skeleton,
             body,
-            up: stands_along(capture, &driving),
+            up,
             notes,
         })
     }

@@ -19,6 +19,8 @@ pub struct Retargeted {
     pub frame_rate: f64,
     /// The frames of the model that stand at times.
     pub standing: Vec<String>,
+    /// The point of each that stands, in its coordinates, metres: two of one frame are its ball and its toes, say.
+    pub standing_at: Vec<Vector3<f64>>,
     /// Whether each of them stands, frame after frame.
     pub contacts: Vec<bool>,
     /// How far the driven points are from where they should be, in the mean over all frames, metres.

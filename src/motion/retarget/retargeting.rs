@@ -277,6 +277,10 @@ impl<'r> Retargeting<'r> {
             configuration_len: model.configuration_len(),
             frame_rate: self.frame_rate,
             standing: can_stand.iter().map(name).collect(),
+            standing_at: can_stand
+                .iter()
+                .map(|limb| self.limbs.all[*limb].offset)
+                .collect(),
             contacts,
             mean_error: measures.mean_error(),
             slip: measures.slip,

@@ -150,6 +150,13 @@ impl Retargeted {
         self.inner.standing.clone()
     }
 
+    /// The point of each that stands, in its coordinates, three numbers a point, metres.
+    #[wasm_bindgen(getter, js_name = standingAt)]
+    pub fn standing_at(&self) -> Vec<f64> {
+        let points = self.inner.standing_at.iter();
+        points.flat_map(|at| at.to_array()).collect()
+    }
+
     /// 1 where each of them stands, frame after frame.
     #[wasm_bindgen(getter)]
     pub fn contacts(&self) -> Vec<u8> {
