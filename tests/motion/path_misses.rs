@@ -5,6 +5,9 @@ use kinopt::arm::Goal;
 use kinopt::motion::path::{CartesianPath, MissReason, PathSolver};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::{robot, within_limits};
+use support::random::Random;
+use support::sample::cases;
+use support::vector;
 
 #[test]
 fn a_path_that_leaves_the_workspace_says_where() {
@@ -95,4 +98,47 @@ fn what_is_asked_for_no_place_is_not_beyond_reach() {
     for missed in &solution.missed {
         assert!(matches!(missed.reason, MissReason::NotFound), "{missed:?}");
     }
+}
+
+/// Out of reach ends where it ends: a point that the arm comes to from where it is at a neighbour is not missed.
+#[test]
+fn what_can_be_reached_from_a_neighbour_is_not_missed() {
+    let mut random = Random::new(7);
+    let mut bordering = 0;
+    for (name, tool) in [
+        ("franka_panda", "flange"),
+        ("universal_ur5e", "flange"),
+        ("kuka_iiwa14", "flange"),
+    ] {
+        let arm = Arm::new(&robot(name), "base", tool).unwrap();
+        for case in 0..cases(60, 12) {
+            // Lines past the base, where the workspace has a hole.
+            let mut near = || Vector3::new(0.0, 0.0, 0.3) + vector(random.vector(0.3));
+            let (middle, towards) = (near(), near() - near());
+            let turn = rotation_exp(vector(random.vector(3.0)));
+            let points: Vec<_> = (0..=200)
+                .map(|k| {
+                    let along = f64::from(k - 100) / 100.0 * 0.6 / towards.norm();
+                    Placement::new(turn, middle + towards * along)
+                })
+                .collect();
+            let path = CartesianPath::new(points.clone()).unwrap();
+            let solution = PathSolver::new(&arm).solve(&path).unwrap();
+            let missed = |row: usize| solution.missed.iter().any(|missed| missed.index == row);
+            let rows: Vec<&[f64]> = solution.rows().collect();
+            for row in (0..rows.len()).filter(|&row| missed(row)) {
+                for beside in [row.wrapping_sub(1), row + 1] {
+                    if beside < rows.len() && !missed(beside) {
+                        bordering += 1;
+                        let tried = arm.solve(&points[row], rows[beside]).unwrap();
+                        assert!(
+                            !tried.goals_reached(),
+                            "{name}, {case}: point {row} is reached from {beside}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+    assert!(bordering > 20, "{bordering}");
 }

@@ -2,7 +2,7 @@
 
 use super::PathError;
 use super::graph::{Chosen, FalseEdge};
-use super::layers::{Growth, Layer};
+use super::layers::{Growth, LAST_ATTEMPTS, Layer};
 use crate::arm::Ends;
 
 /// A configuration for every knot.
@@ -70,6 +70,7 @@ pub(super) fn fill(
         }
     }
     mend(growth, &mut way)?;
+    mend_misses(growth, &mut way)?;
     Ok(way)
 }
 
@@ -177,6 +178,61 @@ fn mend(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
         }
         let excess = growth.bounds.excess(knots, knot, from, to);
         way.joined[knot] = excess <= way.allowance[knot] + 1e-9;
+    }
+    Ok(())
+}
+
+/// What is missed still is tried from where the next knot is, as a branch may begin before the station that it was found at, then from
+/// the one before: on its branch, else on any.
+fn mend_misses(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
+    let last = growth.knots.len().saturating_sub(1);
+    for next in (1..=last).rev() {
+        reach_from(growth, way, (next, next - 1))?;
+    }
+    for before in 0..last {
+        reach_from(growth, way, (before, before + 1))?;
+    }
+    Ok(())
+}
+
+/// Reaches a knot that is missed from one beside it that is not.
+fn reach_from(
+    growth: &Growth<'_>,
+    way: &mut Way,
+    (from, knot): (usize, usize),
+) -> Result<(), PathError> {
+    if way.reached[knot] || !way.reached[from] {
+        return Ok(());
+    }
+    let (knots, n) = (growth.knots, growth.middle.len());
+    let (arm, target) = (growth.arms.of(knots.tool(knot)), &knots.targets[knot]);
+    let mut ends = Ends::default();
+    let start = way.row(from, n);
+    arm.continue_all(std::slice::from_ref(target), start, &mut ends)?;
+    if !ends.outcomes.iter().any(|outcome| outcome.reached) && arm.falls_short(target).is_none() {
+        arm.attempt_several(target, start, 1, LAST_ATTEMPTS, &mut ends)?;
+    }
+    let move_to = |q: &[f64]| -> f64 {
+        let moves = q.iter().zip(start).zip(arm.scales());
+        moves
+            .map(|((a, b), scale)| ((a - b) * scale).abs())
+            .fold(0.0, f64::max)
+    };
+    let found = ends.q.chunks_exact(n).zip(&ends.outcomes);
+    let found = found.filter(|(_, outcome)| outcome.reached);
+    let nearest = found.min_by(|(a, _), (b, _)| move_to(a).total_cmp(&move_to(b)));
+    let Some((q, _)) = nearest else {
+        return Ok(());
+    };
+    way.q[knot * n..(knot + 1) * n].copy_from_slice(q);
+    way.reached[knot] = true;
+    for to in [knot, knot + 1] {
+        if to > 0 && to < knots.len() {
+            let excess = growth
+                .bounds
+                .excess(knots, to, way.row(to - 1, n), way.row(to, n));
+            way.joined[to] = excess <= way.allowance[to] + 1e-9;
+        }
     }
     Ok(())
 }

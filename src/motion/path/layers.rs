@@ -21,8 +21,8 @@ const FIRST_ATTEMPTS: u32 = 96;
 const ATTEMPTS: u32 = 8;
 /// Stations from one such look to the next.
 const LOOKS: usize = 4;
-/// Attempts at a station where nothing is known.
-const LAST_ATTEMPTS: u32 = 200;
+/// Attempts where nothing is known.
+pub(super) const LAST_ATTEMPTS: u32 = 200;
 /// A joint so near to its limit, radians, is turned over as well where a whole turn fits.
 const NEAR_LIMIT: f64 = 0.4;
 
