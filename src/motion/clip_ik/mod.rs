@@ -17,6 +17,7 @@ mod posed_bones;
 mod root;
 mod root_bone;
 mod sampling;
+mod solved_moments;
 mod solving;
 mod splice;
 mod straying;

@@ -1,5 +1,7 @@
 //! What is asked of every frame of a clip, and of moments between two.
 
+use std::cmp::Ordering;
+
 use glam::DVec3;
 
 use super::clip_solver::{ClipIk, ClipRequest};
@@ -21,6 +23,11 @@ pub(super) struct Moment {
 impl Moment {
     pub(super) fn at(frame: usize) -> Self {
         Self { frame, share: 0.0 }
+    }
+
+    pub(super) fn total_cmp(&self, other: &Self) -> Ordering {
+        let of_frame = self.frame.cmp(&other.frame);
+        of_frame.then(self.share.total_cmp(&other.share))
     }
 
     /// Where it is among the frames.

@@ -2,21 +2,20 @@
 
 use std::ops::Range;
 
-use glam::{DVec3, Quat, Vec3A};
+use glam::DVec3;
 
 use super::ClipIkError;
 use super::clip_solver::{ClipIk, ClipRequest};
 use super::edited::{EditedClip, Led, Stance};
-use super::frame_solver::FrameSolver;
 use super::plan::{Goal, Moment, Plan, dvec, reached, travelled};
 use super::planting::{Ground, Planted, plant};
 use super::posed_bones::PosedBones;
 use super::root::{self, Demand};
-use super::sampling::{LimbWay, Poses, limb_ways, sample_times};
-use super::splice::{NewKeys, spliced};
+use super::sampling::{LimbWay, limb_ways, sample_times};
+use super::solved_moments::SolvedMoments;
+use super::splice::spliced;
 use super::straying::Strays;
 use crate::animation::Clip;
-use crate::skeleton::BoneId;
 use crate::spatial::Vector3;
 
 /// A limb counts as this share of its length, so that it need not be stretched.
@@ -68,21 +67,23 @@ pub(super) fn solve(
         feet: &feet,
         moved: &moved,
     };
-    let mut moments: Vec<Moment> = runs.iter().cloned().flatten().map(Moment::at).collect();
+    let mut solved = SolvedMoments::none(&plan, clip, &posed)?;
+    solved.add(runs.iter().cloned().flatten().map(Moment::at), &mut posed)?;
     let mut refinements = 0;
-    let (edited, misses, strays) = loop {
-        let (keys, misses) = solved(&plan, &moments, clip, &mut posed)?;
-        let edited = spliced(clip, ik.armature, &times, &runs, keys)?;
+    let (edited, moments, strays) = loop {
+        let edited = spliced(clip, ik.armature, &times, &runs, solved.keys())?;
+        let moments = solved.moments();
         let strays = Strays::measured(&plan, &moments, &edited, &mut posed)?;
-        let finer = strays.finer(&plan, &moments);
-        if refinements == MOST_REFINEMENTS || finer.len() == moments.len() {
-            break (edited, misses, strays);
+        let more = strays.more_moments(&plan, &moments);
+        if refinements == MOST_REFINEMENTS || more.is_empty() {
+            break (edited, moments, strays);
         }
-        moments = finer;
+        solved.add(more, &mut posed)?;
         refinements += 1;
     };
     let stances = feet.iter().enumerate().flat_map(|(k, foot)| {
-        let (times, moments, misses, strays) = (&times, &moments, &misses[k], &strays);
+        let (times, moments, strays) = (&times, &moments, &strays);
+        let misses: Vec<f64> = solved.misses(k).collect();
         foot.stances.iter().map(move |(span, place)| {
             let (first, last) = (span.start, span.end - 1);
             let of = |frame: usize| moments.partition_point(|moment| *moment < Moment::at(frame));
@@ -96,10 +97,10 @@ pub(super) fn solve(
             }
         })
     });
-    let led = request.bones.iter().zip(&misses).map(|(bone, misses)| {
-        let misses = misses.iter().zip(&moments);
-        let worst = misses.max_by(|one, other| one.0.total_cmp(other.0));
-        let (miss, at) = worst.map_or((0.0, times[0]), |(miss, at)| (*miss, plan.time(*at)));
+    let led = request.bones.iter().enumerate().map(|(k, bone)| {
+        let misses = solved.misses(k).zip(&moments);
+        let worst = misses.max_by(|one, other| one.0.total_cmp(&other.0));
+        let (miss, at) = worst.map_or((0.0, times[0]), |(miss, at)| (miss, plan.time(*at)));
         Led {
             bone: *bone,
             miss,
@@ -175,62 +176,4 @@ fn root_moves(
         moved[run.clone()].copy_from_slice(&own);
     }
     Ok(moved)
-}
-
-/// The new keys, and bone by bone how far each is at each of the moments from where it should be.
-fn solved(
-    plan: &Plan<'_>,
-    moments: &[Moment],
-    clip: &Clip,
-    posed: &mut PosedBones,
-) -> Result<(NewKeys, Vec<Vec<f64>>), ClipIkError> {
-    let (armature, bones) = (plan.ik.armature, &plan.request.bones);
-    let longest = plan.limbs.iter().map(LimbWay::longest).fold(0.0, f64::max);
-    let effectors = bones.iter().enumerate();
-    let effectors: Vec<(BoneId, bool)> = effectors
-        .map(|(k, bone)| (*bone, k < plan.feet.len()))
-        .collect();
-    let mut solver = FrameSolver::new(posed, &effectors, longest)?;
-    let turning: Vec<BoneId> = posed.turning().collect();
-    let mut rotations: Vec<Vec<Quat>> = vec![Vec::new(); turning.len()];
-    let (mut translations, mut root_stays): (Vec<Vec3A>, bool) = (Vec::new(), true);
-    let mut misses: Vec<Vec<f64>> = vec![Vec::new(); bones.len()];
-    let mut places = vec![DVec3::ZERO; bones.len()];
-    let mut poses = Poses::new(armature, clip);
-    for &moment in moments {
-        let pose = poses.at(plan.time(moment))?;
-        let travelled = plan.travelled(moment);
-        let moved = travelled + plan.moved(moment);
-        root_stays &= moved == DVec3::ZERO;
-        posed.take(armature, pose)?;
-        let mut is_asked = moved != DVec3::ZERO;
-        for (k, place) in places.iter_mut().enumerate() {
-            let free = posed.place(bones[k]) + travelled;
-            let goal = plan.goal(k, moment, free);
-            is_asked |= goal.1 > 0.0;
-            *place = plan.place(moment, free, goal);
-        }
-        if is_asked {
-            solver.solve((armature, posed), &places, moved, pose)?;
-            posed.take(armature, pose)?;
-        }
-        for ((misses, &bone), place) in misses.iter_mut().zip(bones).zip(&places) {
-            misses.push(posed.place(bone).distance(*place));
-        }
-        for (keys, bone) in rotations.iter_mut().zip(&turning) {
-            keys.push(pose.rotations()[bone.index()]);
-        }
-        translations.extend(
-            plan.request
-                .root
-                .map(|root| pose.translations()[root.index()]),
-        );
-    }
-    let root = plan.request.root.filter(|_| !root_stays);
-    let keys = NewKeys {
-        times: moments.iter().map(|moment| plan.time(*moment)).collect(),
-        rotations: turning.into_iter().zip(rotations).collect(),
-        translations: root.map(|root| (root, translations)).into_iter().collect(),
-    };
-    Ok((keys, misses))
 }

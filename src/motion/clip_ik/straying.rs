@@ -51,9 +51,8 @@ impl Strays {
         self.0[foot][from..to].iter().copied().fold(0.0, f64::max)
     }
 
-    /// The moments with as many more between two as bring a foot near enough that is not: a line's error goes with the square of
-    /// its length.
-    pub(super) fn finer(&self, plan: &Plan<'_>, moments: &[Moment]) -> Vec<Moment> {
+    /// As many more moments between two as bring a foot near enough that is not: a line's error goes with the square of its length.
+    pub(super) fn more_moments(&self, plan: &Plan<'_>, moments: &[Moment]) -> Vec<Moment> {
         let allowed = |foot: usize| ALLOWED * plan.limbs[foot].longest();
         let parts = |gap: usize| {
             let feet = self.0.iter().enumerate();
@@ -61,21 +60,18 @@ impl Strays {
             let most = beyond.fold(1.0, f64::max);
             most.sqrt().ceil().min(MOST_PARTS) as usize
         };
-        let mut finer = Vec::with_capacity(moments.len());
-        for (gap, &moment) in moments.iter().enumerate() {
-            finer.push(moment);
-            if let Some(next) = moments.get(gap + 1) {
-                finer.extend(moment.between(*next, parts(gap)));
+        let mut more = Vec::new();
+        for (gap, pair) in moments.windows(2).enumerate() {
+            let mut last = plan.time(pair[0]);
+            for moment in pair[0].between(pair[1], parts(gap)) {
+                let time = plan.time(moment);
+                // What single precision tells apart.
+                if last < time && time < plan.time(pair[1]) {
+                    more.push(moment);
+                    last = time;
+                }
             }
         }
-        // What single precision cannot tell apart is one key, a frame's if it is one.
-        finer.dedup_by(|later, own| {
-            let same = plan.time(*later) <= plan.time(*own);
-            if same && later.share == 0.0 {
-                *own = *later;
-            }
-            same
-        });
-        finer
+        more
     }
 }

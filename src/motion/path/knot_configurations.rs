@@ -71,6 +71,7 @@ pub(super) fn fill(
     }
     mend(growth, &mut way)?;
     mend_misses(growth, &mut way)?;
+    stay_on_branch(growth, &mut way)?;
     Ok(way)
 }
 
@@ -226,13 +227,53 @@ fn reach_from(
     };
     way.q[knot * n..(knot + 1) * n].copy_from_slice(q);
     way.reached[knot] = true;
+    note_joined(growth, way, knot);
+    Ok(())
+}
+
+/// Notes of the steps to a knot and from it whether they are short enough.
+fn note_joined(growth: &Growth<'_>, way: &mut Way, knot: usize) {
+    let (knots, n) = (growth.knots, growth.middle.len());
     for to in [knot, knot + 1] {
         if to > 0 && to < knots.len() {
-            let excess = growth
-                .bounds
-                .excess(knots, to, way.row(to - 1, n), way.row(to, n));
+            let (from, there) = (way.row(to - 1, n), way.row(to, n));
+            let excess = growth.bounds.excess(knots, to, from, there);
             way.joined[to] = excess <= way.allowance[to] + 1e-9;
         }
+    }
+}
+
+/// Where nothing is reached no branch is left for it: of several leaps from what is reached to what is next reached the last one stays.
+/// Up to there every miss is as near as its branch comes without a leap, or stands still.
+fn stay_on_branch(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
+    let (knots, n) = (growth.knots, growth.middle.len());
+    let mut ends = Ends::default();
+    let mut first = 1;
+    while first < knots.len() {
+        if way.reached[first] {
+            first += 1;
+            continue;
+        }
+        let misses = way.reached[first..].iter().take_while(|reached| !**reached);
+        let after = first + misses.count();
+        let leaps = (first..=after.min(knots.len() - 1)).filter(|knot| !way.joined[*knot]);
+        let leaps: Vec<usize> = leaps.collect();
+        if let [from, .., last] = leaps[..] {
+            for knot in from..last {
+                let arm = growth.arms.of(knots.tool(knot));
+                let (before, own) = way.q.split_at_mut(knot * n);
+                let (from, to) = (&before[(knot - 1) * n..], &mut own[..n]);
+                if growth.bounds.allow(knots, knot, from, to) {
+                    continue;
+                }
+                let target = std::slice::from_ref(&knots.targets[knot]);
+                arm.continue_all(target, from, &mut ends)?;
+                let follows = growth.bounds.allow(knots, knot, from, &ends.q);
+                to.copy_from_slice(if follows { &ends.q } else { from });
+                note_joined(growth, way, knot);
+            }
+        }
+        first = after;
     }
     Ok(())
 }
