@@ -16,6 +16,7 @@ mod near_misses;
 mod options;
 mod peer_defects;
 mod retarget;
+mod reused_arms;
 mod same_bits;
 mod searches;
 mod servo;

@@ -2,6 +2,7 @@
 //! held, fixed or found before counts, whether the questions before were within reach or not.
 #![allow(clippy::unwrap_used)]
 
+use kinopt::ik::{DerivativeWorkspace, Drag, SolutionDerivative};
 use kinopt::model::FrameId;
 use kinopt::problem::{Problem, ProblemBuilder, TaskId};
 use kinopt::spatial::{Placement, Vector3};
@@ -99,4 +100,87 @@ fn of_levels_that_give_way() {
             builder.add(Posture::new(model, &rest));
         }),
     );
+}
+
+/// A drag that is put somewhere goes on from there as one that has never been elsewhere.
+#[test]
+fn of_drags_that_are_put_elsewhere() {
+    let (robot, _, tool) = panda();
+    let model = robot.model();
+    let rest = configuration_of(model, &mut Random::new(11));
+    let elbow = placement_of(model, ELBOW, &rest).translation;
+    let problems = [
+        problem(Goal::pose(), |_| ()),
+        problem(Goal::position(), |builder| {
+            builder.add(Posture::new(model, &rest));
+        }),
+        problem(Goal::pose(), |builder| {
+            builder.add(Task::new(Point::new(frame(ELBOW), elbow)).at_level(1));
+        }),
+    ];
+    for (k, (problem, pose)) in problems.into_iter().enumerate() {
+        let mut random = Random::new(20 + k as u64);
+        let start = configuration_of(model, &mut random);
+        let mut used = Drag::new(problem.clone(), &start).unwrap();
+        for turn in 0..cases(12, 4) {
+            let [there, other] = [(); 2].map(|()| configuration_of(model, &mut random));
+            let mut target = placement_of(model, tool, &there);
+            let share = if turn % 2 == 0 { 1.6 } else { 1.0 };
+            target.translation = target.translation * share;
+            used.target_mut(pose).unwrap().set_target(target);
+            for _ in 0..6 {
+                used.advance();
+            }
+            used.settle(40);
+            used.stand_at(&other).unwrap();
+            let mut fresh = Drag::new(problem.clone(), &other).unwrap();
+            let there = placement_of(model, tool, &configuration_of(model, &mut random));
+            for drag in [&mut used, &mut fresh] {
+                drag.target_mut(pose).unwrap().set_target(there);
+            }
+            for step in 0..12 {
+                let told = [&mut used, &mut fresh].map(|drag| match step {
+                    11 => format!("{:?}", drag.settle(60)),
+                    _ => format!("{:?}", drag.advance()),
+                });
+                assert_eq!(told[0], told[1], "{k}, {turn}: frame {step}");
+                assert_eq!(used.leap(), fresh.leap());
+            }
+        }
+    }
+}
+
+/// The derivative of a solution is the same in memory that has held others', of this problem or another.
+#[test]
+fn of_derivatives() {
+    let (robot, _, tool) = panda();
+    let model = robot.model();
+    let mut random = Random::new(31);
+    let rest = configuration_of(model, &mut random);
+    let problems = [
+        problem(Goal::pose(), |_| ()),
+        problem(Goal::position(), |builder| {
+            builder.add(Posture::new(model, &rest));
+        }),
+    ];
+    let mut kept = DerivativeWorkspace::default();
+    for turn in 0..cases(60, 16) {
+        let (problem, pose) = &problems[turn / 2 % 2];
+        let q = configuration_of(model, &mut random);
+        let mut target = placement_of(model, tool, &q);
+        if turn % 3 == 0 {
+            target.translation = target.translation * 1.5;
+        }
+        let mut targets = problem.targets();
+        targets.get_mut(*pose).unwrap().set_target(target);
+        let asked = problem.with_targets(&targets).unwrap();
+        let solution = Solver::default().solve_once(asked, &q).unwrap();
+        let mut new = DerivativeWorkspace::default();
+        let told = [&mut kept, &mut new].map(|memory| {
+            let mut derivative = SolutionDerivative::new(asked, &solution.q, memory).unwrap();
+            let by_target = derivative.by_target(0).unwrap();
+            (derivative.existence().clone(), by_target)
+        });
+        assert_eq!(told[0], told[1], "{turn}");
+    }
 }

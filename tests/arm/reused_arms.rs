@@ -1,0 +1,90 @@
+//! Promise: an arm that has answered other questions answers the next one as a new one does, to the bit, however it searches and
+//! whatever it is asked to keep to: nothing that was found, bounded or aimed at before counts.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::Solution;
+use kinopt::arm::{Arm, ArmBuilder, Goal, Search};
+use kinopt::robot::Robot;
+use support::arms::{Random, panda, robot};
+use support::follower_chains::follower_chain;
+use support::sample::cases;
+
+/// Asks random questions, one in three far outside, of an arm that has answered all before and of copies, which have memory of
+/// their own.
+fn same(name: &str, builder: ArmBuilder<'_>) {
+    let arm = builder.with_atlas(false).build().unwrap();
+    let new = arm.clone();
+    let mut random = Random(61);
+    let mut told = [0; 2];
+    for turn in 0..cases(60, 12) {
+        let mut target = arm.base_from_tool(&random.configuration(&arm)).unwrap();
+        let start = random.configuration(&arm);
+        if turn % 3 == 0 {
+            target.translation = target.translation * 1.6;
+        }
+        let [own, fresh] = [&arm, &new.clone()].map(|arm| arm.solve(target, &start).unwrap());
+        assert_eq!(format!("{own:?}"), format!("{fresh:?}"), "{name} {turn}");
+        told[usize::from(own.reached)] += 1;
+        let [own, fresh] = [&arm, &new.clone()].map(|arm| arm.solve_all(target, &start).unwrap());
+        assert_eq!(format!("{own:?}"), format!("{fresh:?}"), "{name} {turn}");
+        let [own, fresh] = [&arm, &new.clone()].map(|arm| {
+            let (mut follower, mut solution) = (arm.follower(&start).unwrap(), Solution::default());
+            let ends = (0..4).map(|k| {
+                let mut near = arm.base_from_tool(&start).unwrap();
+                near.translation = near.translation * (1.0 + 0.02 * f64::from(k));
+                let jump = follower.advance(near, &mut solution).unwrap();
+                format!("{jump:?} {solution:?}")
+            });
+            ends.collect::<Vec<_>>()
+        });
+        assert_eq!(own, fresh, "{name} {turn}");
+    }
+    assert!(told[0] > 0, "{name}: {told:?}");
+}
+
+#[test]
+fn whatever_they_search_for() {
+    let (robot, base, tip) = panda();
+    let builder = || Arm::builder(&robot, base, tip);
+    let distinct = Search::Distinct {
+        k: 4,
+        distance: 0.3,
+    };
+    for search in [Search::Start, Search::First, Search::Nearest, distinct] {
+        same("search", builder().with_search(search).with_attempts(24));
+    }
+    same("everywhere", builder().with_global_search_on_miss(true));
+}
+
+#[test]
+fn whatever_they_keep_to() {
+    let (robot, base, tip) = panda();
+    let builder = || Arm::builder(&robot, base, tip);
+    same("moves", builder().with_max_move(&[2.5; 7]));
+    same(
+        "posture",
+        builder().with_posture(&[0.0, 0.3, 0.0, -1.8, 0.1, 1.5, 0.4]),
+    );
+    let room = Goal::within([0.05, 0.05, 0.05, 0.3, 0.3, 0.3]);
+    same("room", builder().with_goal(room));
+    same("position", builder().with_goal(Goal::position()));
+}
+
+#[test]
+fn whatever_chain_they_are() {
+    let slides = robot("adept_cobra_s600");
+    same("scara", Arm::builder(&slides, "base", "flange"));
+    let mut chains = 0;
+    for number in 0..6 {
+        let (text, tip) = follower_chain(number);
+        let Ok(robot) = Robot::parse(&text, "followers.urdf") else {
+            continue;
+        };
+        chains += 1;
+        same(
+            "followers",
+            Arm::builder(&robot, "l0", &tip).with_attempts(6),
+        );
+    }
+    assert!(chains > 2);
+}
