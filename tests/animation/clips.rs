@@ -510,3 +510,36 @@ fn times_outside_a_span_that_does_not_begin_at_zero() {
         );
     }
 }
+
+/// Channels come bone by bone, whether they move or hold still, and whichever was added first.
+#[test]
+fn channels_come_in_the_order_of_bones() {
+    for seed in 0..40 {
+        let mut random = Random::new(seed);
+        let armature = armature(6, &mut random);
+        let mut builder = Clip::builder("mixed", &armature);
+        let mut bones: Vec<_> = armature.bone_ids().collect();
+        for k in (1..bones.len()).rev() {
+            bones.swap(k, random.below(k + 1));
+        }
+        let mut added = 0;
+        for bone in bones {
+            let count = random.below(3);
+            let times: Vec<f32> = (0..count).map(|k| k as f32).collect();
+            if count > 0 {
+                let turns = rotations(&mut random, &times);
+                builder.channel(bone, Channel::Rotation(turns)).unwrap();
+                let ways = vectors(&mut random, &times, Vec3A::ONE);
+                builder.channel(bone, Channel::Translation(ways)).unwrap();
+                added += 2;
+            }
+        }
+        let channels = builder.build().channels(&armature).unwrap();
+        assert_eq!(channels.len(), added);
+        let order: Vec<_> = channels
+            .iter()
+            .map(|(bone, own)| (*bone, matches!(own, Channel::Rotation(_))))
+            .collect();
+        assert!(order.is_sorted(), "{order:?}");
+    }
+}

@@ -41,6 +41,10 @@ fn angles_come_back_and_lock_loses_nothing() {
                 let allowed = if got.gimbal_lock { 2e-9 } else { 1e-14 };
                 assert!(apart(q, again) < allowed, "{order:?} {angles:?}: {got:?}");
                 assert!(got.angles.iter().all(|angle| angle.abs() <= PI));
+                // The other quaternion of the same rotation.
+                let other = order.from_quaternion(-q);
+                assert!(other.angles.iter().all(|angle| angle.abs() <= PI));
+                assert!(apart(q, order.to_quaternion(other.angles)) < allowed);
                 let (low, high) = (ends[0] - 1e-12, ends[1] + 1e-12);
                 assert!(low <= got.angles[1] && got.angles[1] <= high);
                 if distance >= 0.2 {

@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use glam::{DMat4, DQuat, DVec3, Vec3, Vec4};
 use kinopt::io::gltf::{Note, ScenePosing};
-use kinopt::skinning::{PosedVertices, SkinningMethod};
+use kinopt::mesh::TriangleMesh;
+use kinopt::skinning::{MorphTargets, PosedVertices, SkinningMethod};
 use support::gltf_text::{Numbers, read};
 
 #[test]
@@ -95,6 +96,22 @@ fn morph_targets_may_be_sparse_and_start_with_weights() {
         joined.triangles(),
         [[0, 1, 2], [1, 3, 2], [4, 5, 6], [5, 7, 6]]
     );
+
+    assert_eq!(joined.normals().len(), 8);
+    // Where one mesh has no normals the whole has none, and is the same otherwise.
+    let mut plain = scene.clone();
+    let bare = &plain.meshes[1].mesh;
+    let bare = TriangleMesh::new(
+        bare.positions().to_vec(),
+        Vec::new(),
+        bare.triangles().to_vec(),
+    );
+    plain.meshes[1].mesh = bare.unwrap();
+    plain.meshes[1].morph_targets = MorphTargets::none(4);
+    let mut posing = ScenePosing::new(&plain, SkinningMethod::LinearBlend).unwrap();
+    let whole = posing.mesh(scene.armature.rest()).unwrap();
+    assert!(whole.normals().is_empty());
+    assert_eq!(whole.triangles(), joined.triangles());
 
     // Into memory of the caller's, by what owns the scene.
     let mut owned = ScenePosing::new(Arc::new(scene.clone()), SkinningMethod::LinearBlend).unwrap();

@@ -154,3 +154,24 @@ fn either_contact_bit_counts_and_boxes_lie_along_lines() {
     let expected = [sphere(0.1), sphere(0.2), along(0.2, 0.2), along(0.2, 0.4)];
     assert_eq!(collisions.collect::<Vec<_>>(), expected);
 }
+
+/// A document that is written with what it includes says the same, whatever signs its names have.
+#[test]
+fn names_with_signs_come_through_includes() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/mjcf/files/quoted.xml");
+    let text = kinopt::robot::mjcf_with_includes(path).unwrap();
+    let [whole, read] = [
+        Robot::parse_mjcf(&text, "whole.xml").unwrap(),
+        Robot::read(path).unwrap(),
+    ];
+    assert!(read.model().frame("a \"b\" <c> &quot;").is_ok());
+    assert_eq!(
+        whole.model().joint("say 'when'"),
+        read.model().joint("say 'when'")
+    );
+    let names = |robot: &Robot| -> Vec<String> {
+        let frames = robot.model().frames().iter();
+        frames.map(|frame| frame.name.clone()).collect()
+    };
+    assert_eq!(names(&whole), names(&read));
+}

@@ -196,3 +196,34 @@ fn a_limb_on_a_follower_goes_where_it_would_alone() {
         }
     }
 }
+
+/// The slip that is told is how far any foot that stands ever is from where it came to stand, not where it ends.
+#[test]
+fn the_slip_is_the_most_there_was() {
+    let (robot, capture) = (nao(), sway(90, 45));
+    let map = BodyMap::from_json(MAP, "").unwrap();
+    let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
+    let found = retargeting.per_frame().unwrap();
+    let model = robot.model();
+    let mut kinematics = ForwardKinematics::new(model);
+    let feet: Vec<_> = found
+        .standing
+        .iter()
+        .map(|name| model.frame(name).unwrap())
+        .collect();
+    let mut stood: Vec<Option<Vector3<f64>>> = vec![None; feet.len()];
+    let mut most = 0.0_f64;
+    for frame in 0..found.frames() {
+        let q = &found.q[frame * found.configuration_len..][..found.configuration_len];
+        let placed = kinematics.place(q).unwrap();
+        for (k, foot) in feet.iter().enumerate() {
+            let at = placed[foot.index()].translation;
+            match found.contacts[frame * feet.len() + k] {
+                true => most = most.max((at - *stood[k].get_or_insert(at)).norm()),
+                false => stood[k] = None,
+            }
+        }
+    }
+    assert!(found.given_up.is_empty() && most > 0.0);
+    assert!((found.slip - most).abs() <= 1e-9, "{} {most}", found.slip);
+}

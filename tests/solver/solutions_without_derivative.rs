@@ -53,6 +53,33 @@ fn of_many_the_shortest_is_the_pseudoinverse() {
     assert!((derivative.by_target(0).unwrap() - inverse).amax() < 1e-12);
 }
 
+/// A joint that others follow counts with all that it moves: the shortest is so in all joints' velocities.
+#[test]
+fn of_many_the_shortest_is_so_of_followers_too() {
+    use kinopt::model::ParameterMap;
+    let (model, tip) = chain(4, Limits::new(-2.0, 2.0));
+    let ids = model.moving_joints().to_vec();
+    let map = ParameterMap::builder(&model).with_coupled(ids[2], ids[0], -1.5, 0.2);
+    let q = [0.3, 0.5, 0.2 - 1.5 * 0.3, 0.9];
+    let mut tasks = Problem::builder(&model);
+    tasks.parameters(map.build().unwrap());
+    tasks.add(Point::new(tip, tip_of(&model, &q)));
+    let problem = tasks.build().unwrap();
+    let mut workspace = DerivativeWorkspace::default();
+    let mut derivative = SolutionDerivative::new(&problem, &q, &mut workspace).unwrap();
+    let many = Existence::ShortestOfMany { directions: 1 };
+    assert_eq!(*derivative.existence(), many);
+    // v = E y with orthonormal columns of E: the first and third joint move together.
+    let length = (1.0_f64 + 1.5 * 1.5).sqrt();
+    let mut together = nalgebra::DMatrix::zeros(4, 3);
+    (together[(0, 0)], together[(2, 0)]) = (1.0 / length, -1.5 / length);
+    (together[(1, 1)], together[(3, 2)]) = (1.0, 1.0);
+    let jacobian = frame_jacobian(&model, tip, &q).unwrap();
+    let jacobian = jacobian.rows(0, 3).into_owned() * &together;
+    let expected = &together * jacobian.pseudo_inverse(1e-9).unwrap();
+    assert!((derivative.by_target(0).unwrap() - expected).amax() < 1e-12);
+}
+
 #[test]
 fn joints_on_their_limits_stay_where_others_can_do_it() {
     let (model, tip) = chain(4, Limits::new(-2.0, 2.0));

@@ -217,3 +217,45 @@ fn frames_that_share_their_joints() {
     let off = DVector::from_vec(slopes) - &product;
     assert!(off.amax() < 1e-12 * product.amax(), "{off}");
 }
+
+/// Also where balls stand on the edges of their cones, where a step is across the edge and along it.
+#[test]
+fn on_the_edges_of_cones() {
+    use kinopt::model::BallLimits;
+    use kinopt::problem::Question;
+    use kinopt::task::Pose;
+    let mut random = Random::new(47);
+    for _ in 0..20 {
+        let mut builder = Model::builder("balls");
+        let mut last = None;
+        for name in ["a", "b", "c"] {
+            let about = random.vector(1.0);
+            let limits = BallLimits::elliptic(
+                [about.x, about.y, 0.0],
+                [0.4 + random.unit(), 0.4 + random.unit()],
+                Limits::new(-0.5, 0.7),
+            );
+            let link = Placement::translation(Vector3::new(0.1, 0.2, 0.3));
+            last = Some(builder.ball(name, last, link, Vector3::UNITS[2], Some(limits)));
+        }
+        let hand = Placement::translation(Vector3::new(0.0, 0.1, 0.3));
+        let tip = builder.frame("tip", last, hand);
+        let model = builder.build().unwrap();
+        let mut builder = Problem::builder(&model);
+        builder.add(Pose::new(tip, hand));
+        let problem = builder.build().unwrap();
+        let mut x: Vec<f64> = (0..problem.variables())
+            .map(|_| random.within(-2.5, 2.5))
+            .collect();
+        Question::from(&problem).space().project(&mut x);
+        let exact = jacobian(&problem, Derivatives::Dual, &x);
+        for (route, within) in [
+            (Derivatives::Analytic, 1e-12),
+            (Derivatives::ForwardDifference, 1e-6),
+            (Derivatives::CentralDifference, 1e-8),
+        ] {
+            let error = relative(&jacobian(&problem, route, &x), &exact);
+            assert!(error < within, "{route:?}: {error:e}");
+        }
+    }
+}
