@@ -2,7 +2,7 @@
 
 use kinopt::collision::{Checker, Shape, ShapeError, World};
 use kinopt::robot::Robot;
-use kinopt::spatial::Vector3;
+use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::random::Random;
 
 #[test]
@@ -145,6 +145,35 @@ fn the_box_and_the_ball_of_a_shape_hold_it() {
             let away = (at - ball.centre).norm();
             assert!(away <= ball.radius + 1e-9, "{shape:?} {at:?}: {away}");
             farthest = farthest.max(away);
+        }
+        // A box that is turned with what is in it holds all of its corners, and touches six sides.
+        for _ in 0..20 {
+            let [turn, by] = [3.0, 1.0].map(|size| {
+                let v = random.vector(size);
+                Vector3::new(v.x, v.y, v.z)
+            });
+            let world_from_shape = Placement::new(rotation_exp(turn), by);
+            let placed = bounds.placed(&world_from_shape);
+            let mut reached = [[f64::INFINITY; 3]; 2];
+            for k in 0..8 {
+                let pick = |bit: u32, ends: [f64; 2]| ends[usize::from(k & bit != 0)];
+                let corner = Vector3::new(
+                    pick(1, [bounds.min.x, bounds.max.x]),
+                    pick(2, [bounds.min.y, bounds.max.y]),
+                    pick(4, [bounds.min.z, bounds.max.z]),
+                );
+                let at = world_from_shape.apply(corner);
+                let [low, high] = [at - placed.min, placed.max - at].map(Vector3::to_array);
+                for axis in 0..3 {
+                    reached[0][axis] = reached[0][axis].min(low[axis]);
+                    reached[1][axis] = reached[1][axis].min(high[axis]);
+                }
+            }
+            let room = reached.as_flattened().iter();
+            assert!(
+                room.into_iter().all(|room| room.abs() < 1e-12),
+                "{reached:?}"
+            );
         }
         assert!(
             reach.iter().all(|reach| *reach > 0.85),

@@ -46,6 +46,11 @@ fn there_and_back() {
         assert!(apart(&back, &placement) < 1e-6);
         // Rigid in double precision though it came from single.
         assert!(back.check_rigid(1e-14).is_ok());
+        let turn = glam::DQuat::from_mat3(&double.matrix3);
+        let [single, double] = [Matrix3::from(turn.as_quat()), Matrix3::from(turn)];
+        let turned = Placement::new(single, Vector3::zero());
+        assert!(turned.check_rigid(1e-14).is_ok());
+        assert!(apart(&turned, &Placement::new(double, Vector3::zero())) < 1e-6);
     }
 }
 

@@ -133,3 +133,32 @@ fn what_is_held_to_a_mocap_body_is_no_loop() {
     assert_eq!(robot.repairs().len(), 2);
     assert!(robot.repairs()[0].to_string().contains("mocap"));
 }
+
+/// A loop is closed as the file draws its bodies, also where one floats and is turned.
+#[test]
+fn a_loop_on_a_turned_body_is_closed_as_it_is_drawn() {
+    use kinopt::ik::LoopClosure;
+    let half = 0.5;
+    for (quaternion, read) in [
+        ("1 0 0 0", [1.0, 0.0, 0.0, 0.0]),
+        ("0.5 -0.5 0.5 0.5", [half, -half, half, half]),
+        ("0.8 0 0.6 0", [0.8, 0.0, 0.6, 0.0]),
+        ("0 0.6 0 0.8", [0.0, 0.6, 0.0, 0.8]),
+    ] {
+        for equality in ["connect", "weld"] {
+            let text = format!(
+                r#"<mujoco><compiler angle="radian"/><worldbody>
+                <body name="a" pos="0.1 0.2 0.3" quat="{quaternion}"><freejoint/></body>
+                <body name="c" pos="-0.3 0.1 0" euler="0.3 0.2 -0.5"><joint name="h" ref="0.4" range="-1 1"/></body></worldbody>
+                <equality><{equality} body1="a" body2="c" anchor="0.25 -0.1 0.05"/></equality></mujoco>"#
+            );
+            let robot = Robot::parse_mjcf(&text, "drawn.xml").unwrap();
+            let hinge = robot.model().joint("h").unwrap();
+            let closure = LoopClosure::new(robot.parameters(), &[hinge]).unwrap();
+            let [w, x, y, z] = read;
+            let gaps = closure.gaps(&[0.1, 0.2, 0.3, w, x, y, z, 0.4]).unwrap();
+            assert_eq!(gaps.len(), 1);
+            assert!(gaps[0].gap < 1e-12 && gaps[0].angle < 1e-7, "{gaps:?}");
+        }
+    }
+}
