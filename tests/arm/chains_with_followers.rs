@@ -386,3 +386,25 @@ fn a_follower_outside_the_chain_is_kept_within_its_limits() {
         assert!(robot.model().is_within_limits(&q), "{q:?}");
     }
 }
+
+/// What a configuration of the model has of an arm's joints is what the arm wrote there, in its own order.
+#[test]
+fn joint_values_are_read_where_they_are_written() {
+    for number in 0..12 {
+        let Some((arm, text, _)) = follower_arm(number) else {
+            continue;
+        };
+        let robot = Robot::parse(&text, "followers.urdf").unwrap();
+        let mut random = Random(number);
+        let own = random.configuration(&arm);
+        let mut q = robot.model().neutral();
+        arm.configuration(&own, &mut q[..]).unwrap();
+        let mut back = Vec::new();
+        arm.joint_values(&q, &mut back).unwrap();
+        assert_eq!(back, own);
+        for (id, value) in arm.joint_ids().iter().zip(&own) {
+            assert_eq!(q[robot.model().coordinate(*id).unwrap()], *value);
+        }
+        assert!(arm.joint_values(&q[1..], &mut back).is_err());
+    }
+}

@@ -424,3 +424,30 @@ fn a_clip_without_frames_stays_without() {
     assert!(moved.is_empty());
     assert_eq!(moved.span(), [0.0; 2]);
 }
+
+/// What is written to a file is the text that is told.
+#[test]
+fn poses_are_written_as_they_are_told() {
+    let text = "HIERARCHY ROOT a\n{OFFSET 0 0 0 CHANNELS 3 Zrotation Xrotation Yrotation\n\
+                End Site {OFFSET 0 1 0}}\nMOTION\nFrames: 2\nFrame Time: 0.1\n10 20 30\n5 6 7\n";
+    let capture = kinopt::io::bvh::from_bytes(text.as_bytes(), "two.bvh").unwrap();
+    let armature = &capture.armature;
+    let mut pose = armature.rest().clone();
+    let mut cursor = kinopt::animation::Cursor::new();
+    let poses = [0.0, 0.05, 0.1].map(|time| {
+        let hold = kinopt::animation::Playback::Hold;
+        capture
+            .clip
+            .sample(time, hold, &mut cursor, &mut pose)
+            .unwrap();
+        pose.clone()
+    });
+    let told = kinopt::io::bvh::poses_to_text(armature, &poses, 20.0).unwrap();
+    let file = std::env::temp_dir().join(format!("kinopt-poses-{}.bvh", std::process::id()));
+    kinopt::io::bvh::write_poses(armature, &poses, 20.0, &file).unwrap();
+    let written = std::fs::read_to_string(&file).unwrap();
+    std::fs::remove_file(&file).unwrap();
+    assert_eq!(written, told);
+    let again = kinopt::io::bvh::from_bytes(told.as_bytes(), "three.bvh").unwrap();
+    assert_eq!((again.frames, again.frame_time), (3, 0.05));
+}

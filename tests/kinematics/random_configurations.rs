@@ -161,3 +161,30 @@ fn a_ball_is_within_what_it_is_made_of() {
     }
     assert!(told.iter().all(|count| *count > 500), "{told:?}");
 }
+
+/// Each free joint is known by its first slide; what limits two allow is what either does.
+#[test]
+fn free_joints_and_common_limits() {
+    let mut builder = Model::builder("two bodies");
+    let still = Placement::identity();
+    let room = [Limits::UNBOUNDED; 3];
+    let hinge = builder.revolute(
+        "hinge",
+        None,
+        still,
+        Vector3::UNITS[0],
+        Limits::new(-1.0, 1.0),
+    );
+    builder.free("a", None, still, room);
+    builder.free("b", Some(hinge), still, room);
+    let model = builder.build().unwrap();
+    let named = model.free_joints().iter();
+    let named: Vec<_> = named
+        .map(|id| model.joints()[id.index()].name.as_str())
+        .collect();
+    assert_eq!(named, ["a/x", "b/x"]);
+    let [a, b] = [Limits::new(-1.0, 0.5), Limits::new(-0.25, f64::INFINITY)];
+    for common in [a.intersection(&b), b.intersection(&a)] {
+        assert_eq!(common, Limits::new(-0.25, 0.5));
+    }
+}

@@ -65,3 +65,59 @@ fn stands_still(walker: &Walker, solved: &MotionSolution, span: Range<usize>) {
     let before = (at(0).translation - first.translation).norm();
     assert!(before > 1e-3, "it moves where nothing holds it: {before} m");
 }
+
+/// What a solver is told is what it does: a slip that is allowed is kept within and may be larger than none, bending frames take
+/// other steps to the same minimum, frames are counted as they are done, and their costs are the whole's.
+#[test]
+fn what_a_solver_is_told_is_heard() {
+    let walker = Walker::new();
+    let frames = 10;
+    let motion = walker.swaying(frames, Some(3..8));
+    let solver = MotionSolver::default;
+    let [loose, tight] = [1e-3, 1e-11].map(|slip| {
+        let solver = solver().with_slip(slip);
+        solver.solve(&motion, &walker.stance).unwrap()
+    });
+    assert!(
+        loose.slip() > 2.0 * tight.slip() && loose.iterations() < tight.iterations(),
+        "{} in {}, {} in {}",
+        loose.slip(),
+        loose.iterations(),
+        tight.slip(),
+        tight.iterations()
+    );
+    let costs: f64 = (0..frames)
+        .map(|frame| tight.frame_cost(frame).unwrap())
+        .sum();
+    assert!((costs + tight.cost_of_rates() - tight.cost()).abs() < 1e-12 * tight.cost());
+    assert!(tight.frame_cost(frames).is_none());
+    let mut done = Vec::new();
+    let windows = solver().with_windows(Some(Windows::new(4, 3)));
+    let start = walker.stance.repeat(frames);
+    let near = windows
+        .solve_near_with_progress(&motion, &start, &mut |frames| done.push(frames))
+        .unwrap();
+    assert!(
+        done.len() > 1 && done.is_sorted() && done.last() == Some(&frames),
+        "{done:?}"
+    );
+    assert!(
+        near.cost() < 1.2 * tight.cost(),
+        "{} {}",
+        near.cost(),
+        tight.cost()
+    );
+}
+
+/// Frames bend as they do, which gradients tell, or by JᵀJ alone, to one minimum.
+#[test]
+fn frames_bend_or_do_not_as_is_asked() {
+    let walker = Walker::new();
+    let motion = walker.swaying(16, None);
+    let [bent, straight] = [true, false].map(|curvature| {
+        let solver = MotionSolver::default().with_curvature(curvature);
+        solver.solve(&motion, &walker.stance).unwrap()
+    });
+    assert!(bent.counts().gradients > 0 && straight.counts().gradients == 0);
+    assert!((bent.cost() - straight.cost()).abs() < 1e-4 * bent.cost());
+}

@@ -227,3 +227,52 @@ fn the_slip_is_the_most_there_was() {
     assert!(found.given_up.is_empty() && most > 0.0);
     assert!((found.slip - most).abs() <= 1e-9, "{} {most}", found.slip);
 }
+
+/// Which joints drive which frames, and what stands up along y stands along z once it is turned.
+#[test]
+fn what_drives_what_and_which_way_is_up() {
+    use kinopt::motion::retarget::UpAxis;
+    let (robot, capture) = (nao(), sway(20, 20));
+    let map = BodyMap::from_json(MAP, "").unwrap();
+    let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
+    let names = retargeting
+        .driving()
+        .into_iter()
+        .map(|joint| capture.names()[joint].as_str());
+    let frames = retargeting.driven().into_iter();
+    let frames = frames.map(|frame| robot.model().frames()[frame.index()].name.as_str());
+    let mut pairs: Vec<_> = names.zip(frames).collect();
+    pairs.sort_unstable();
+    assert_eq!(
+        pairs,
+        [
+            ("hips", "torso"),
+            ("left", "left_sole"),
+            ("right", "right_sole")
+        ]
+    );
+    let [x, y, z] = Vector3::UNITS;
+    let turn = UpAxis::Y.turned_to_z();
+    assert_eq!([turn * x, turn * y, turn * z], [x, z, -y]);
+    assert_eq!(UpAxis::Z.turned_to_z() * y, y);
+}
+
+/// The more an acceleration costs the less there is of it in a whole movement.
+#[test]
+fn an_acceleration_costs_what_is_said() {
+    let (robot, capture) = (nao(), sway(16, 8));
+    let map = BodyMap::from_json(MAP, "").unwrap();
+    let bends = [1e-5, 1e-2].map(|cost| {
+        let options = RetargetOptions::default().with_acceleration(cost);
+        let retargeting = Retargeting::new(&robot, &map, &capture, options).unwrap();
+        let found = retargeting.whole().unwrap();
+        let n = found.configuration_len;
+        let rows: Vec<&[f64]> = found.q.chunks_exact(n).collect();
+        let bend = rows.windows(3).flat_map(|rows| {
+            // A free base's place and quaternion come first.
+            (7..n).map(|k| (rows[0][k] - 2.0 * rows[1][k] + rows[2][k]).powi(2))
+        });
+        bend.sum::<f64>()
+    });
+    assert!(bends[0] > 1.1 * bends[1], "{bends:?}");
+}

@@ -192,3 +192,23 @@ fn what_is_written_is_never_read_as_a_movement() {
     assert_eq!(begun.len(), 1);
     assert_eq!(begun[0].out, into.join("one.bvh"));
 }
+
+/// What is said by a method is what is said by its field.
+#[test]
+fn each_way_to_say_a_thing_is_heard() {
+    let folders = Folders::new("folder-said");
+    let robot = nao();
+    let plain = FolderQuestion::new(&robot, RetargetOptions::default());
+    let own = || plain.clone();
+    for (name, said) in [
+        ("clip", own().with_clip("Walk")),
+        ("skeleton", own().with_skeleton("cmu")),
+        ("keep_clear", own().with_keep_clear(0.01)),
+        ("world", own().with_world("{}".to_owned())),
+        ("whole", own().with_whole(true)),
+        ("fps", own().with_frame_rate(30.0)),
+        ("up", own().with_up(UpAxis::Y)),
+    ] {
+        assert_eq!(differs(&folders, &plain, &said), name);
+    }
+}

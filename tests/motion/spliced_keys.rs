@@ -100,3 +100,60 @@ fn the_last_moment_stays_wherever_a_span_ends_before_it() {
         }
     }
 }
+
+/// Bones of a skeleton reach within its limits; without it they turn any way.
+#[test]
+fn a_skeleton_s_limits_are_kept() {
+    use kinopt::animation::{Armature, PoseAngles};
+    use kinopt::model::Limits;
+    use kinopt::skeleton::{Bone, Skeleton};
+    use kinopt::spatial::{Placement, Vector3};
+    let mut builder = Skeleton::builder("arm");
+    let mut parent = None;
+    for (k, name) in ["base", "upper", "fore", "hand"].iter().enumerate() {
+        let bend = match k {
+            0 => Limits::new(0.0, 0.0),
+            _ => Limits::new(0.0, 0.6),
+        };
+        let at = Vector3::new(0.4 * k as f64, 0.0, 0.0);
+        parent = Some(builder.add(Bone {
+            name: (*name).into(),
+            parent,
+            length: 0.4,
+            model_from_rest: Placement::translation(at),
+            limits: [Limits::new(-0.1, 0.1), bend, Limits::new(-0.1, 0.1)],
+        }));
+    }
+    let skeleton = builder.build().unwrap();
+    let armature = Armature::of_skeleton(&skeleton);
+    let mut builder = Clip::builder("still", &armature);
+    builder.span(0.0, 0.5).unwrap();
+    let clip = builder.build();
+    let hand = armature.bone("hand").unwrap();
+    let bridge = PoseAngles::new(&skeleton);
+    let limits: Vec<_> = skeleton.model().limits().collect();
+    let outside = |edited: &Clip| {
+        let mut most = 0.0_f64;
+        for time in [0.0, 0.2, 0.5] {
+            let mut q = vec![0.0; limits.len()];
+            bridge
+                .angles_of(&pose(&armature, edited, time), &mut q)
+                .unwrap();
+            for (angle, limits) in q.iter().zip(&limits) {
+                most = most.max((limits.lower - angle).max(angle - limits.upper));
+            }
+        }
+        most
+    };
+    let reach = || Reach::to(hand, DVec3::new(0.6, 0.9, 0.3)).unwrap();
+    let free = ClipIk::new(&armature)
+        .with_reach(reach())
+        .solve(&clip)
+        .unwrap();
+    assert!(outside(&free.clip) > 0.1);
+    let held = ClipIk::new(&armature)
+        .with_joints_of(&skeleton)
+        .with_reach(reach());
+    let held = held.solve(&clip).unwrap();
+    assert!(outside(&held.clip) < 2e-3, "{}", outside(&held.clip));
+}

@@ -202,6 +202,12 @@ fn a_long_quaternion_is_the_rotation_of_its_direction() {
     let motion = DualQuaternion::from_rotation_translation(long, Vec3::Y).unwrap();
     let moved = motion.transform_point(Vec3::X);
     assert!((moved - (turn * Vec3::X + Vec3::Y)).length() < 1e-6);
+    // A direction is turned alone, also by a blend, whose length is not one.
+    let blend = motion * 0.3 + motion * 0.4;
+    for own in [motion, blend] {
+        let turned = own.transform_vector(Vec3::new(0.2, -0.4, 0.7));
+        assert!((turned - turn * Vec3::new(0.2, -0.4, 0.7)).length() < 1e-6);
+    }
     // It weighs no more than a short one where they are blended.
     assert!((motion.real.length() - 1.0).abs() < 1e-6);
     let still = DualQuaternion::from_rotation_translation(Quat::IDENTITY, Vec3::ZERO).unwrap();

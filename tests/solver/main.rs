@@ -13,6 +13,7 @@ mod goals_with_room;
 mod invariance;
 mod limits_hold;
 mod method_battery;
+mod method_options;
 mod moves;
 mod nearly_dependent_rows;
 mod not_finite;

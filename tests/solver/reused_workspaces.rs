@@ -184,3 +184,26 @@ fn of_derivatives() {
         assert_eq!(told[0], told[1], "{turn}");
     }
 }
+
+/// A derivative that is gone on with has the products of the one that was factored, and there is none of another problem.
+#[test]
+fn of_derivatives_that_are_gone_on_with() {
+    let (robot, _, tool) = panda();
+    let model = robot.model();
+    let q = configuration_of(model, &mut Random::new(32));
+    let (whole, pose) = problem(Goal::pose(), |_| ());
+    let mut targets = whole.targets();
+    let target = placement_of(model, tool, &q);
+    targets.get_mut(pose).unwrap().set_target(target);
+    let asked = whole.with_targets(&targets).unwrap();
+    let mut memory = DerivativeWorkspace::default();
+    assert!(SolutionDerivative::resume(asked, &mut memory).is_none());
+    let first = SolutionDerivative::new(asked, &q, &mut memory);
+    let first = first.unwrap().by_target(0).unwrap();
+    let mut on = SolutionDerivative::resume(asked, &mut memory).unwrap();
+    assert_eq!(on.by_target(0).unwrap(), first);
+    let mut planar = Problem::builder(model);
+    planar.add(Point::new(frame(ELBOW), [0.1, 0.2, 0.3]));
+    let other = planar.build().unwrap();
+    assert!(SolutionDerivative::resume(&other, &mut memory).is_none());
+}

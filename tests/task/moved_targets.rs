@@ -4,7 +4,9 @@
 
 use kinopt::model::{JointId, Model};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
-use kinopt::task::{FrameVelocity, Gaze, LookAt, Orientation, Plane, Point, Pose, Ray, Residual};
+use kinopt::task::{
+    FrameVelocity, Gaze, LookAt, Orientation, Plane, Point, Pose, Ray, Residual, Within,
+};
 
 fn same<R: Residual>(task: &R, moved: &R, step: &[f64]) {
     let placed = Placement::new(
@@ -77,6 +79,37 @@ fn a_task_that_is_set_is_one_made_so() {
     moving.set_previous(other);
     moving.set_velocity(c, d);
     assert_eq!(moving, FrameVelocity::new(frame, other, 0.1, (c, d)));
+    let mut within = Within::at_most(Point::new(frame, a), 0.1);
+    within.residual_mut().set_target(b);
+    assert_eq!(within, Within::at_most(Point::new(frame, b), 0.1));
+}
+
+/// The same of what has one number.
+#[test]
+fn a_number_that_is_set_is_that_of_one_made_so() {
+    use kinopt::model::Limits;
+    use kinopt::task::{Distance, JointCoupling, Manipulability};
+    let mut builder = Model::builder("hinges");
+    let (at, mut last, mut frames, mut joints) =
+        (Placement::identity(), None, Vec::new(), Vec::new());
+    for (name, axis) in ["a", "b", "c"].iter().zip(Vector3::UNITS) {
+        last = Some(builder.revolute(*name, last, at, axis, Limits::new(-1.0, 1.0)));
+        joints.extend(last);
+        frames.push(builder.frame(*name, last, at));
+    }
+    let model = builder.build().unwrap();
+    let mut distance = Distance::new(frames[0], frames[1], 0.5);
+    distance.set_distance(0.7);
+    assert_eq!(distance, Distance::new(frames[0], frames[1], 0.7));
+    let least = |least: f64| Manipulability::new(&model, None, frames[2], least).of_orientation();
+    let mut manipulability = least(0.5);
+    manipulability.set_least(0.7);
+    assert_eq!(manipulability, least(0.7));
+    let coupled =
+        |offset: f64| JointCoupling::new(&model, [(joints[0], 1.0), (joints[1], -2.0)], offset);
+    let mut coupling = coupled(0.5);
+    coupling.set_offset(0.7);
+    assert_eq!(coupling, coupled(0.7));
 }
 
 /// Targets are those of a problem with the same kinds of tasks, one for one, and of no other.

@@ -1,0 +1,78 @@
+//! Promise: what a method is told is what it does: more damping makes a shorter first step, and a tolerance of ranks says how
+//! nearly alike columns are one.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::ik::Restarts;
+use kinopt::model::{Limits, Model};
+use kinopt::problem::Problem;
+use kinopt::solver::{Damping, GaussNewton, LevenbergMarquardt, Method, Stopping};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::Point;
+use kinopt::{Solution, Solver};
+use support::planar_arm;
+
+/// One iteration from the start, and no more.
+fn one_step(method: impl Method, problem: &Problem, start: &[f64]) -> Solution {
+    let solver = Solver::new(method)
+        .with_stopping(Stopping::default().with_max_iterations(1))
+        .with_restarts(Restarts::none());
+    solver.solve_once(problem, start).unwrap()
+}
+
+fn moved(solution: &Solution, start: &[f64]) -> f64 {
+    let moves = solution.q.iter().zip(start).map(|(a, b)| (a - b) * (a - b));
+    moves.sum::<f64>().sqrt()
+}
+
+#[test]
+fn the_more_damping_at_first_the_shorter_the_first_step() {
+    let model = planar_arm(&[1.0, 0.8, 0.5], None);
+    let tip = model.frame("tip").unwrap();
+    let mut builder = Problem::builder(&model);
+    builder.add(Point::new(tip, [0.9, 1.2, 0.0]));
+    let (problem, start) = (builder.build().unwrap(), [0.3, 0.4, 0.5]);
+    for damping in [Damping::GainRatio, Damping::ErrorProportional] {
+        let lengths = [1e-6, 1e-2, 1.0, 100.0].map(|initial| {
+            let method = LevenbergMarquardt::new(damping).with_initial_damping(initial);
+            moved(&one_step(method, &problem, &start), &start)
+        });
+        assert!(
+            lengths.is_sorted_by(|longer, shorter| *shorter < 0.99 * longer && *shorter > 0.0),
+            "{damping:?}: {lengths:?}"
+        );
+    }
+}
+
+/// Two slides a thousandth apart: as two they meet any place at once, as one they share what is along both.
+#[test]
+fn columns_that_are_nearly_alike_are_one_or_two() {
+    const APART: f64 = 1e-3;
+    let mut builder = Model::builder("slides");
+    let at = Placement::identity();
+    let room = Limits::new(-5.0, 5.0);
+    let ways = [
+        Vector3::UNITS[0],
+        Vector3::new(APART.cos(), APART.sin(), 0.0),
+    ];
+    let first = builder.prismatic("first", None, at, ways[0], room);
+    let second = builder.prismatic("second", Some(first), at, ways[1], room);
+    let tip = builder.frame("tip", Some(second), at);
+    let model = builder.build().unwrap();
+    let mut builder = Problem::builder(&model);
+    builder.add(Point::new(tip, [0.5, 2e-3, 0.0]));
+    let problem = builder.build().unwrap();
+    let step = |tolerance: f64| {
+        let method = GaussNewton::default().with_rank_tolerance(tolerance);
+        one_step(method, &problem, &[0.0; 2])
+    };
+    let two = step(1e-5);
+    assert!(two.reached, "{}", two.explain());
+    assert!((two.q[1] - 2.0).abs() < 1e-3 && (two.q[0] + 1.5).abs() < 1e-3);
+    let one = step(1e-2);
+    assert!(!one.reached);
+    assert!(
+        (one.q[0] - 0.25).abs() < 1e-3 && (one.q[1] - 0.25).abs() < 1e-3,
+        "{:?}",
+        one.q
+    );
+}
