@@ -584,3 +584,45 @@ fn a_leap_is_told_where_it_is_made() {
         }
     }
 }
+
+/// A clearance that is given another distance or another world is one that was made so.
+#[test]
+fn a_clearance_that_is_set_is_one_made_so() {
+    let robot = Robot::read("../models/franka_panda.urdf").unwrap();
+    let bodies = CollisionModel::of(&robot).unwrap();
+    let world = |height: f64| {
+        let mut world = World::new();
+        let at = Vector3::new(0.4, 0.0, height);
+        world.add_box("box", [0.3; 3], at).unwrap();
+        world
+    };
+    let checker = |height: f64| {
+        Checker::new(bodies.clone())
+            .with_world(&world(height))
+            .unwrap()
+    };
+    let [near, far] = [checker(0.5), checker(0.9)];
+    let q = [0.0, 0.4, 0.0, -1.6, 0.0, 2.0, 0.7, 0.01, 0.01];
+    let residual = |clearance: Clearance| {
+        let mut tasks = Problem::builder(robot.model());
+        tasks.parameters(robot.map().clone());
+        tasks.add(clearance);
+        let problem = tasks.build().unwrap();
+        let mut x = vec![0.0; problem.variables()];
+        problem.parameters().reduce(&q, &mut x).unwrap();
+        let mut residual = vec![0.0; problem.rows()];
+        let mut scratch = problem.scratch();
+        Evaluation::new(&problem, &mut scratch).residual(&x, &mut residual);
+        residual
+    };
+    let mut set = Clearance::new(&near, 0.05);
+    set.set_distance(0.3);
+    assert_eq!(set.distance(), 0.3);
+    let [small, large] = [0.05, 0.3].map(|distance| residual(Clearance::new(&near, distance)));
+    assert_eq!(residual(set.clone()), large);
+    assert_ne!(small, large);
+    set.set_checker(&far);
+    let there = residual(Clearance::new(&far, 0.3));
+    assert_eq!(residual(set), there);
+    assert_ne!(there, large);
+}

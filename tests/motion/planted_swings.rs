@@ -123,3 +123,35 @@ fn a_clip_backwards_is_planted_backwards() {
         }
     }
 }
+
+/// A foot is led out of its stance and into the next over as long as is said, and goes as it went in between.
+#[test]
+fn a_foot_is_led_for_as_long_as_is_said() {
+    use kinopt::motion::ContactDetection;
+    let armature = figure();
+    let walk = walk(&armature, true);
+    let detection = ContactDetection::default().with_speed(0.4).with_height(0.1);
+    let moved = |lead: f64| -> [f32; 2] {
+        let planted = planted(&armature).with_detection(detection.with_lead(lead));
+        let edited = planted.with_keys_per_second(120.0).solve(&walk).unwrap();
+        let mut most = [0.0_f32; 2];
+        for foot in ["foot.l", "foot.r"] {
+            let bone = armature.bone(foot).unwrap();
+            let own = edited.stances.iter().filter(|stance| stance.bone == bone);
+            let own: Vec<_> = own.map(|stance| stance.span).collect();
+            for pair in own.windows(2) {
+                let [end, next] = [pair[0][1], pair[1][0]];
+                // Just out of a stance, and in the middle of the swing.
+                for (k, time) in [end + 0.015, 0.5 * (end + next)].into_iter().enumerate() {
+                    let [old, new] =
+                        [&walk, &edited.clip].map(|clip| at(&armature, clip, foot, time));
+                    most[k] = most[k].max(old.distance(new));
+                }
+            }
+        }
+        most
+    };
+    let [short, long] = [0.05, 0.4].map(moved);
+    assert!(short[0] > 2e-3 && long[0] > 2e-3, "{short:?} {long:?}");
+    assert!(short[1] < 2e-4 && long[1] > 5e-4, "{short:?} {long:?}");
+}
