@@ -190,3 +190,29 @@ fn uneven_scales_with_children_are_refused() {
     let armature = armature(2, &mut Random::new(5));
     assert!(armature.skeleton("one", backwards).is_err());
 }
+
+/// Bones that turn may turn any way, and the others not at all.
+#[test]
+fn bones_turn_or_stand_still() {
+    use std::collections::BTreeSet;
+    let rig = support::bones::RandomRig::new(3);
+    let armature = kinopt::animation::Armature::of_skeleton(&rig.skeleton);
+    let turning: BTreeSet<_> = armature
+        .bone_ids()
+        .filter(|bone| bone.index() % 3 == 1)
+        .collect();
+    let skeleton = armature.turning_skeleton("turning", &turning).unwrap();
+    for bone in armature.bone_ids() {
+        let own = skeleton.bone(&armature.names()[bone.index()]).unwrap();
+        for limits in skeleton.bones()[own.index()].limits {
+            let free = limits.lower == f64::NEG_INFINITY && limits.upper == f64::INFINITY;
+            assert_eq!(
+                (free, limits.is_locked()),
+                match turning.contains(&bone) {
+                    true => (true, false),
+                    false => (false, true),
+                }
+            );
+        }
+    }
+}

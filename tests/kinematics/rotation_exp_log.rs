@@ -186,3 +186,36 @@ fn the_jacobian_of_the_logarithm_inverts_the_left_jacobian() {
         }
     }
 }
+
+/// How a rotation turns as its vector changes is what small changes make it turn by, from no turn to beyond half of one.
+#[test]
+fn the_jacobian_of_the_exponential_is_its_change() {
+    use kinopt::spatial::{Matrix3, Vector3, rotation_exp, rotation_exp_jacobian, rotation_log};
+    use support::random::Random;
+    let mut random = Random::new(23);
+    for size in [0.0, 1e-9, 1e-3, 0.09, 0.11, 1.0, 3.0, 5.0] {
+        for _ in 0..20 {
+            let way = random.direction();
+            let phi = Vector3::new(way.x, way.y, way.z) * size;
+            let jacobian = rotation_exp_jacobian(phi);
+            for (unit, column) in Vector3::UNITS
+                .into_iter()
+                .zip([jacobian.x, jacobian.y, jacobian.z])
+            {
+                let by = 1e-5;
+                let [there, here] = [by, -by].map(|by| rotation_exp(phi + unit * by));
+                let turned = rotation_log(&(there * here.transpose())) * (0.5 / by);
+                assert!(
+                    (turned - column).norm() < 1e-9,
+                    "{size}: {turned:?} {column:?}"
+                );
+            }
+        }
+    }
+    let turned: Matrix3<f64> = rotation_exp(Vector3::new(0.3, -0.7, 0.5));
+    let (angle, v) = (0.8_f64, Vector3::new(0.2, 0.5, -0.4));
+    let about_y = rotation_exp(Vector3::UNITS[1] * angle);
+    let [a, b] = [turned.rotated_about_y(angle.sin_cos()), turned * about_y];
+    assert!((a.x - b.x).norm() + (a.y - b.y).norm() + (a.z - b.z).norm() < 1e-15);
+    assert!((turned.transpose_mul(v) - turned.transpose() * v).norm() < 1e-15);
+}

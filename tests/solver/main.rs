@@ -3,6 +3,7 @@
 mod asked_within_bounds;
 mod balance_at_its_edge;
 mod ball_joints;
+mod boxes;
 mod clear_of_ones_own;
 mod contradicting_targets;
 mod drags;

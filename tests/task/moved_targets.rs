@@ -159,3 +159,26 @@ fn targets_of_other_tasks_are_refused() {
         assert!(matches!(refused, Err(ProblemError::ForeignTargets { .. })));
     }
 }
+
+/// What is asked about a task and a problem is what they were given.
+#[test]
+fn what_is_asked_about_is_what_was_given() {
+    use kinopt::model::Limits;
+    use kinopt::problem::Problem;
+    use kinopt::task::{Posture, Task};
+    let mut builder = Model::builder("hinge");
+    let at = Placement::identity();
+    let hinge = builder.revolute("hinge", None, at, Vector3::UNITS[2], Limits::new(-1.0, 1.0));
+    let frame = builder.frame("tip", Some(hinge), at);
+    let model = builder.build().unwrap();
+    let tool = Placement::translation(Vector3::new(0.1, 0.2, 0.3));
+    assert_eq!(Pose::new(frame, at).frame_from_tool(), at);
+    assert_eq!(Pose::new(frame, at).with_tool(tool).frame_from_tool(), tool);
+    for (is_goal, prefers) in [(true, false), (false, true)] {
+        let mut builder = Problem::builder(&model);
+        builder.add(Point::new(frame, Vector3::UNITS[0]));
+        let posture = Task::new(Posture::new(&model, &[0.5]));
+        builder.add(if is_goal { posture.goal() } else { posture });
+        assert_eq!(builder.build().unwrap().has_preferences(), prefers);
+    }
+}
