@@ -38,6 +38,7 @@ def test_a_hand_reaches_while_feet_stand(wave: tuple[kinopt.Skeleton, Clip]) -> 
     )
     assert {stance.bone for stance in edited.stances} == {"left_foot", "right_foot"}
     assert max(stance.slide for stance in edited.stances) < 1e-4
+    assert max(stance.stray for stance in edited.stances) < 1e-3
     assert max(led.miss for led in edited.led) < 1e-4
     assert edited.root_moved == 0.0
     length = skeleton.bones[skeleton.bone_names.index("left_hand")].length
