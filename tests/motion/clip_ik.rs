@@ -313,6 +313,26 @@ fn between_few_keys_planted_feet_stray_by_a_thousandth_of_a_leg() {
     }
 }
 
+/// More keys bring no foot nearer that is too far from its place at them.
+#[test]
+fn what_cannot_be_held_gets_no_more_keys() {
+    let armature = figure();
+    let id = |name: &str| armature.bone(name).unwrap();
+    let clip = walk(&armature, true);
+    // The shin alone turns, on a thigh that goes its way: the foot stands where that leaves it.
+    let edited = ClipIk::new(&armature)
+        .with_planted(id("foot.l"))
+        .with_root(id("thigh.l"))
+        .with_keys_per_second(30.0)
+        .solve(&clip)
+        .unwrap();
+    assert!(edited.led[0].miss > 5e-3, "{:?}", edited.led);
+    let channels = edited.clip.channels(&armature).unwrap();
+    let own = channels.iter().find(|(bone, _)| *bone == id("shin.l"));
+    let keys = own.unwrap().1.times().len();
+    assert!((61..90).contains(&keys), "{keys} keys");
+}
+
 #[test]
 fn feet_stand_on_stairs() {
     let armature = figure();

@@ -74,7 +74,7 @@ pub(super) fn solve(
         let edited = spliced(clip, ik.armature, &times, &runs, solved.keys())?;
         let moments = solved.moments();
         let strays = Strays::measured(&plan, &moments, &edited, &mut posed)?;
-        let more = strays.more_moments(&plan, &moments);
+        let more = strays.more_moments(&plan, &solved);
         if refinements == MOST_REFINEMENTS || more.is_empty() {
             break (edited, moments, strays);
         }

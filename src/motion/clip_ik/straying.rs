@@ -4,6 +4,7 @@ use super::ClipIkError;
 use super::plan::{Moment, Plan, dvec};
 use super::posed_bones::PosedBones;
 use super::sampling::Poses;
+use super::solved_moments::SolvedMoments;
 use crate::animation::Clip;
 
 /// How far a foot that stands may be off between keys, in lengths of its limb: a millimetre on a leg of a metre.
@@ -51,12 +52,19 @@ impl Strays {
         self.0[foot][from..to].iter().copied().fold(0.0, f64::max)
     }
 
-    /// As many more moments between two as bring a foot near enough that is not: a line's error goes with the square of its length.
-    pub(super) fn more_moments(&self, plan: &Plan<'_>, moments: &[Moment]) -> Vec<Moment> {
-        let allowed = |foot: usize| ALLOWED * plan.limbs[foot].longest();
+    /// As many more moments between two as bring a foot near enough that is not: a line's error goes with the square of its length. What a
+    /// foot is off at both of them already, no more of them help.
+    pub(super) fn more_moments(&self, plan: &Plan<'_>, solved: &SolvedMoments<'_>) -> Vec<Moment> {
+        let moments = solved.moments();
+        let misses: Vec<Vec<f64>> = (0..self.0.len())
+            .map(|foot| solved.misses(foot).collect())
+            .collect();
         let parts = |gap: usize| {
             let feet = self.0.iter().enumerate();
-            let beyond = feet.map(|(foot, strays)| strays[gap] / allowed(foot));
+            let beyond = feet.map(|(foot, strays)| {
+                let off = misses[foot][gap].max(misses[foot][gap + 1]);
+                (strays[gap] - off) / (ALLOWED * plan.limbs[foot].longest())
+            });
             let most = beyond.fold(1.0, f64::max);
             most.sqrt().ceil().min(MOST_PARTS) as usize
         };
