@@ -188,3 +188,47 @@ fn free_joints_and_common_limits() {
         assert_eq!(common, Limits::new(-0.25, 0.5));
     }
 }
+
+/// Each slide of a free or a planar joint has the room that it is given, in their order.
+#[test]
+fn rooms_are_those_of_their_axes() {
+    let mut builder = Model::builder("rooms");
+    let still = Placement::identity();
+    let [a, b, c] = [0.1, 0.2, 0.3].map(|end| Limits::new(-end, 2.0 * end));
+    let body = builder.free("body", None, still, [a, b, c]);
+    builder.planar("foot", Some(body), still, Vector3::UNITS[2], [b, a], c);
+    let model = builder.build().unwrap();
+    let limits: Vec<_> = model.limits().collect();
+    assert_eq!(limits[..3], [a, b, c]);
+    assert_eq!(limits[7..], [b, a, c]);
+}
+
+/// Only a ball has a cone.
+#[test]
+fn a_cone_on_a_hinge_is_refused() {
+    use kinopt::model::{BallLimits, Joint, JointKind, ModelError};
+    for kind in [
+        JointKind::Revolute,
+        JointKind::Prismatic,
+        JointKind::Continuous,
+    ] {
+        let mut builder = Model::builder("hinge");
+        let limits = Limits::new(-1.0, 1.0);
+        let mut joint = Joint::new(
+            "a",
+            None,
+            Placement::identity(),
+            kind,
+            Vector3::UNITS[0],
+            limits,
+        );
+        let cone = BallLimits::cone(0.5, limits);
+        joint.ball = Some(cone);
+        builder.joint(joint);
+        let refused = builder.build().unwrap_err();
+        assert!(
+            matches!(refused, ModelError::BadBallLimits { .. }),
+            "{refused}"
+        );
+    }
+}

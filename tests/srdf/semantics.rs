@@ -98,6 +98,11 @@ fn maps_hold_passive_joints_and_what_is_outside_a_group() {
     assert_eq!(wrist.variables(), 2);
     wrist.expand(&[0.25, 0.5], &mut expanded).unwrap();
     assert_eq!(expanded[..7], [&q[..5], &[0.25, 0.5]].concat());
+    // One finger leads, the other follows it.
+    let hand = srdf.only(&robot, "hand", &q).unwrap().build().unwrap();
+    assert_eq!(hand.variables(), 1);
+    hand.expand(&[0.02], &mut expanded).unwrap();
+    assert_eq!(expanded, [&q[..7], &[0.02; 2]].concat());
     assert!(srdf.only(&robot, "leg", &q).is_err());
     assert!(srdf.driven(&robot, &q[..3]).build().is_err());
 }
