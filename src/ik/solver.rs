@@ -12,7 +12,7 @@ use crate::clock::Instant;
 use crate::problem::{Evaluation, Fence, Question, Share};
 use crate::search::{self, Engine, Found, Schedule, check_start};
 use crate::solver::{
-    AnyMethod, LeastSquares, LevenbergMarquardt, Method, Observer, Silent, Stopping, half_squared,
+    AnyMethod, LeastSquares, LevenbergMarquardt, Method, Observer, Silent, Stopping,
 };
 
 /// A solver with its settings. Immutable and shareable; the memory is the caller's
@@ -221,7 +221,7 @@ impl Solver {
         &self,
         question: Question<'_>,
         x: &[f64],
-        mut found: Found,
+        found: Found,
         workspace: &mut Workspace,
         observer: &mut dyn Observer,
     ) {
@@ -231,8 +231,6 @@ impl Solver {
         let kept = &mut workspace.search.keeper;
         kept.x.copy_from_slice(x);
         Evaluation::of(share, question, &mut scratch).residual(x, &mut kept.residual);
-        found.reached = problem.is_reached_by(share, &kept.residual);
-        found.cost = half_squared(&kept.residual);
         if problem.ranks().levels() > 1 {
             let mut ranked = Ranked {
                 question,
