@@ -37,10 +37,12 @@ pub(crate) mod world;
 
 pub use crate::problem::{BodyKind, Collision};
 pub use bounding_box::BoundingBox;
+pub(crate) use checker::FIRST_PLANE;
 pub use checker::{Checker, CheckerError, CheckerWorkspace, Clearance, Way, WayChecker};
 pub(crate) use distance::ROUNDING;
 pub use distance::{Separation, separation, separation_within};
 pub use mesh_file::MeshFile;
+pub(crate) use model::Plane;
 pub use model::{
     CollisionModel, CollisionModelBuilder, CollisionModelError, CollisionObject, MeshUse,
 };

@@ -2,6 +2,9 @@
 
 mod base_joint;
 mod chain;
+#[cfg(feature = "mjcf")]
+#[cfg_attr(not(feature = "collision"), allow(dead_code))] // Collision models ask them.
+mod contacts;
 mod drive;
 #[cfg(feature = "yaml")]
 mod joint_limits;
@@ -30,6 +33,8 @@ pub use xml::{Fault, Mended, Repair, RobotFileError};
 
 use std::path::{Path, PathBuf};
 
+#[cfg(feature = "mjcf")]
+pub(crate) use contacts::Contacts;
 use drive::Drive;
 
 use crate::model::{
@@ -67,6 +72,10 @@ pub struct Robot {
     /// By frame index; frames beyond are no links.
     links: Vec<Link>,
     passive: Vec<JointId>,
+    /// Which links touch, where the file is MJCF.
+    #[cfg(feature = "mjcf")]
+    #[cfg_attr(not(feature = "collision"), allow(dead_code))]
+    contacts: Option<Contacts>,
     /// Where it was read from.
     file: Option<PathBuf>,
     #[cfg(feature = "xml")]
@@ -88,6 +97,8 @@ impl Robot {
             drives: Vec::new(),
             links: Vec::new(),
             passive: Vec::new(),
+            #[cfg(feature = "mjcf")]
+            contacts: None,
             file: None,
             #[cfg(feature = "xml")]
             repairs: Vec::new(),
@@ -136,6 +147,12 @@ impl Robot {
     setters! {
         /// The same robot as if it had been read from this file, which need not exist.
         pub fn with_file(mut self, file: impl Into<PathBuf>) { self.file = Some(file.into()) }
+    }
+
+    /// Which links touch, where the file is MJCF.
+    #[cfg(all(feature = "mjcf", feature = "collision"))]
+    pub(crate) fn contacts(&self) -> Option<&Contacts> {
+        self.contacts.as_ref()
     }
 
     /// What the file leaves to defaults or gets wrong, and what was taken instead, in its order.

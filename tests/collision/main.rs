@@ -17,6 +17,7 @@ mod hostile;
 mod hulls_of_many_corners;
 mod identities;
 mod mesh_files;
+mod mjcf_contacts;
 mod narrow_gaps;
 mod paths_keep_clear;
 mod sampled_pairs;

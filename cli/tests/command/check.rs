@@ -165,3 +165,37 @@ fn meshes_of_a_package_are_found_from_within_it() {
         assert!(run.status.success(), "{place}: {}", stderr(&run));
     }
 }
+
+/// A floor and a slab in the world of an MJCF file, and a pair that it takes out.
+#[test]
+fn an_mjcf_file_s_own_world_is_not_gone_through() {
+    let folder = Folder::new("check-mjcf");
+    let arm = |world: &str, contact: &str| {
+        format!(
+            r#"<mujoco><worldbody>{world}<body name="arm" pos="0 0 1"><joint axis="0 1 0"/>
+            <geom type="capsule" size=".05" fromto="0 0 0 .5 0 0"/></body></worldbody>{contact}</mujoco>"#
+        )
+    };
+    let floor = r#"<geom name="floor" type="plane" size="0 0 1" pos="0 0 .6"/>"#;
+    let slab = r#"<geom type="box" size=".1 .1 .1" pos=".4 0 .875"/>"#;
+    let robot = folder.text("floor.xml", arm(floor, ""));
+    let told = answer!("check {robot} --q 0");
+    let apart = told["nearest"]["distance"].as_f64().unwrap();
+    assert!((apart - 0.35).abs() < 1e-12, "{told}");
+    let run = kinopt!("check {robot} --q 90 --degrees");
+    assert_eq!(run.status.code(), Some(1));
+    let told = String::from_utf8(run.stdout).unwrap();
+    says!(told => "link arm | link world | 150.000 mm");
+    let robot = folder.text("slab.xml", arm(slab, ""));
+    let run = kinopt!("check {robot} --q 0");
+    let told = String::from_utf8(run.stdout).unwrap();
+    says!(told => "25.000 mm");
+    let exclude = r#"<contact><exclude body1="world" body2="arm"/></contact>"#;
+    let robot = folder.text("excluded.xml", arm(slab, exclude));
+    assert_eq!(answer!("check {robot} --q 0")["free"], true);
+    let hills = r#"<geom name="hills" type="hfield" hfield="h"/>"#;
+    let robot = folder.text("hills.xml", arm(hills, ""));
+    let run = kinopt!("check {robot} --q 0");
+    let told = String::from_utf8(run.stderr).unwrap();
+    says!(told => "note: | hills.xml:1: geom `hills` | hfield");
+}

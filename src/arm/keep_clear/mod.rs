@@ -13,7 +13,7 @@ use super::arm::Arm;
 use super::workspace::ArmWorkspace;
 use super::{ArmError, QueryError, Reply};
 use crate::collision::in_lanes::{self, Body, BodyChain, Rooms, SolidMoved, Solids};
-use crate::collision::{Checker, CheckerWorkspace, SphereModel, World};
+use crate::collision::{Checker, CheckerWorkspace, FIRST_PLANE, Plane, SphereModel, World};
 use crate::kinematics::ForwardKinematics;
 use crate::lanes::Chain;
 use crate::model::{FrameId, JointId, Model};
@@ -352,8 +352,8 @@ impl Own<'_> {
 }
 
 impl InLanes {
-    /// `None` where the arm moves the world in its base's frame, where it carries an obstacle, which has no spheres, and where a link
-    /// has none.
+    /// `None` where the arm moves the world in its base's frame, where it carries an obstacle, which has no spheres, where a link
+    /// has none, and where one that moves may be through a plane.
     fn new(
         chain: &Chain,
         q: &[f64],
@@ -363,6 +363,10 @@ impl InLanes {
         spheres: &SphereModel,
     ) -> Option<Self> {
         if own.joints_to(None) > 0 || checker.world().attached().next().is_some() {
+            return None;
+        }
+        // Lanes hold all bodies over all planes.
+        if checker.model().planes().iter().any(Plane::is_passed) {
             return None;
         }
         let base_from_world = match own.base {
@@ -391,7 +395,9 @@ impl InLanes {
         let pairs = model.pairs().iter().filter(|pair| !close(pair));
         let pairs = pairs.filter_map(|[a, b]| Some([place(a)?, place(b)?]));
         let pairs = pairs.filter(counts).collect();
+        let planes = checker.model().planes().iter().map(|plane| &plane.obstacle);
         let solids = checker.world().numbered();
+        let solids = solids.chain((FIRST_PLANE..).zip(planes));
         let solids = solids.map(|(number, o)| (number, &o.shape, base_from_world * o.placement));
         let bodies = BodyChain::new(chain, q, bodies, pairs);
         Some(Self {

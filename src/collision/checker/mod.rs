@@ -21,6 +21,7 @@ pub use clearance::Clearance;
 pub use continuous_check::Way;
 pub use error::CheckerError;
 pub use keep_clear::WayChecker;
+pub(crate) use parts::FIRST_PLANE;
 pub use workspace::CheckerWorkspace;
 
 use super::world::Change;

@@ -17,6 +17,9 @@ use crate::model::{FrameId, FrameRef};
 use crate::problem::BodyKind;
 use crate::spatial::{Placement, Vector3};
 
+/// The numbers of a model's planes, beyond those of any world.
+pub(crate) const FIRST_PLANE: u64 = 1 << 63;
+
 /// What moves with one frame.
 #[derive(Clone, Debug)]
 pub(super) struct Part {
@@ -26,6 +29,8 @@ pub(super) struct Part {
     pub(super) shapes: Vec<PartShape>,
     /// Around all of its shapes, where that was given.
     cover: Option<Cover>,
+    /// The numbers of the model's planes that it may be through.
+    passes: Vec<u64>,
 }
 
 /// Two of them, by place.
@@ -52,7 +57,9 @@ pub(super) struct Scene {
 
 impl Scene {
     pub(super) fn new(model: &CollisionModel, world: &World) -> Result<Self, CheckerError> {
-        let standing = world.numbered().filter_map(|(number, obstacle)| {
+        let planes = model.planes().iter().map(|plane| &plane.obstacle);
+        let all = world.numbered().chain((FIRST_PLANE..).zip(planes));
+        let standing = all.filter_map(|(number, obstacle)| {
             let (obstacle, bounds) = standing(obstacle)?;
             Some((number, obstacle, bounds))
         });
@@ -87,6 +94,7 @@ impl Scene {
                 .map(|object| PartShape::new(object.shape.clone(), object.link_from_shape))
                 .collect(),
             cover: None,
+            passes: passes(model, *link),
         };
         let mut parts: Vec<Part> = model.links().iter().map(link).collect();
         let own = parts.len();
@@ -105,6 +113,7 @@ impl Scene {
                 frame,
                 shapes: vec![PartShape::new(obstacle.shape.clone(), obstacle.placement)],
                 cover: None,
+                passes: passes(model, frame),
             });
         }
         let ends = parts.iter().scan(0, |end, part| {
@@ -146,7 +155,11 @@ impl Scene {
         match pair {
             Pair::Standing(a, b) => {
                 let standing = self.standing.thing(b as u32);
-                [part(a), (&standing.name, BodyKind::Obstacle)]
+                let kind = match self.standing.number(b as u32) {
+                    number if number < FIRST_PLANE => BodyKind::Obstacle,
+                    _ => BodyKind::Link,
+                };
+                [part(a), (&standing.name, kind)]
             }
             Pair::Parts(a, b) => [part(a), part(b)],
         }
@@ -206,6 +219,10 @@ impl Scene {
                 None => near.push((standing, separation)),
             }
         });
+        let passes = &self.parts[part].passes;
+        if !passes.is_empty() {
+            near.retain(|(standing, _)| !passes.contains(&self.standing.number(*standing)));
+        }
         near.sort_by_key(|(standing, _)| self.standing.number(*standing));
     }
 
@@ -310,6 +327,13 @@ fn standing(obstacle: &Arc<Obstacle>) -> Option<(Arc<Obstacle>, BoundingBox)> {
         .attached
         .is_none()
         .then(|| (Arc::clone(obstacle), bounds))
+}
+
+/// The numbers of the planes that what is on a frame may be through.
+fn passes(model: &CollisionModel, frame: FrameId) -> Vec<u64> {
+    let planes = (FIRST_PLANE..).zip(model.planes());
+    let passed = planes.filter(|(_, plane)| !plane.holds(model.model(), frame));
+    passed.map(|(number, _)| number).collect()
 }
 
 impl Part {

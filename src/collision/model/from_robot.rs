@@ -99,7 +99,13 @@ impl<'r> CollisionModelBuilder<'r> {
             }));
         }
         let map = self.robot.map().clone();
-        CollisionModel::assemble(model, map, objects, notes)
+        let own = CollisionModel::assemble(model, map, objects, notes)?;
+        #[cfg(feature = "mjcf")]
+        let own = match self.robot.contacts() {
+            Some(contacts) => own.with_contacts(contacts),
+            None => own,
+        };
+        Ok(own)
     }
 
     fn shapes(

@@ -2,6 +2,8 @@
 
 mod bodies;
 mod capsules;
+#[cfg(feature = "mjcf")]
+mod contacts;
 mod descent;
 mod error;
 mod from_robot;
@@ -10,6 +12,8 @@ mod link_shapes;
 mod meshes;
 mod pairs;
 mod pieces;
+#[cfg_attr(not(feature = "mjcf"), allow(dead_code))] // MJCF files alone have planes.
+mod planes;
 mod sampling;
 #[cfg(feature = "serde")]
 mod serialised;
@@ -19,6 +23,7 @@ pub(crate) use bodies::{Bodies, pairs_apart};
 pub use error::CollisionModelError;
 pub use from_robot::CollisionModelBuilder;
 pub use meshes::MeshUse;
+pub(crate) use planes::Plane;
 
 use super::Shape;
 use crate::model::{FrameId, FrameRef, Model, ParameterMap, UnknownName};
@@ -59,7 +64,8 @@ impl CollisionObject {
 /// Shapes on the links of a model, and the pairs of links that must not touch.
 ///
 /// At first all links with shapes are kept apart, but those of one body (joined by fixed joints alone) and of
-/// adjacent ones (joined by a joint, links without shapes between them passed over). SRDF files
+/// adjacent ones (joined by a joint, links without shapes between them passed over); of an MJCF file those that MuJoCo
+/// lets touch, and links that move are kept over the planes of its world. SRDF files
 /// ([`with_srdf`](Self::with_srdf)), samples ([`with_pairs_sampled`](Self::with_pairs_sampled)) and hand
 /// ([`with_ignored`](Self::with_ignored), [`with_checked`](Self::with_checked)) change that.
 ///
@@ -88,6 +94,7 @@ pub struct CollisionModel {
     links: Vec<FrameId>,
     /// Sorted, the first of each before the second.
     pairs: Vec<[FrameId; 2]>,
+    planes: Vec<Plane>,
     notes: Vec<String>,
 }
 
@@ -137,6 +144,7 @@ impl CollisionModel {
             objects,
             links,
             pairs,
+            planes: Vec::new(),
             notes,
         })
     }
@@ -170,12 +178,14 @@ impl CollisionModel {
     fn link(&self, link: FrameRef<'_>) -> Result<FrameId, UnknownName> {
         let names = self.links.iter().map(|link| self.name_of(*link));
         let unknown = |name: &str| UnknownName::new("link with collision shapes", name, names);
+        let mut planes = self.planes.iter().map(|plane| plane.link);
         match link {
             FrameRef::Name(name) => {
-                let found = self.links.iter().find(|link| self.name_of(**link) == name);
-                found.copied().ok_or_else(|| unknown(name))
+                let mut links = self.links.iter().copied().chain(planes);
+                let found = links.find(|link| self.name_of(*link) == name);
+                found.ok_or_else(|| unknown(name))
             }
-            FrameRef::Id(id) if self.links.contains(&id) => Ok(id),
+            FrameRef::Id(id) if self.links.contains(&id) || planes.any(|link| link == id) => Ok(id),
             FrameRef::Id(id) => {
                 let frame = self.model.frames().get(id.index());
                 Err(unknown(frame.map_or("?", |frame| frame.name.as_str())))

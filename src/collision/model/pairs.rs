@@ -17,6 +17,7 @@ impl CollisionModel {
     ) -> Result<Self, UnknownName> {
         let pair = self.pair(a.into(), b.into())?;
         self.pairs.retain(|other| *other != pair);
+        self.pass_planes(pair, true);
         Ok(self)
     }
 
@@ -31,7 +32,10 @@ impl CollisionModel {
         b: impl Into<FrameRef<'a>>,
     ) -> Result<Self, UnknownName> {
         let pair = self.pair(a.into(), b.into())?;
-        if let (Err(at), true) = (self.pairs.binary_search(&pair), pair[0] != pair[1]) {
+        self.pass_planes(pair, false);
+        let have_shapes = pair.iter().all(|link| self.links.contains(link));
+        let differ = pair[0] != pair[1] && have_shapes;
+        if let (Err(at), true) = (self.pairs.binary_search(&pair), differ) {
             self.pairs.insert(at, pair);
         }
         Ok(self)
@@ -44,6 +48,7 @@ impl CollisionModel {
         for disabled in &srdf.disabled_pairs {
             let pair = ordered(disabled.links);
             self.pairs.retain(|other| *other != pair);
+            self.pass_planes(pair, true);
         }
         self
     }
@@ -58,7 +63,7 @@ impl CollisionModel {
         b: impl Into<FrameRef<'a>>,
     ) -> Result<bool, UnknownName> {
         let pair = self.pair(a.into(), b.into())?;
-        Ok(self.pairs.binary_search(&pair).is_ok())
+        Ok(self.pairs.binary_search(&pair).is_ok() || self.is_over_plane(pair))
     }
 
     fn pair(&self, a: FrameRef<'_>, b: FrameRef<'_>) -> Result<[FrameId; 2], UnknownName> {

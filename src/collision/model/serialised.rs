@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{CollisionModel, CollisionModelError, CollisionObject};
+use super::{CollisionModel, CollisionModelError, CollisionObject, Plane};
 use crate::collision::{Shape, ShapeError, ShapeKind};
-use crate::model::{FrameId, Model, ParameterMap};
+use crate::model::{FrameId, FrameRef, Model, ParameterMap};
 use crate::spatial::{Placement, Vector3};
 
 /// What a collision model is written as.
@@ -14,7 +14,16 @@ pub(super) struct Parts {
     map: ParameterMap,
     objects: Vec<ObjectParts>,
     pairs: Vec<[FrameId; 2]>,
+    #[serde(default)]
+    planes: Vec<PlaneParts>,
     notes: Vec<String>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct PlaneParts {
+    link: FrameId,
+    world_from_plane: Placement<f64>,
+    passed: Vec<FrameId>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -80,7 +89,13 @@ impl From<CollisionModel> for Parts {
             link: object.link,
             link_from_shape: object.link_from_shape,
         };
+        let plane = |plane: Plane| PlaneParts {
+            link: plane.link,
+            world_from_plane: plane.obstacle.placement,
+            passed: plane.passed,
+        };
         Self {
+            planes: own.planes.into_iter().map(plane).collect(),
             model: own.model,
             map: own.map,
             objects: own.objects.into_iter().map(object).collect(),
@@ -119,6 +134,12 @@ impl TryFrom<Parts> for CollisionModel {
             return Err(CollisionModelError::ForeignMap { given, expected });
         }
         let mut own = Self::assemble(&model, parts.map, objects, parts.notes)?;
+        for plane in parts.planes {
+            FrameRef::from(plane.link).resolve(&model)?;
+            let at = plane.world_from_plane;
+            own.planes
+                .push(Plane::new(&model, plane.link, at, plane.passed));
+        }
         own.pairs.clear();
         for [a, b] in parts.pairs {
             own = own.with_checked(a, b)?;

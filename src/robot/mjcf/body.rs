@@ -28,7 +28,7 @@ pub(super) struct Body<'a> {
     pub(super) parent_from_body: Placement<f64>,
     pub(super) joints: Vec<JointElement<'a>>,
     pub(super) sites: Vec<Site<'a>>,
-    pub(super) geoms: Vec<Geom>,
+    pub(super) geoms: Vec<Geom<'a>>,
     pub(super) inertial: Option<Inertial>,
 }
 
@@ -147,7 +147,10 @@ impl<'a> BodyReader<'_, 'a> {
             "geom" => {
                 let with = (self.compiler, self.defaults, self.meshes);
                 match geom::read(child, with, class, &at) {
-                    Ok(geom) => body.geoms.push(geom),
+                    Ok(geom) => {
+                        self.left_out.extend(geom.missing_shape());
+                        body.geoms.push(geom);
+                    }
                     Err(error) => self.left_out.push(error),
                 }
             }

@@ -11,7 +11,8 @@ use super::segment;
 use super::solid::Solid;
 use super::tree::Tag;
 use crate::model::UnknownName;
-use crate::robot::xml::{Fault, Read};
+use crate::robot::contacts::ContactBits;
+use crate::robot::xml::{Fault, Read, RobotFileError};
 use crate::robot::{Geometry, Shape};
 use crate::spatial::Placement;
 
@@ -34,12 +35,31 @@ const DENSITY: f64 = 1000.0;
 
 /// A geom of a body.
 #[derive(Clone, Debug)]
-pub(super) struct Geom {
+pub(super) struct Geom<'a> {
+    pub(super) tag: Tag<'a>,
+    kind: &'static str,
     /// `None` for what [`Geometry`] has no word for.
     pub(super) shape: Option<Shape>,
     pub(super) is_visual: bool,
     pub(super) collides: bool,
+    pub(super) bits: ContactBits,
+    /// Where a plane stands.
+    pub(super) body_from_plane: Option<Placement<f64>>,
     pub(super) weight: Weight,
+}
+
+impl Geom<'_> {
+    /// Whether it is among the collision shapes of its link.
+    pub(super) fn is_collision(&self) -> bool {
+        self.collides && self.shape.is_some()
+    }
+
+    /// What touches other things, but has no shape that counts, by its kind.
+    pub(super) fn missing_shape(&self) -> Option<RobotFileError> {
+        let missing = self.collides && self.shape.is_none() && self.body_from_plane.is_none();
+        let kind = self.kind;
+        missing.then(|| self.tag.fault(Fault::NoShape { kind }))
+    }
 }
 
 /// What a geom adds to its body's mass.
@@ -60,7 +80,7 @@ pub(super) fn read<'a>(
     (compiler, defaults, meshes): (&Compiler, &Defaults<'a>, &HashMap<String, Mesh>),
     around: Option<&str>,
     body_from_frame: &Placement<f64>,
-) -> Read<Geom> {
+) -> Read<Geom<'a>> {
     let geom = Attributes::of(tag, defaults, around)?;
     let kind = geom.word("type", &TYPES)?.unwrap_or(SPHERE);
     let segment = segment::read(&geom)?;
@@ -95,13 +115,26 @@ pub(super) fn read<'a>(
         },
         geometry,
     });
-    let bits = |attribute| geom.number(attribute).map(|bits| bits != Some(0.0));
+    let bits = |attribute, usual: u32| {
+        // MuJoCo's are integers of 32 bits.
+        let taken = |bits: f64| bits as i64 as u32;
+        geom.number(attribute)
+            .map(|given| given.map_or(usual, taken))
+    };
+    let bits = ContactBits {
+        own: bits("contype", ContactBits::USUAL.own)?,
+        of_others: bits("conaffinity", ContactBits::USUAL.of_others)?,
+    };
     let group = geom.number("group")?.unwrap_or(0.0);
     let weighs_nothing = matches!(TYPES[kind], "plane" | "hfield") || !compiler.weighs_group(group);
     Ok(Geom {
+        tag,
+        kind: TYPES[kind],
         shape,
         is_visual: group < SHOWN_GROUPS,
-        collides: bits("contype")? || bits("conaffinity")?,
+        collides: bits.own != 0 || bits.of_others != 0,
+        bits,
+        body_from_plane: (TYPES[kind] == "plane").then_some(body_from_geom),
         weight: match weighs_nothing {
             true => Weight::Nothing,
             false => weight(&geom, solid, body_from_geom)?,

@@ -8,6 +8,7 @@ mod attributes;
 mod body;
 mod build;
 mod compiler;
+mod contact;
 mod defaults;
 mod equality;
 mod geom;

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::body::{Body, BodyReader};
 use super::build::Build;
 use super::compiler::Compiler;
+use super::contact;
 use super::defaults::Defaults;
 use super::equality;
 use super::inertial::Weighed;
@@ -34,7 +35,8 @@ impl Robot {
     /// [`loops`](crate::model::Model::loops) of the model, unnamed ones BODY/connect and BODY/weld by their first body;
     /// those to a `mocap` body, which is a target, and other relations are left out with a note. `inertial`s, or the masses of geoms that
     /// need no mesh's file, are kept with the geoms ([`link`](Self::link)): those of groups 0 to 2 as visuals, those
-    /// with a contact type as collisions, planes and height fields not at all. `actuatorfrcrange` is
+    /// with contact bits as collisions. Planes are no link's shapes, but what moves is kept over them; height fields are left out with a note. Which links
+    /// touch is as in MuJoCo: bits, `exclude`, `pair`, and parents but those that stand in the world. `actuatorfrcrange` is
     /// the [`effort_limit`](Self::effort_limit). `inertiafromgeom`, `inertiagrouprange` and `settotalmass` count; `boundmass`,
     /// `boundinertia` and `balanceinertia` change nothing. A mesh's file is not opened, so a body without `inertial` that
     /// has one has no known centre, nor a mass where the geom states none: [`repairs`](Self::repairs) names it,
@@ -116,6 +118,7 @@ fn robot(tree: &Tree) -> Read<Robot> {
     robot.passive = passive::joints(root, names, &robot);
     robot.drives = build.drives;
     let ranges = build.notes;
+    robot.contacts = Some(contact::read(root, &bodies, &mut left_out));
     let (weights, notes) = weights::weigh(&bodies, &compiler);
     let bodies = bodies.into_iter().zip(weights);
     robot.links = bodies.map(|(body, weight)| link(body, weight)).collect();

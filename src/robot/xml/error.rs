@@ -63,6 +63,18 @@ pub enum Fault {
     /// The document's element is not `<robot>`.
     #[error("the root element must be <robot>")]
     NotARobot,
+    /// A geom that touches other things, but is none of the shapes there are.
+    #[error("a {kind} is not among the shapes that count, so nothing is kept from it")]
+    NoShape {
+        /// Its `type`.
+        kind: &'static str,
+    },
+    /// A pair of geoms that touch, which is not kept.
+    #[error("the pair is not kept apart: {why}")]
+    PairNotKept {
+        /// In words.
+        why: &'static str,
+    },
     /// A robot without links.
     #[error("there is no <link>")]
     NoLinks,

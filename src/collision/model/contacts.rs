@@ -1,0 +1,42 @@
+//! Which links an MJCF file keeps apart.
+
+use super::CollisionModel;
+use super::planes::{Plane, standing};
+use crate::model::FrameId;
+use crate::robot::Contacts;
+
+impl CollisionModel {
+    /// The same model with the pairs that MuJoCo lets touch, and over the planes of the file; links are its bodies.
+    pub(super) fn with_contacts(mut self, contacts: &Contacts) -> Self {
+        let links = self.links.iter().enumerate();
+        let pairs = links.flat_map(|(at, a)| self.links[at + 1..].iter().map(move |b| [*a, *b]));
+        let pairs = pairs.filter(|[a, b]| contacts.are_apart(a.index(), b.index()));
+        self.pairs = pairs.collect();
+        let in_part = |[a, b]: &[FrameId; 2]| contacts.are_apart_in_part(a.index(), b.index());
+        for [a, b] in self.pairs.iter().filter(|pair| in_part(pair)) {
+            let [a, b] = [self.name_of(*a), self.name_of(*b)];
+            self.notes.push(format!(
+                "links `{a}` and `{b}` are kept apart whole, though not all of their geoms would touch by their contact bits"
+            ));
+        }
+        for plane in &contacts.planes {
+            let Some(link) = self.model.frame_ids().nth(plane.body) else {
+                continue;
+            };
+            let Some(world_from_link) = standing(&self.model, link) else {
+                let on = self.name_of(link);
+                self.notes.push(format!(
+                    "{}: left out, as `{on}` moves: only what stands carries a half-space",
+                    plane.name
+                ));
+                continue;
+            };
+            let at = world_from_link * plane.body_from_plane;
+            let links = self.links.iter().copied();
+            let passed = links.filter(|link| !contacts.is_over(plane, link.index()));
+            let passed = passed.collect();
+            self.planes.push(Plane::new(&self.model, link, at, passed));
+        }
+        self
+    }
+}

@@ -1,0 +1,133 @@
+//! What touches what: bodies, the bits of their geoms, and `<contact>`.
+
+use std::collections::HashMap;
+
+use super::attributes::Attributes;
+use super::body::Body;
+use super::names::WORLD;
+use super::tree::Tag;
+use crate::model::UnknownName;
+use crate::robot::contacts::{ContactBody, ContactPlane, Contacts};
+use crate::robot::xml::{Fault, Read, RobotFileError};
+
+/// The contacts of a document; what of it is not kept is left out.
+pub(super) fn read(
+    root: Tag<'_>,
+    bodies: &[Body<'_>],
+    left_out: &mut Vec<RobotFileError>,
+) -> Contacts {
+    let mut contacts = Contacts {
+        bodies: Vec::with_capacity(bodies.len()),
+        parents_count: parents_count(root),
+        ..Contacts::default()
+    };
+    for (index, body) in bodies.iter().enumerate() {
+        let weld_of = |at: usize| contacts.bodies.get(at).map_or(0, |body| body.weld);
+        let on = body.parent.map_or(0, weld_of);
+        let (weld, weld_parent) = match (body.parent, body.joints.is_empty()) {
+            (Some(parent), true) => {
+                let of = contacts.bodies.get(parent);
+                (on, of.map_or(0, |body| body.weld_parent))
+            }
+            _ => (index, on),
+        };
+        let shapes = body.geoms.iter().filter(|geom| geom.is_collision());
+        contacts.bodies.push(ContactBody {
+            weld,
+            weld_parent,
+            bits: shapes.map(|geom| geom.bits).collect(),
+        });
+        for geom in &body.geoms {
+            if let (Some(body_from_plane), true) = (geom.body_from_plane, geom.collides) {
+                contacts.planes.push(ContactPlane {
+                    name: geom.tag.called().replacen("geom", "plane", 1),
+                    body: index,
+                    body_from_plane,
+                    bits: geom.bits,
+                    paired: Vec::new(),
+                });
+            }
+        }
+    }
+    let sections = root.children_named("contact");
+    for tag in sections.flat_map(|section| section.children()) {
+        let taken = match tag.name() {
+            "exclude" => exclude(tag, bodies, &mut contacts),
+            "pair" => pair(tag, bodies, &mut contacts),
+            _ => Ok(()),
+        };
+        left_out.extend(taken.err());
+    }
+    contacts
+}
+
+/// `<option><flag filterparent="disable"/></option>`.
+fn parents_count(root: Tag<'_>) -> bool {
+    let options = root.children_named("option");
+    let mut flags = options.flat_map(|option| option.children_named("flag"));
+    flags.any(|flag| flag.text("filterparent") == Some("disable"))
+}
+
+fn exclude(tag: Tag<'_>, bodies: &[Body<'_>], contacts: &mut Contacts) -> Read<()> {
+    let names = bodies.iter().enumerate().filter_map(|(index, body)| {
+        let name = match index {
+            0 => Some(WORLD),
+            _ => body.tag.text("name"),
+        };
+        Some((name?, index))
+    });
+    let names: HashMap<&str, usize> = names.collect();
+    let [a, b] = [
+        named(tag, "body1", "body", &names)?,
+        named(tag, "body2", "body", &names)?,
+    ];
+    contacts.excluded.push([a.min(b), a.max(b)]);
+    Ok(())
+}
+
+/// Of links whose other geoms are kept apart with the two that are named there is a note.
+fn pair(tag: Tag<'_>, bodies: &[Body<'_>], contacts: &mut Contacts) -> Read<()> {
+    let geoms = bodies.iter().enumerate().flat_map(|(index, body)| {
+        let geoms = body.geoms.iter();
+        geoms.filter_map(move |geom| Some((geom.tag.text("name")?, (index, geom))))
+    });
+    let geoms: HashMap<&str, _> = geoms.collect();
+    let [a, b] = [
+        named(tag, "geom1", "geom", &geoms)?,
+        named(tag, "geom2", "geom", &geoms)?,
+    ];
+    let not_kept = |why| Err(tag.fault(Fault::PairNotKept { why }));
+    if contacts.bodies[a.0].weld == contacts.bodies[b.0].weld {
+        return not_kept("nothing moves the two against each other");
+    }
+    for ((at, geom), (other, against)) in [(a, b), (b, a)] {
+        if geom.body_from_plane.is_some() && against.is_collision() {
+            let called = geom.tag.called().replacen("geom", "plane", 1);
+            let mut planes = contacts.planes.iter_mut();
+            if let Some(plane) = planes.find(|own| own.body == at && own.name == called) {
+                plane.paired.push(other);
+                return Ok(());
+            }
+        }
+    }
+    if !a.1.is_collision() || !b.1.is_collision() {
+        return not_kept("one of the two has no contact bits, or no shape");
+    }
+    contacts.paired.push([a.0.min(b.0), a.0.max(b.0)]);
+    Ok(())
+}
+
+fn named<T: Copy>(
+    tag: Tag<'_>,
+    attribute: &'static str,
+    kind: &'static str,
+    known: &HashMap<&str, T>,
+) -> Read<T> {
+    let name = tag.text(attribute);
+    let name = name.ok_or_else(|| tag.fault(Fault::MissingAttribute { attribute }))?;
+    known.get(name).copied().ok_or_else(|| {
+        let mut valid: Vec<&str> = known.keys().copied().collect();
+        valid.sort_unstable();
+        Attributes::own(tag).fault(UnknownName::new(kind, name, valid).into())
+    })
+}

@@ -1,0 +1,208 @@
+//! Promise: of an MJCF file that is kept apart which MuJoCo lets touch: a plane holds all that moves, the world is no
+//! neighbour of what stands on it, and pairs that the file names or whose bits do not meet are as it says.
+
+use kinopt::Arm;
+use kinopt::collision::{Checker, CollisionModel};
+use kinopt::problem::BodyKind;
+use kinopt::robot::{BaseJoint, Robot};
+
+/// Three links of 0.4, 0.4 and 0.1 m along x that turn about y, half a metre above the floor that `world` may bring.
+fn robot(world: &str, links: [&str; 3], contact: &str) -> Robot {
+    let [a, b, c] = links;
+    let text = format!(
+        r#"<mujoco><worldbody>{world}
+        <body name="a" pos="0 0 .5"><joint axis="0 1 0"/><geom type="capsule" size=".05" fromto="0 0 0 .4 0 0" {a}/>
+          <body name="b" pos=".4 0 0"><joint axis="0 1 0"/><geom type="capsule" size=".05" fromto="0 0 0 .4 0 0" {b}/>
+            <body name="c" pos=".4 0 0"><joint axis="0 1 0"/><geom type="sphere" size=".05" pos=".1 0 0" {c}/>
+              <site name="tip" pos=".1 0 0"/></body></body></body></worldbody>{contact}</mujoco>"#
+    );
+    Robot::parse_mjcf(&text, "arm.xml").unwrap()
+}
+
+fn told(robot: &Robot, q: &[f64]) -> Vec<(String, String, f64)> {
+    let checker = Checker::new(CollisionModel::of(robot).unwrap());
+    let found = checker.collisions(q).unwrap();
+    let pair = |pair: kinopt::collision::Collision| (pair.first, pair.second, pair.distance);
+    found.into_iter().map(pair).collect()
+}
+
+const SIN_1: f64 = 0.841_470_984_807_896_5;
+const FLOOR: &str = r#"<geom name="floor" type="plane" size="0 0 .1" pos="0 0 .1"/>"#;
+
+#[test]
+fn a_plane_is_what_all_that_moves_stands_over() {
+    let arm = robot(FLOOR, [""; 3], "");
+    // The hand and the forearm hang 0.9 and 0.8 m down a slope of 1 rad, the upper arm's end 0.4 m.
+    let found = told(&arm, &[1.0, 0.0, 0.0]);
+    let below = |length: f64| 0.5 - length * SIN_1 - 0.05 - 0.1;
+    assert_eq!(found.len(), 2, "{found:?}");
+    for ((first, second, distance), (link, length)) in found.iter().zip([("c", 0.9), ("b", 0.8)]) {
+        assert_eq!((&**first, &**second), (link, "world"));
+        assert!((distance - below(length)).abs() < 1e-12, "{distance}");
+    }
+    assert!(told(&arm, &[0.0; 3]).is_empty());
+    // Neither moves against the other: the slab is half in the floor.
+    let slab = r#"<geom type="box" size=".1 .1 .1" pos="-1 0 .1"/>"#;
+    assert!(told(&robot(&format!("{FLOOR}{slab}"), [""; 3], ""), &[0.0; 3]).is_empty());
+    // What stands on the world by itself stands there too, turned and moved.
+    let stand = r#"<body name="stand" pos="0 0 .1"><body pos="0 0 -1"><geom type="plane" size="1 1 1" pos="0 0 1"/></body></body>"#;
+    assert_eq!(told(&robot(stand, [""; 3], ""), &[1.0, 0.0, 0.0]).len(), 2);
+}
+
+#[test]
+fn an_arm_keeps_over_the_plane() {
+    let arm_of = |robot: &Robot| Arm::new(robot, "world", "tip").unwrap();
+    let robot = robot(FLOOR, [""; 3], "");
+    let checker = Checker::of(&robot).unwrap();
+    let rest = robot.model().neutral();
+    let plain = arm_of(&robot);
+    let arm = arm_of(&robot).with_checker(&checker, &rest).unwrap();
+    // The forearm's end at (0.5, 0.18) is come to by an elbow at 0.11 m, in the floor, or high above it.
+    let start = [1.31, -1.47, 0.16];
+    let target = plain.base_from_tool(&start).unwrap();
+    assert!(!checker.collisions(&start).unwrap().is_empty());
+    let solution = arm.solve(target, &start).unwrap();
+    assert!(solution.reached, "{}", solution.explain());
+    assert!(checker.collisions(&solution.q).unwrap().is_empty());
+    assert!(plain.solve(target, &start).unwrap().reached);
+}
+
+#[test]
+fn a_plane_is_kept_where_models_are_copied_and_told_where_it_cannot_be() {
+    let arm = robot(FLOOR, [""; 3], "");
+    let model = CollisionModel::of(&arm).unwrap();
+    let text = serde_json::to_string(&model).unwrap();
+    let again: CollisionModel = serde_json::from_str(&text).unwrap();
+    let found = Checker::new(again).collisions(&[1.0, 0.0, 0.0]).unwrap();
+    assert_eq!(found.len(), 2);
+    assert_eq!(found[0].second_kind, BodyKind::Link);
+    // Through the floor by hand.
+    assert!(model.is_checked("world", "c").unwrap());
+    let model = model.with_ignored("c", "world").unwrap();
+    assert!(!model.is_checked("c", "world").unwrap());
+    let found = Checker::new(model).collisions(&[1.0, 0.0, 0.0]).unwrap();
+    assert_eq!(found.len(), 1);
+    // Carried by a joint it would be a half-space that moves.
+    let carried = arm.with_base_joint(BaseJoint::FREE).unwrap();
+    let model = CollisionModel::of(&carried).unwrap();
+    let notes = model.notes().join("\n");
+    assert!(
+        notes.contains("plane `floor`") && notes.contains("left out"),
+        "{notes}"
+    );
+    let field = r#"<geom name="hills" type="hfield" hfield="h"/>"#;
+    let repairs = robot(field, [""; 3], "").repairs().to_vec();
+    let repairs: Vec<String> = repairs.iter().map(ToString::to_string).collect();
+    assert!(
+        repairs
+            .iter()
+            .any(|r| r.contains("hills") && r.contains("hfield")),
+        "{repairs:?}"
+    );
+}
+
+/// Both names of each pair.
+fn pairs(robot: &Robot) -> Vec<String> {
+    let model = CollisionModel::of(robot).unwrap();
+    let frames = model.model().frames();
+    let name = |link: &kinopt::model::FrameId| frames[link.index()].name.as_str();
+    let pairs = model.pairs().iter();
+    pairs
+        .map(|[a, b]| format!("{}-{}", name(a), name(b)))
+        .collect()
+}
+
+const SLAB: &str = r#"<geom name="slab" type="box" size=".1 .2 .05" pos=".3 0 .425"/>"#;
+
+#[test]
+fn the_world_is_no_neighbour_of_what_stands_on_it() {
+    // The slab's top is where the upper arm's axis is less 0.025 m, half its radius.
+    let arm = robot(SLAB, [""; 3], "");
+    assert_eq!(pairs(&arm), ["world-a", "world-b", "world-c", "a-c"]);
+    let found = told(&arm, &[0.0; 3]);
+    let of_a = found
+        .iter()
+        .find(|(first, second, _)| first == "world" && second == "a");
+    assert!((of_a.unwrap().2 + 0.025).abs() < 1e-12, "{found:?}");
+    // Nor is what is welded to it.
+    let stand = format!(r#"<body name="stand"><body name="top">{SLAB}</body></body>"#);
+    assert!(pairs(&robot(&stand, [""; 3], "")).contains(&"top-a".to_owned()));
+    // `filterparent` says that there are no neighbours at all.
+    let all = r#"<option><flag filterparent="disable"/></option>"#;
+    let expected = ["world-a", "world-b", "world-c", "a-b", "a-c", "b-c"];
+    assert_eq!(pairs(&robot(SLAB, [""; 3], all)), expected);
+}
+
+#[test]
+fn pairs_are_as_contact_and_bits_say() {
+    let exclude = |a, b| format!(r#"<contact><exclude body1="{a}" body2="{b}"/></contact>"#);
+    let excluded = robot(SLAB, [""; 3], &exclude("c", "a"));
+    assert_eq!(pairs(&excluded), ["world-a", "world-b", "world-c"]);
+    let excluded = robot(SLAB, [""; 3], &exclude("world", "a"));
+    assert_eq!(pairs(&excluded), ["world-b", "world-c", "a-c"]);
+    let excluded = robot(FLOOR, [""; 3], &exclude("world", "c"));
+    assert_eq!(told(&excluded, &[1.0, 0.0, 0.0]).len(), 1);
+    // a meets what has bit 2, which c has; c meets nothing by itself, and b nothing of the world's.
+    let bits = [
+        r#"contype="4" conaffinity="2""#,
+        r#"contype="8" conaffinity="8""#,
+        r#"contype="2" conaffinity="0""#,
+    ];
+    assert_eq!(pairs(&robot(SLAB, bits, "")), ["a-c"]);
+    assert_eq!(told(&robot(FLOOR, bits, ""), &[1.0, 0.0, 0.0]), []);
+    // What is named is kept, whatever the bits say, of neighbours too.
+    let named = [r#"name="ga" contype="4""#, r#"name="gb""#, ""];
+    let pair = |a, b| format!(r#"<contact><pair geom1="{a}" geom2="{b}"/></contact>"#);
+    assert!(pairs(&robot(SLAB, named, &pair("gb", "ga"))).contains(&"a-b".to_owned()));
+    let through = [
+        r#"name="ga""#,
+        r#"contype="8" conaffinity="8""#,
+        r#"name="gc" contype="8" conaffinity="8""#,
+    ];
+    assert!(told(&robot(FLOOR, through, ""), &[1.0, 0.0, 0.0]).is_empty());
+    let over = robot(FLOOR, through, &pair("floor", "gc"));
+    let found = told(&over, &[1.0, 0.0, 0.0]);
+    assert!(found.len() == 1 && found[0].0 == "c", "{found:?}");
+}
+
+#[test]
+fn what_is_not_kept_as_said_is_told() {
+    let noted = |robot: &Robot| -> String {
+        let repairs: Vec<String> = robot.repairs().iter().map(ToString::to_string).collect();
+        repairs.join("\n")
+    };
+    for (contact, what) in [
+        (r#"<exclude body1="a" body2="d"/>"#, "no body named `d`"),
+        (r#"<exclude body1="a"/>"#, "body2"),
+        (
+            r#"<pair geom1="slab" geom2="none"/>"#,
+            "no geom named `none`",
+        ),
+        (
+            r#"<pair name="p" geom1="seen" geom2="ga"/>"#,
+            "pair `p`: left out: the pair is not kept apart",
+        ),
+        (r#"<pair geom1="slab" geom2="other"/>"#, "nothing moves"),
+    ] {
+        let world = format!(r#"{SLAB}<geom name="other" size=".1"/>"#);
+        let links = [
+            r#"name="ga""#,
+            "",
+            r#"name="seen" contype="0" conaffinity="0""#,
+        ];
+        let told = noted(&robot(
+            &world,
+            links,
+            &format!("<contact>{contact}</contact>"),
+        ));
+        assert!(told.contains(what), "{what}: {told}");
+    }
+    // One of the two geoms of a link alone would touch.
+    let two = r#"/><geom size=".05" contype="0" conaffinity="2" "#;
+    let model = CollisionModel::of(&robot(SLAB, [two, "", ""], "")).unwrap();
+    let notes = model.notes().join("\n");
+    assert!(
+        notes.contains("`world` and `a`") && notes.contains("contact bits"),
+        "{notes}"
+    );
+}
