@@ -15,7 +15,7 @@ use super::workspace::{ArmWorkspace, Errors};
 use super::{ArmError, QueryError};
 use crate::bad_option::{AT_LEAST_0, BadOption, NOT_NEGATIVE};
 use crate::ik::Side;
-use crate::search::within;
+use crate::search::{Collision, within};
 use crate::solver::Termination;
 use crate::spatial::Placement;
 
@@ -46,8 +46,10 @@ pub enum ServoStatus {
     Settling,
     /// At rest at the nearest place of its branch; the target is out of reach there.
     Nearest,
-    /// Stopped, as going on would touch something that the arm [keeps clear of](Arm::with_checker).
+    /// Stopped, as going on would touch something that the arm [keeps clear of](Arm::with_checker), or come nearer to what it touches.
     Blocked,
+    /// Something still touches that did where the servo began: it comes no nearer, and parts where targets lead away.
+    Touching,
 }
 
 /// What holds a joint back in a tick: it would lower the error by going on.
@@ -75,6 +77,8 @@ pub struct ServoStep<'s> {
     pub position_error: f64,
     /// Angle between the tool and its target, radians.
     pub orientation_error: f64,
+    /// What is in the way, or touches where the arm stands, the deepest first; none on target.
+    pub collisions: &'s [Collision],
     held: &'s [Option<HeldBy>],
     names: &'s [String],
 }
@@ -86,7 +90,7 @@ impl<'s> ServoStep<'s> {
         joints.filter_map(|(name, held)| held.map(|by| (name.as_str(), by)))
     }
 
-    /// Whether the tool is within the tolerances of its target.
+    /// Whether the tool is within the tolerances of its target, and nothing touches.
     #[must_use]
     pub fn reached(&self) -> bool {
         self.status == ServoStatus::OnTarget
@@ -110,6 +114,7 @@ pub struct Servo<'a> {
     q: Vec<f64>,
     velocity: Vec<f64>,
     held: Vec<Option<HeldBy>>,
+    collisions: Vec<Collision>,
 }
 
 impl Arm {
@@ -148,6 +153,7 @@ impl Arm {
             q: start,
             velocity: vec![0.0; n],
             held: vec![None; n],
+            collisions: Vec::new(),
         };
         servo.set_damping(DAMPING);
         Ok(servo)
@@ -206,7 +212,7 @@ impl Servo<'_> {
         pub fn q(&self) -> &[f64] = &self.q;
     }
 
-    /// One tick towards a target. Nothing is allocated.
+    /// One tick towards a target. Nothing is allocated, unless something is in the way.
     ///
     /// # Errors
     /// A target that is not a rigid motion; the arm then stands as it stood.
@@ -232,9 +238,9 @@ impl Servo<'_> {
             (ended, _) = self.workspace.settle(None);
         }
         #[cfg(feature = "collision")]
-        let blocked = self.stop_before_touching()?;
+        let touching = self.stop_before_touching()?;
         #[cfg(not(feature = "collision"))]
-        let blocked = false;
+        let touching = None;
         let errors = self.workspace.judge_x();
         for ((velocity, q), x) in self.velocity.iter_mut().zip(&self.q).zip(&self.workspace.x) {
             *velocity = (x - q) / self.time_step;
@@ -242,10 +248,8 @@ impl Servo<'_> {
         self.q.copy_from_slice(&self.workspace.x);
         self.branch
             .arrive(self.arm, &mut self.workspace, errors.reached);
-        let status = match self.look(errors, ended) {
-            status if blocked && status != ServoStatus::OnTarget => ServoStatus::Blocked,
-            status => status,
-        };
+        let status = self.look(errors, ended);
+        let status = touching.unwrap_or(status);
         self.fading = match rests && status != ServoStatus::SpeedLimited {
             true => self.fading * FADING,
             false => 1.0,
@@ -256,27 +260,41 @@ impl Servo<'_> {
             status,
             position_error: errors.position,
             orientation_error: errors.orientation,
+            collisions: &self.collisions,
             held: &self.held,
             names: &self.arm.names.variables,
         })
     }
 
-    /// Cuts the way to the workspace's x short before something touches; whether it was.
+    /// Cuts the way to the workspace's x short before something touches; how the tick stands where something is in the way or touches.
     #[cfg(feature = "collision")]
-    fn stop_before_touching(&mut self) -> Result<bool, QueryError> {
+    fn stop_before_touching(&mut self) -> Result<Option<ServoStatus>, QueryError> {
         let (arm, workspace) = (self.arm, &mut self.workspace);
+        self.collisions.clear();
         let Some(kept) = &arm.collisions else {
-            return Ok(false);
+            return Ok(None);
         };
         let room = workspace.clear_room.get_or_insert_with(|| kept.room());
-        if kept.blocked(arm, room, &self.q, &workspace.x)?.is_none() {
-            return Ok(false);
-        }
+        let way = kept.way_from_contact(arm, room, &self.q, &workspace.x)?;
+        let touches = way.begins_touching();
+        let Some(by) = way.blocked_by else {
+            if touches {
+                self.collisions = kept.collisions(arm, room, &workspace.x)?;
+            }
+            let touching = (!self.collisions.is_empty()).then_some(ServoStatus::Touching);
+            return Ok(touching);
+        };
         let share = kept.cautious_share(arm, room, &self.q, &workspace.x)?;
         for (x, q) in workspace.x.iter_mut().zip(&self.q) {
             *x = q + share * (*x - q);
         }
-        Ok(true)
+        if touches {
+            self.collisions = kept.collisions(arm, room, &workspace.x)?;
+        }
+        if self.collisions.is_empty() {
+            self.collisions.push(by);
+        }
+        Ok(Some(ServoStatus::Blocked))
     }
 
     /// The box of a tick: joint limits and velocity limits.

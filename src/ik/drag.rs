@@ -104,6 +104,8 @@ pub struct Drag {
     /// Where a frame of a body that keeps clear begins, and room for its checks.
     pub(super) q_before: Vec<f64>,
     pub(super) clear: Option<Box<ClearRoom>>,
+    /// Whether something may touch where the body stands.
+    pub(super) touches: bool,
 }
 
 /// A joint that moved further in a frame than the drag allows, because a search from elsewhere was
@@ -149,6 +151,7 @@ impl Drag {
             leap: None,
             q_before: Vec::new(),
             clear: None,
+            touches: true,
             problem,
         };
         drag.stand_at(start)?;
@@ -259,6 +262,7 @@ impl Drag {
         let map = self.problem.parameters();
         map.scatter_within_limits(&self.x, &mut self.q);
         self.misses = 0;
+        self.touches = true;
         self.way_out.clear();
         Ok(())
     }

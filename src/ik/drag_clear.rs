@@ -22,12 +22,16 @@ impl Drag {
         };
         let mut room = self.clear.take().unwrap_or_else(|| ClearRoom::new(&fence));
         let end = &self.workspace.solution.q;
-        if end.iter().all(|value| value.is_finite())
-            && let Some(by) = room.engine.check.blocked(&self.q_before, end)
-        {
-            self.leap = None;
-            self.misses = 0;
-            self.slide(&fence, &mut room, by);
+        if end.iter().all(|value| value.is_finite()) {
+            if let Some(by) = room.engine.check.blocked(&self.q_before, end) {
+                self.leap = None;
+                self.misses = 0;
+                self.slide(&fence, &mut room, by);
+            } else if self.touches {
+                let touching = room.engine.check.collisions(end);
+                self.touches = !touching.is_empty();
+                self.workspace.solution.set_collisions(touching);
+            }
         }
         self.clear = Some(room);
     }
@@ -62,6 +66,7 @@ impl Drag {
         self.solver
             .report_at(question, x, found, workspace, &mut Silent);
         let touched = room.engine.check.collisions(&workspace.solution.q);
+        self.touches = !touched.is_empty();
         match touched.is_empty() && !workspace.solution.reached {
             true => workspace.solution.set_collisions(vec![by]),
             false => workspace.solution.set_collisions(touched),

@@ -165,6 +165,7 @@ impl Drag {
     fn stand(&mut self, left: Standing) {
         (self.x, self.q, self.misses) = (left.x, left.q, left.misses);
         self.workspace.solution = left.solution;
+        self.touches = true;
     }
 
     /// The last frame's solution, as that of all of them.

@@ -96,3 +96,99 @@ fn a_servo_stops_before_a_wall_and_leaves_it() {
     assert!(blocked > 10, "{blocked}");
     assert!(servo.step(path[0]).unwrap().reached());
 }
+
+/// A table whose top is so much above the lowest place of the arm as it stands; the arm, and a path straight up and its way.
+fn in_a_table(deep: f64, margin: f64) -> (Arm, Vec<Placement<f64>>) {
+    let alone = panda(&World::new());
+    let mut near = World::new();
+    let tool = alone.base_from_tool(&Q).unwrap();
+    let top = Vector3::new(0.0, 0.0, -0.5);
+    near.add_box("table", [0.4, 0.4, 1.0], tool.translation + top)
+        .unwrap();
+    // How far down the table is to be, by what it touches at first.
+    let touching = panda(&near).collisions(&Q).unwrap();
+    let touching = touching.iter().map(|pair| pair.distance);
+    let depth = touching.fold(0.0, f64::min);
+    near.move_to(
+        "table",
+        tool.translation + top + Vector3::new(0.0, 0.0, depth + deep),
+    )
+    .unwrap();
+    let arm = panda(&World::new()).with_world(&near, margin).unwrap();
+    let path = (0..=100).map(|k| {
+        let up = Vector3::new(0.0, 0.0, 0.002 * f64::from(k));
+        Placement::new(tool.rotation, tool.translation + up)
+    });
+    (arm, path.collect())
+}
+
+/// How near the nearest pair is at a configuration, metres.
+fn nearest(arm: &Arm, q: &[f64]) -> f64 {
+    let pairs = arm.collisions(q).unwrap();
+    pairs.first().map_or(f64::INFINITY, |pair| pair.distance)
+}
+
+/// What is picked up stands on something: a path that leads away leaves it, from however deep, and none goes deeper.
+#[test]
+fn a_contact_is_left_and_made_no_deeper() {
+    for (deep, margin) in [
+        (0.0, 0.0),
+        (3e-8, 0.0),
+        (1e-3, 0.0),
+        (0.02, 0.0),
+        (1e-5, 0.01),
+    ] {
+        let (arm, path) = in_a_table(deep - margin, margin);
+        let begins = nearest(&arm, &Q).min(margin);
+        let told = format!("{deep} m deep");
+        let (mut q, mut reached) = (Q.to_vec(), 0);
+        let mut last = begins;
+        let track = arm.track(&path, &Q).unwrap();
+        for solution in &track.solutions {
+            let now = nearest(&arm, &solution.q);
+            // A micrometre is what only just touches.
+            assert!(
+                now >= last.min(margin - 1e-6) - 2e-9,
+                "{told}: {now} after {last}"
+            );
+            assert_eq!(solution.reached, now >= margin && solution.goals_reached());
+            assert_eq!(solution.collisions().is_empty(), now >= margin);
+            assert!(distance(&q, &solution.q) < 0.2);
+            (q, last) = (solution.q.clone(), now);
+            reached += usize::from(solution.reached);
+        }
+        assert!(reached > 80, "{told}: {reached} of 101");
+        let mut servo = arm.servo(&Q, 0.01).unwrap();
+        let mut last = begins;
+        for (k, target) in path.iter().enumerate() {
+            let step = servo.step(*target).unwrap();
+            let now = nearest(&arm, step.q);
+            assert!(
+                now >= last.min(margin - 1e-6) - 2e-9,
+                "{told}: {now} after {last}"
+            );
+            assert_eq!(step.collisions.is_empty(), now >= margin, "{told}, {k}");
+            assert!(!step.reached() || now >= margin, "{told}, {k}");
+            last = now;
+        }
+        let mut step = servo.step(path[100]).unwrap();
+        for _ in 0..40 {
+            step = servo.step(path[100]).unwrap();
+        }
+        assert!(step.reached(), "{told}: {:?}", step.status);
+        // Where it touches no target is reached, and pressing on moves nothing.
+        if deep > 1e-6 {
+            let (arm, path) = in_a_table(deep - margin, margin);
+            let mut servo = arm.servo(&Q, 0.01).unwrap();
+            let step = servo.step(path[0]).unwrap();
+            assert!(!step.reached() && step.position_error < 1e-6);
+            assert_eq!(step.collisions[0].second, "table");
+            for k in 1..=50 {
+                let mut down = path[0];
+                down.translation.z -= 0.001 * f64::from(k);
+                let step = servo.step(down).unwrap();
+                assert!(nearest(&arm, step.q) > begins - 1e-7, "{told}, {k}");
+            }
+        }
+    }
+}

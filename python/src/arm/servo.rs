@@ -11,6 +11,7 @@ use self_cell::self_cell;
 use crate::arrays;
 use crate::error::OrRaise;
 use crate::placement::placement;
+use crate::solution::Collision;
 
 self_cell!(
     /// A servo and the arm it moves.
@@ -89,6 +90,12 @@ impl Servo {
                         .held()
                         .map(|(joint, by)| (joint.to_owned(), by_name(by)))
                         .collect(),
+                    collisions: step
+                        .collisions
+                        .iter()
+                        .cloned()
+                        .map(Collision::from)
+                        .collect(),
                 })
             })
         })
@@ -106,6 +113,7 @@ fn status_name(status: ServoStatus) -> &'static str {
         ServoStatus::SpeedLimited => "speed_limited",
         ServoStatus::Settling => "settling",
         ServoStatus::Blocked => "blocked",
+        ServoStatus::Touching => "touching",
         _ => "nearest",
     }
 }
@@ -126,10 +134,11 @@ pub(crate) struct ServoStep {
     q: Vec<f64>,
     velocity: Vec<f64>,
     /// "on_target", "speed_limited" (on its way, as fast as a joint may), "settling" (on its way, held back
-    /// by damping alone), "nearest" (at rest at the nearest place) or "blocked" (stopped before it touches something).
+    /// by damping alone), "nearest" (at rest at the nearest place), "blocked" (stopped before it touches
+    /// something, or comes nearer to what it touches) or "touching" (something touches still that did where the servo began).
     #[pyo3(get)]
     status: &'static str,
-    /// Whether the tool is within the tolerances of its target.
+    /// Whether the tool is within the tolerances of its target, and nothing touches.
     #[pyo3(get)]
     reached: bool,
     /// Distance of the tool from its target, metres.
@@ -139,6 +148,7 @@ pub(crate) struct ServoStep {
     #[pyo3(get)]
     orientation_error: f64,
     held: Vec<(String, &'static str)>,
+    collisions: Vec<Collision>,
 }
 
 #[pymethods]
@@ -160,6 +170,12 @@ impl ServoStep {
     #[getter]
     fn held(&self) -> Vec<(String, &'static str)> {
         self.held.clone()
+    }
+
+    /// What is in the way, or touches where the arm stands, the deepest first: `Collision`s; none on target.
+    #[getter]
+    fn collisions(&self) -> Vec<Collision> {
+        self.collisions.clone()
     }
 
     fn __repr__(&self) -> String {

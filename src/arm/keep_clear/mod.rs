@@ -77,7 +77,8 @@ impl Arm {
     ///
     /// Paths, followers and servos stop before they touch: a step is cut short where the way to its end, on which all joints move
     /// evenly, is not surely [free](Checker::way), unless the freedom that a target leaves goes round; its solution is not reached and
-    /// says what is in the way. Steps after it go on from there.
+    /// says what is in the way. Steps after it go on from there. What touches where a step begins comes no nearer in it, and parts where the
+    /// path leads away ([`Checker::way_from_contact`]); no step is reached until it has.
     ///
     /// # Errors
     /// A checker of another model, or a configuration of the wrong length or not finite.
@@ -240,7 +241,12 @@ impl KeepClear {
     }
 
     /// The pairs that are too near at a configuration of the arm.
-    fn collisions(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Reply<Vec<Collision>> {
+    pub(in crate::arm) fn collisions(
+        &self,
+        arm: &Arm,
+        room: &mut ClearRoom,
+        q: &[f64],
+    ) -> Reply<Vec<Collision>> {
         arm.configuration(q, &mut room.q_model)?;
         Ok(self
             .checker

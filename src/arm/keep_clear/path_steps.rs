@@ -6,6 +6,7 @@ use crate::arm::arm::Arm;
 use crate::arm::follower::LONG_STEP;
 use crate::arm::workspace::{ArmWorkspace, Errors};
 use crate::clock::Instant;
+use crate::collision::Way;
 use crate::ik::Solution;
 use crate::search::{Collision, Found};
 use crate::solver::Termination;
@@ -18,7 +19,7 @@ const DODGES: [f64; 3] = [0.04, 0.12, -0.04];
 
 impl Arm {
     /// Cuts a step of a path short before something touches on the way, or goes round it by the freedom that the target leaves;
-    /// what is in the way is told. Whether the step stands as it was.
+    /// what is in the way is told, and what touches still that touched before. Whether the step stands as it was.
     pub(in crate::arm) fn keep_way_clear(
         &self,
         from: &[f64],
@@ -29,9 +30,9 @@ impl Arm {
             return Ok(true);
         };
         self.with_room(kept, |workspace, room| {
-            let blocked = kept.blocked(self, room, from, &solution.q)?;
-            let stands = blocked.is_none();
-            if let Some(by) = blocked {
+            let way = kept.way_from_contact(self, room, from, &solution.q)?;
+            let (stands, touches) = (way.blocked_by.is_none(), way.begins_touching());
+            if let Some(by) = way.blocked_by {
                 workspace.aim(target);
                 self.bound_by_limits(workspace);
                 let round =
@@ -49,6 +50,10 @@ impl Arm {
                 if !round {
                     solution.set_collisions(vec![by]);
                 }
+            }
+            if touches && solution.collisions().is_empty() {
+                let touching = kept.collisions(self, room, &solution.q)?;
+                solution.set_collisions(touching);
             }
             Ok(stands)
         })
@@ -84,7 +89,11 @@ impl Arm {
                 let outcome = lanes.own_attempt(&target, &workspace.trial, deadline, &mut q);
                 let (_, distance) = self.longest_move(from, &q);
                 let near = outcome.reached && distance <= LONG_STEP && distance < best;
-                if near && kept.blocked(self, room, from, &q)?.is_none() {
+                let is_open = |room: &mut ClearRoom| -> Reply<bool> {
+                    let way = kept.way_from_contact(self, room, from, &q)?;
+                    Ok(way.blocked_by.is_none())
+                };
+                if near && is_open(room)? {
                     best = distance;
                     workspace.errors = Errors::of(&outcome);
                     workspace.x.copy_from_slice(&q);
@@ -111,7 +120,20 @@ impl KeepClear {
         Ok(way.blocked_by)
     }
 
-    /// How much of the way is free with room to spare.
+    /// The way on which what touches where it begins comes no nearer.
+    pub(in crate::arm) fn way_from_contact(
+        &self,
+        arm: &Arm,
+        room: &mut ClearRoom,
+        from: &[f64],
+        to: &[f64],
+    ) -> Reply<Way> {
+        room.take_way(arm, from, to)?;
+        let (exact, from, to) = (&mut room.exact, &room.q_from, &room.q_model);
+        Ok(self.checker.way_from_contact(exact, from, to)?)
+    }
+
+    /// How much of that way is free with room to spare.
     pub(in crate::arm) fn cautious_share(
         &self,
         arm: &Arm,
@@ -122,7 +144,7 @@ impl KeepClear {
         room.take_way(arm, from, to)?;
         let way = self
             .cautious
-            .way(&mut room.exact, &room.q_from, &room.q_model)?;
+            .way_from_contact(&mut room.exact, &room.q_from, &room.q_model)?;
         Ok(way.free)
     }
 }

@@ -9,7 +9,7 @@ use crate::search::Collision;
 use crate::spatial::{Placement, Vector3};
 
 /// So near to the margin nothing is told apart from touching, metres.
-const RESOLUTION: f64 = 1e-6;
+pub(super) const RESOLUTION: f64 = 1e-6;
 
 /// Steps of more than such a share of what is left are long enough.
 const LONG: f64 = 0.2;
@@ -22,6 +22,37 @@ pub struct Way {
     pub free: f64,
     /// What ends it, [on the way](Collision::on_the_way).
     pub blocked_by: Option<Collision>,
+    /// How much nearer than the margin what is nearest is where a way from contact begins, metres; 0 where nothing is.
+    pub begins_deep: f64,
+}
+
+/// What is nearer than the margin where a way begins.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Contact {
+    pair: Pair,
+    /// How far apart it is there, metres.
+    distance: f64,
+    /// How far apart it is to be elsewhere.
+    margin: f64,
+}
+
+impl Way {
+    /// Whether something touches where it begins, by more than rounding.
+    pub(crate) fn begins_touching(&self) -> bool {
+        self.begins_deep > ROUNDING
+    }
+}
+
+impl Contact {
+    /// How far apart it is to be on the way: hardly nearer than it begins.
+    fn on_the_way(&self) -> f64 {
+        self.distance - 2.0 * RESOLUTION
+    }
+
+    /// And at its end: as far as it begins; what only just touches is one with what just does not.
+    fn at_the_end(&self) -> f64 {
+        (self.distance - ROUNDING).min(self.margin - RESOLUTION)
+    }
 }
 
 /// What is kept apart, and how long it surely stays so.
@@ -39,6 +70,8 @@ pub(super) struct Watched {
 pub(super) struct Slow {
     pub(super) pair: Pair,
     pub(super) normal: Vector3<f64>,
+    /// How far apart it is to stay, metres.
+    pub(super) margin: f64,
     /// How far beyond the margin it is, metres.
     pub(super) room: f64,
 }
@@ -67,6 +100,30 @@ impl Checker {
         from: &[f64],
         to: &[f64],
     ) -> Result<Way, KinematicsError> {
+        self.way_past(workspace, (from, to), false)
+    }
+
+    /// As [`way`](Self::way), but what is nearer than the margin where it begins may be as near all along it, and comes no nearer: a hand
+    /// that touches a table leaves it, and a foot stands on the floor.
+    ///
+    /// # Errors
+    /// As of `way`.
+    pub fn way_from_contact(
+        &self,
+        workspace: &mut CheckerWorkspace,
+        from: &[f64],
+        to: &[f64],
+    ) -> Result<Way, KinematicsError> {
+        self.way_past(workspace, (from, to), true)
+    }
+
+    /// Past what it begins in contact with, or not.
+    fn way_past(
+        &self,
+        workspace: &mut CheckerWorkspace,
+        (from, to): (&[f64], &[f64]),
+        past_contacts: bool,
+    ) -> Result<Way, KinematicsError> {
         // Checks both.
         workspace.place(to)?;
         workspace.place(from)?;
@@ -74,17 +131,24 @@ impl Checker {
         let mut between = std::mem::take(&mut workspace.between);
         self.watch(workspace, (from, to), &mut watched);
         between.resize(from.len(), 0.0);
+        workspace.contacts.clear();
         let mut free = 0.0;
-        let way = loop {
+        let mut way = loop {
             let reached = self.model.model().interpolate(from, to, free, &mut between);
             debug_assert!(reached.is_ok(), "both ends were checked");
-            match self.advance(workspace, &between, free, &mut watched) {
+            match self.advance(workspace, &between, (free, past_contacts), &mut watched) {
                 Ok(None) => {
                     if let Err(error) = self.slide(workspace, (from, to), free, &mut watched) {
                         break Err(error);
                     }
                 }
-                Ok(blocked_by) => break Ok(Way { free, blocked_by }),
+                Ok(blocked_by) => {
+                    break Ok(Way {
+                        free,
+                        blocked_by,
+                        begins_deep: 0.0,
+                    });
+                }
                 Err(error) => break Err(error),
             }
             watched.retain(|one| one.free < 1.0);
@@ -92,10 +156,24 @@ impl Checker {
                 break Ok(Way {
                     free: 1.0,
                     blocked_by: None,
+                    begins_deep: 0.0,
                 });
             };
             free = next;
         };
+        if let Ok(way) = &mut way
+            && !workspace.contacts.is_empty()
+        {
+            let reached = (self.model.model()).interpolate(from, to, way.free, &mut between);
+            debug_assert!(reached.is_ok(), "both ends were checked");
+            if let Some(nearer) = self.come_nearer(workspace, &between)? {
+                way.free = 0.0;
+                way.blocked_by = way.blocked_by.take().or(Some(nearer));
+            }
+            let contacts = workspace.contacts.iter();
+            let depths = contacts.map(|one| self.margin - one.distance);
+            way.begins_deep = depths.fold(0.0, f64::max);
+        }
         workspace.watched = watched;
         workspace.between = between;
         way
@@ -133,10 +211,11 @@ impl Checker {
         &self,
         workspace: &mut CheckerWorkspace,
         q: &[f64],
-        here: f64,
+        (here, past_contacts): (f64, bool),
         watched: &mut [Watched],
     ) -> Result<Option<Collision>, KinematicsError> {
         let mut slow = std::mem::take(&mut workspace.slow);
+        let mut contacts = std::mem::take(&mut workspace.contacts);
         slow.clear();
         let (placements, room) = workspace.place(q)?;
         self.scene.begin(room);
@@ -151,17 +230,31 @@ impl Checker {
             };
             // What is farther apart stays so to the end.
             let within = margin + RESOLUTION + one.motion * (1.0 - here);
+            // How far it is to stay apart.
+            let mut margin_for = |pair: Pair, distance: f64| {
+                let begins = here == 0.0 && past_contacts;
+                if begins && distance < margin + RESOLUTION {
+                    contacts.push(Contact {
+                        pair,
+                        distance,
+                        margin,
+                    });
+                }
+                margin_of(&contacts, pair, margin)
+            };
             let nearest = match one.what {
                 What::Part(part) => {
                     self.scene.find_standing(part, placements, within, room);
-                    let mut nearest: Option<(Pair, f64)> = None;
+                    let mut nearest: Option<(Pair, f64, f64)> = None;
                     for place in 0..room.near.len() {
                         let (standing, found) = room.near[place];
                         let pair = Pair::Standing(part, standing as usize);
-                        if nearest.is_none_or(|(_, known)| found.distance < known) {
-                            nearest = Some((pair, found.distance));
+                        let margin = margin_for(pair, found.distance);
+                        let left = found.distance - margin;
+                        if nearest.is_none_or(|(.., known)| left < known) {
+                            nearest = Some((pair, found.distance, left));
                         }
-                        slow.push((index, self.slow(pair, &found, placements, room)));
+                        slow.push((index, self.slow(pair, &found, margin, placements, room)));
                     }
                     nearest
                 }
@@ -169,16 +262,17 @@ impl Checker {
                     let separation = self.scene.apart(pair, placements, within, room);
                     separation.map(|found| {
                         let pair = Pair::Parts(pair[0], pair[1]);
-                        slow.push((index, self.slow(pair, &found, placements, room)));
-                        (pair, found.distance)
+                        let margin = margin_for(pair, found.distance);
+                        let left = found.distance - margin;
+                        slow.push((index, self.slow(pair, &found, margin, placements, room)));
+                        (pair, found.distance, left)
                     })
                 }
             };
-            let Some((pair, distance)) = nearest else {
+            let Some((pair, distance, room)) = nearest else {
                 one.free = 1.0;
                 continue;
             };
-            let room = distance - margin;
             // What stands stays as far apart as it is: by rounding, where both exactly meet.
             if one.motion == 0.0 && room >= -ROUNDING {
                 one.free = 1.0;
@@ -194,7 +288,41 @@ impl Checker {
             one.free = here + room / one.motion;
         }
         workspace.slow = slow;
+        workspace.contacts = contacts;
         Ok(blocked.map(|(pair, distance)| self.collision(pair, distance).met_on_the_way()))
+    }
+
+    /// What of the contacts is nearer at a configuration than where it began.
+    fn come_nearer(
+        &self,
+        workspace: &mut CheckerWorkspace,
+        q: &[f64],
+    ) -> Result<Option<Collision>, KinematicsError> {
+        let contacts = std::mem::take(&mut workspace.contacts);
+        let (placements, room) = workspace.place(q)?;
+        self.scene.begin(room);
+        let mut nearer = None;
+        for one in &contacts {
+            let within = one.at_the_end();
+            let distance = match one.pair {
+                Pair::Standing(part, standing) => {
+                    self.scene.find_standing(part, placements, within, room);
+                    let mut near = room.near.iter();
+                    let own = near.find(|(other, _)| *other as usize == standing);
+                    own.map(|(_, found)| found.distance)
+                }
+                Pair::Parts(a, b) => {
+                    let found = self.scene.apart([a, b], placements, within, room);
+                    found.map(|found| found.distance)
+                }
+            };
+            if let Some(distance) = distance.filter(|distance| *distance < within) {
+                nearer = Some(self.collision(one.pair, distance).met_on_the_way());
+                break;
+            }
+        }
+        workspace.contacts = contacts;
+        Ok(nearer)
     }
 
     /// What is apart along a direction: all shapes of both, not only those that are nearest.
@@ -202,6 +330,7 @@ impl Checker {
         &self,
         pair: Pair,
         found: &Separation,
+        margin: f64,
         placements: &[Placement<f64>],
         room: &mut SceneRoom,
     ) -> Slow {
@@ -209,7 +338,8 @@ impl Checker {
         Slow {
             pair,
             normal: found.normal,
-            room: gap.map_or(0.0, |gap| gap.min(found.distance) - self.margin_on_ways()),
+            margin,
+            room: gap.map_or(0.0, |gap| gap.min(found.distance) - margin),
         }
     }
 
@@ -236,4 +366,10 @@ impl Checker {
         workspace.slow = measured;
         result
     }
+}
+
+/// How far a pair is to stay apart: what is nearer at the begin, hardly less than there.
+fn margin_of(contacts: &[Contact], pair: Pair, margin: f64) -> f64 {
+    let own = contacts.iter().find(|one| one.pair == pair);
+    own.map_or(margin, Contact::on_the_way)
 }

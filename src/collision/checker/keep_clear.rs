@@ -1,6 +1,7 @@
 //! A checker as what a body keeps clear of.
 
-use super::{Checker, CheckerWorkspace, Clearance};
+use super::continuous_check::RESOLUTION;
+use super::{Checker, CheckerWorkspace, Clearance, Way};
 use crate::problem::{ClearanceCheck, Collision, KeepClear};
 use crate::task::{Quantity, Task};
 
@@ -55,13 +56,28 @@ impl ClearanceCheck for WayChecker {
     }
 
     fn blocked(&mut self, from: &[f64], to: &[f64]) -> Option<Collision> {
-        let way = self.checker.way(&mut self.workspace, from, to);
+        let way = (self.checker).way_from_contact(&mut self.workspace, from, to);
         debug_assert!(way.is_ok(), "a configuration that does not fit");
-        way.ok().and_then(|way| way.blocked_by)
+        let way = way.ok()?;
+        match comes_out_first(&way) {
+            true => {
+                let way = self.checker.way(&mut self.workspace, from, to);
+                way.ok().and_then(|way| way.blocked_by)
+            }
+            false => way.blocked_by,
+        }
     }
 
     fn free_share(&mut self, from: &[f64], to: &[f64]) -> f64 {
-        let way = self.cautious.way(&mut self.workspace, from, to);
-        way.map_or(0.0, |way| way.free)
+        let way = (self.cautious).way_from_contact(&mut self.workspace, from, to);
+        match way {
+            Ok(way) if !comes_out_first(&way) => way.free,
+            _ => 0.0,
+        }
     }
+}
+
+/// Whether a body is to come out of what it touches before it goes on: what it stands on it touches by rounding at most.
+fn comes_out_first(way: &Way) -> bool {
+    way.begins_deep > RESOLUTION
 }

@@ -34,7 +34,7 @@ pub(super) struct Part {
 }
 
 /// Two of them, by place.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Pair {
     /// A part, and something that stands.
     Standing(usize, usize),

@@ -86,7 +86,7 @@ impl Checker {
             let bends = bends * self.bend(one.pair, bound);
             let gap = self.scene.gap_along(one.pair, one.normal, placements, room);
             // Not a number is no gap.
-            gap.is_some_and(|gap| one.room.min(gap - self.margin_on_ways()) - bends > least)
+            gap.is_some_and(|gap| one.room.min(gap - one.margin) - bends > least)
         }))
     }
 

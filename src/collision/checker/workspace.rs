@@ -1,6 +1,6 @@
 //! Memory for checks.
 
-use super::continuous_check::{Slow, Watched};
+use super::continuous_check::{Contact, Slow, Watched};
 use super::motion_bound::BoundRoom;
 use super::scene_placements::SceneRoom;
 use crate::kinematics::{ForwardKinematics, KinematicsError};
@@ -16,6 +16,8 @@ pub struct CheckerWorkspace {
     /// A configuration on a way, and what is watched there.
     pub(super) between: Vec<f64>,
     pub(super) watched: Vec<Watched>,
+    /// What is nearer than the margin where a way begins, and may be.
+    pub(super) contacts: Vec<Contact>,
     /// What slides, by the place of what is watched, and where that is looked at.
     pub(super) slow: Vec<(usize, Slow)>,
     pub(super) there: Vec<f64>,
@@ -30,6 +32,7 @@ impl CheckerWorkspace {
             bound: BoundRoom::default(),
             between: Vec::new(),
             watched: Vec::new(),
+            contacts: Vec::new(),
             slow: Vec::new(),
             there: Vec::new(),
         }

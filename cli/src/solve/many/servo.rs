@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use kinopt::arm::{HeldBy, ServoStatus};
+use kinopt::collision::Collision;
 use kinopt::ik::Side;
 use serde::{Serialize, Serializer};
 
@@ -12,6 +13,7 @@ use super::super::arm_backend::ArmBackend;
 use super::super::backend::microseconds;
 use super::super::query::Query;
 use super::summary::{median, percentile};
+use crate::collision_document::CollisionDocument;
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{magnitude, six_digits, time};
@@ -30,6 +32,9 @@ struct Tick {
     orientation_error: f64,
     /// The joints that would go on, and what keeps them.
     held: BTreeMap<String, &'static str>,
+    /// What is in the way, or touches where the arm stands.
+    #[serde(serialize_with = "documents")]
+    collisions: Vec<Collision>,
 }
 
 /// What came of all ticks.
@@ -108,6 +113,7 @@ fn follow<'a>(
             position_error: step.position_error,
             orientation_error: step.orientation_error,
             held: held.collect(),
+            collisions: step.collisions.to_vec(),
         });
     }
     micros.sort_by(f64::total_cmp);
@@ -143,6 +149,9 @@ impl Document<'_> {
                 magnitude(last.orientation_error),
             ));
         }
+        for pair in self.ticks.last().iter().flat_map(|last| &last.collisions) {
+            text.push_str(&format!("          {pair}\n"));
+        }
         let joints = self.arm_joints.iter().zip(&self.velocity_limits);
         for ((joint, limit), top) in joints.zip(&summary.top_speeds) {
             let (top, of) = (six_digits(*top), limit.map(six_digits));
@@ -161,12 +170,17 @@ fn in_words<S: Serializer>(status: &ServoStatus, serializer: S) -> Result<S::Ok,
     serializer.serialize_str(words(*status))
 }
 
+fn documents<S: Serializer>(pairs: &[Collision], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(pairs.iter().map(CollisionDocument::of))
+}
+
 fn words(status: ServoStatus) -> &'static str {
     match status {
         ServoStatus::OnTarget => "on target",
         ServoStatus::SpeedLimited => "held by a velocity limit",
         ServoStatus::Nearest => "at rest as near as it comes",
         ServoStatus::Blocked => "stopped before it touches something",
+        ServoStatus::Touching => "touching something",
         _ => "settling",
     }
 }
