@@ -138,3 +138,26 @@ def test_a_collision_model_of_ones_own_decides_what_touches(panda: kinopt.Robot)
     inside.add_sphere("ball", 0.05, pose=alone.base_from_tool(Q)[:3, 3])
     arm = kinopt.Arm(panda, "base", "flange", world=inside, collision_model=model)
     assert any(pair.second == "ball" for pair in arm.collisions(Q))
+
+
+def test_no_servo_is_on_target_in_an_obstacle(panda: kinopt.Robot) -> None:
+    plain = kinopt.Arm(panda, "base", "flange")
+    q = np.array([0.0, -0.3, 0.0, -2.0, 0.0, 1.9, 0.8])
+    pose = plain.base_from_tool(q)
+    world = kinopt.World()
+    # Its top is 2 cm over the flange.
+    world.add_box("table", (0.4, 0.4, 1.0), pose=pose[:3, 3] - (0, 0, 0.48))
+    arm = kinopt.Arm(panda, "base", "flange", world=world)
+    deep = arm.collisions(q)[0].distance
+    servo = arm.servo(q, 0.01)
+    step = servo.step(pose)
+    assert step.status == "touching" and not step.reached
+    assert step.collisions[0].second == "table" and np.isclose(step.collisions[0].distance, deep)
+    # A way up leads out of it.
+    for _ in range(150):
+        pose[2, 3] += 0.002
+        step = servo.step(pose)
+        assert not step.collisions or step.collisions[0].distance >= deep - 1e-9
+    for _ in range(40):
+        step = servo.step(pose)
+    assert step.reached and step.collisions == []

@@ -161,6 +161,53 @@ fn what_is_dragged_onto_a_table_slides_along_it() {
     }
 }
 
+/// A floor where the soles are, or a hair below: the body stands on it, and moves.
+#[test]
+fn a_body_stands_on_a_floor() {
+    let nao = Nao::standing();
+    let floor_at = |height: f64| {
+        let mut world = World::new();
+        let floor = Placement::translation(Vector3::new(0.0, 0.0, height));
+        world.add_plane("floor", floor).unwrap();
+        nao.checker.clone().with_world(&world).unwrap()
+    };
+    // As high as no lower part is.
+    let lowest = {
+        let probe = floor_at(-1.0);
+        let pairs = probe.clone().with_margin(2.0).unwrap();
+        let pairs = pairs.collisions(&nao.stance).unwrap();
+        let pairs = pairs.iter().filter(|pair| pair.second == "floor");
+        pairs
+            .map(|pair| pair.distance)
+            .fold(f64::INFINITY, f64::min)
+            - 1.0
+    };
+    for below in [0.0, 1e-9, 1e-7, 1e-6, 1e-4] {
+        let checker = floor_at(lowest - below);
+        let (problem, hand) = nao.problem(0, Some(&checker));
+        let begin = nao.at("left_hand").translation;
+        let mut drag = Drag::new(problem, &nao.stance).unwrap();
+        let mut workspace = checker.workspace();
+        for frame in 1..=60 {
+            let up = Vector3::new(0.0, 0.0, 0.001 * f64::from(frame));
+            drag.target_mut(hand).unwrap().set_target(begin + up);
+            let solution = drag.advance();
+            assert!(
+                solution.reached,
+                "{below} below, frame {frame}: {}",
+                solution.explain()
+            );
+            let touching = checker
+                .collisions_with(&mut workspace, &solution.q)
+                .unwrap();
+            assert!(
+                touching.is_empty(),
+                "{below} below, frame {frame}: {touching:?}"
+            );
+        }
+    }
+}
+
 #[test]
 fn feet_on_a_level_of_their_own_stay_while_a_hand_slides() {
     let nao = Nao::standing();

@@ -115,3 +115,28 @@ fn what_makes_no_sense_is_refused() {
     let ours = "--tip left_hand --servo 1000";
     refused!("solve {rig} --targets {file} {ours}" => 2, "--servo is for robots");
 }
+
+#[test]
+fn what_touches_is_told_and_is_no_target_reached() {
+    let folder = Folder::new("servo-touching");
+    let seeded = Seeded::panda();
+    let start = start(&seeded);
+    let pose = seeded.pose(&start);
+    let (tip, base) = (seeded.tip, seeded.base);
+    let content = json!({"targets": [pose], "starts": [start], "tip_link": tip, "base_link": base});
+    let targets = folder.text("one.json", content);
+    let place = json!([pose[0], pose[1], pose[2] - 0.02]);
+    let world = folder.text(
+        "world.json",
+        json!({"boxes": [{"name": "block", "size": [0.1, 0.1, 0.1], "position": place}]}),
+    );
+    let line = format!("solve {seeded} --targets {targets} --servo 100 --world {world}");
+    let told = text!("{line}");
+    says!(told => "1 touching something | obstacle `block`");
+    let document = answer!("{line}");
+    let tick = &document["ticks"][0];
+    assert_eq!(tick["status"], "touching something");
+    assert_eq!(tick["collisions"][0]["second"], "block");
+    assert!(tick["collisions"][0]["distance"].as_f64().unwrap() < 0.0);
+    assert_eq!(kinopt!("{line} --fail-on-miss").status.code(), Some(3));
+}

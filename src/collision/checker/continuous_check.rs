@@ -11,6 +11,9 @@ use crate::spatial::{Placement, Vector3};
 /// So near to the margin nothing is told apart from touching, metres.
 pub(super) const RESOLUTION: f64 = 1e-6;
 
+/// What is so near to the margin where a way from contact begins is in contact, metres: feet that are held are off by a tolerance.
+const CONTACT: f64 = 1e-5;
+
 /// Steps of more than such a share of what is left are long enough.
 const LONG: f64 = 0.2;
 
@@ -26,7 +29,7 @@ pub struct Way {
     pub begins_deep: f64,
 }
 
-/// What is nearer than the margin where a way begins.
+/// What is nearer than the margin where a way begins, or hardly farther.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Contact {
     pair: Pair,
@@ -46,12 +49,15 @@ impl Way {
 impl Contact {
     /// How far apart it is to be on the way: hardly nearer than it begins.
     fn on_the_way(&self) -> f64 {
-        self.distance - 2.0 * RESOLUTION
+        self.distance.min(self.margin) - 2.0 * RESOLUTION
     }
 
-    /// And at its end: as far as it begins; what only just touches is one with what just does not.
+    /// And at its end: free where it begins so, else as far apart as there; of what only just touches a micrometre is none.
     fn at_the_end(&self) -> f64 {
-        (self.distance - ROUNDING).min(self.margin - RESOLUTION)
+        match self.distance >= self.margin - ROUNDING {
+            true => self.margin - ROUNDING,
+            false => (self.distance - ROUNDING).min(self.margin - RESOLUTION),
+        }
     }
 }
 
@@ -233,7 +239,7 @@ impl Checker {
             // How far it is to stay apart.
             let mut margin_for = |pair: Pair, distance: f64| {
                 let begins = here == 0.0 && past_contacts;
-                if begins && distance < margin + RESOLUTION {
+                if begins && distance < margin + CONTACT {
                     contacts.push(Contact {
                         pair,
                         distance,
