@@ -267,3 +267,101 @@ world:
     let turned = placed.rotation;
     assert!((turned.x - y).norm() + (turned.y - z).norm() + (turned.z - x).norm() < 1e-14);
 }
+
+/// Objects of another frame.
+const FRAMES: &str = "
+fixed_frame_transforms:
+  - header: {frame_id: world}
+    child_frame_id: world
+    transform: {translation: [0, 0, 0], rotation: [0, 0, 0, 1]}
+  - header: {frame_id: camera}
+    child_frame_id: world
+    transform: {translation: {x: 1, y: 0, z: 2}, rotation: {x: 0, y: 0, z: 0.6, w: 0.8}}
+robot_state:
+  joint_state: {header: {frame_id: base}}
+  attached_collision_objects:
+    - link_name: hand
+      object:
+        header: {frame_id: hand}
+        id: pen
+        primitives: [{type: sphere, dimensions: [0.01]}]
+        primitive_poses: [{position: [0, 0, 0.1]}]
+world:
+  octomap: {header: {frame_id: world}, octomap: {id: OcTree, data: []}}
+  collision_objects:
+    - header: {frame_id: /camera}
+      id: ball
+      pose: {position: [1, 0, 0]}
+      primitives: [{type: sphere, dimensions: [0.1]}]
+      primitive_poses: [{position: [0, 0, 1]}]
+    - header: {frame_id: base}
+      id: stone
+      primitives: [{type: sphere, dimensions: [0.1]}]
+      primitive_poses: [{position: [0, 0, 1]}]
+";
+
+#[test]
+fn an_object_of_a_planning_scene_stands_in_its_frame_or_is_refused() {
+    let read = |text: &str| World::from_moveit(text.as_bytes(), "s.yaml");
+    let world = read(FRAMES).unwrap();
+    assert!(world.notes().is_empty());
+    let at = |name: &str| world.obstacle(name).unwrap().placement.translation;
+    // 2 atan(0.6 / 0.8) about z: cosine 0.28, sine 0.96.
+    assert!((at("ball") - Vector3::new(1.28, 0.96, 3.0)).norm() < 1e-14);
+    assert_eq!(at("stone").to_array(), [0.0, 0.0, 1.0]);
+    assert_eq!(at("pen").to_array(), [0.0, 0.0, 0.1]);
+    assert_eq!(
+        world.obstacle("pen").unwrap().attached.as_deref(),
+        Some("hand")
+    );
+    let told = |from: &str, to: &str| read(&FRAMES.replacen(from, to, 1)).unwrap_err().to_string();
+    for (told, what) in [
+        (
+            told("frame_id: /camera", "frame_id: shelf"),
+            "\"ball\" stands in frame \"shelf\"",
+        ),
+        (
+            told("{frame_id: camera}", "{frame_id: other}"),
+            "\"camera\"",
+        ),
+        (
+            told("{frame_id: hand}", "{frame_id: world}"),
+            "in \"hand\" is not known",
+        ),
+        (told("data: []", "data: [0, 1]"), "`octomap` holds cells"),
+        (told("translation: {x: 1", "translation: {u: 1"), "no `x`"),
+    ] {
+        assert!(
+            told.starts_with("s.yaml: ") && told.contains(what),
+            "{told} ({what})"
+        );
+    }
+    // A scene that names no frames stands in the world.
+    let plain = SCENE.replacen(
+        "- id: Can1",
+        "- header: {frame_id: world}\n      id: Can1",
+        1,
+    );
+    assert_eq!(read(&plain).unwrap().len(), 4);
+    let elsewhere = SCENE.replacen(
+        "- id: Can1",
+        "- header: {frame_id: panda_link0}\n      id: Can1",
+        1,
+    );
+    let told = read(&elsewhere).unwrap_err().to_string();
+    assert!(
+        told.contains("panda_link0") && told.contains("\"world\""),
+        "{told}"
+    );
+}
+
+#[test]
+fn pairs_that_a_planning_scene_allows_are_told_to_be_passed_over() {
+    let allowed = format!(
+        "allowed_collision_matrix: {{entry_names: [a, b], entry_values: [[0, 1], [1, 0]]}}{SCENE}"
+    );
+    let world = World::from_moveit(allowed.as_bytes(), "s.yaml").unwrap();
+    let told = world.notes().join("\n");
+    assert!(told.contains("allowed_collision_matrix"), "{told}");
+    assert_eq!(world.scaled(2.0).unwrap().notes(), world.notes());
+}

@@ -82,6 +82,11 @@ fn scenes_of_moveit_are_worlds_too_and_a_robot_alone_is_free() {
     assert_eq!(run.status.code(), Some(1));
     let told: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
     assert_eq!(told["collisions"][0]["second"], "can");
+    let allowed = format!("allowed_collision_matrix: {{default_entry_names: [can]}}\n{SCENE}");
+    let allowed = folder.text("allowed.yaml", allowed);
+    let run = kinopt!("check {robot} --world {allowed}");
+    let told = stderr(&run);
+    says!(told => "note: | allowed.yaml: `allowed_collision_matrix` is not used");
     let told = text!("check {robot}");
     assert_eq!(told, "free: there is nothing to touch\n");
 }

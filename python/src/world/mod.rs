@@ -345,6 +345,12 @@ impl World {
         self.lock().obstacles().map(|o| o.name.clone()).collect()
     }
 
+    /// What the file that it was read from says and is not taken up, one text each.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.lock().notes().to_vec()
+    }
+
     /// A number that every change raises.
     #[getter]
     fn revision(&self) -> u64 {

@@ -6,6 +6,7 @@ mod file;
 mod ground_height;
 mod json;
 mod moveit;
+mod moveit_frames;
 mod names;
 mod numbered;
 mod pose;
@@ -64,6 +65,8 @@ pub struct World {
     /// The next number.
     next: u64,
     revision: u64,
+    /// What of its file was not taken.
+    notes: Vec<String>,
 }
 
 impl World {
@@ -80,6 +83,8 @@ impl World {
         pub fn is_empty(&self) -> bool = self.len() == 0;
         /// A number that every change raises, so that what was made of a world knows whether it is still so.
         pub fn revision(&self) -> u64 = self.revision;
+        /// What the file that it was read from says and is not taken up, one text each.
+        pub fn notes(&self) -> &[String] = &self.notes;
         /// All obstacles in the order in which they were added.
         pub fn obstacles(&self) -> impl ExactSizeIterator<Item = &Obstacle> = self.obstacles.iter().map(|(_, o)| &**o);
         /// All with their numbers, by which they are in order.
@@ -126,7 +131,11 @@ impl World {
             self.obstacles.iter().map(|(_, o)| Arc::clone(o)).collect();
         all.sort_by_key(|obstacle| key(obstacle));
         let revision = self.revision;
-        *self = Self::default();
+        let notes = std::mem::take(&mut self.notes);
+        *self = Self {
+            notes,
+            ..Self::default()
+        };
         for obstacle in all {
             self.push(obstacle);
         }

@@ -7,12 +7,14 @@ use crate::spatial::{Placement, Quaternion, Vector3};
 use crate::yaml::{self, Node, Value};
 
 use super::World;
+use super::moveit_frames::{Frames, frame_of};
 use super::pose::unit_quaternion;
 
 /// What the reader of one file knows.
 struct Scene<'f> {
     file: &'f str,
     world: World,
+    frames: Frames,
 }
 
 /// A scene's obstacles. Of an object with several primitives each is an obstacle: `name/0`, `name/1`, ….
@@ -24,13 +26,17 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> FromFile<World> {
     let mut scene = Scene {
         file,
         world: World::new(),
+        frames: Frames::default(),
     };
+    scene.frames = scene.frames(&root)?;
     let world = root.get("world").ok_or_else(|| {
         scene.fail(
             &root,
             "has no `world`, so it is no planning scene of MoveIt's",
         )
     })?;
+    scene.no_octomap(world)?;
+    scene.note_allowed(&root);
     if let Some(objects) = world.get("collision_objects") {
         for object in scene.list(objects, "collision_objects")? {
             scene.object(object, None)?;
@@ -100,15 +106,80 @@ impl Scene<'_> {
         Ok(numbers)
     }
 
-    /// Quaternions are x, y, z, w here.
+    /// What stands in the scene's frame, and how others stand in that.
+    fn frames(&self, root: &Node<'_>) -> FromFile<Frames> {
+        let mut frames = Frames::of_state(root);
+        if let Some(given) = root.get("fixed_frame_transforms") {
+            for given in self.list(given, "fixed_frame_transforms")? {
+                let transform = self.named(given, "transform")?;
+                let placed = self.placed(transform, ["translation", "rotation"])?;
+                frames.add(given, placed);
+            }
+        }
+        Ok(frames)
+    }
+
+    /// Where an object's frame stands in the scene, or in the link that holds it.
+    fn base_of(
+        &self,
+        object: &Node<'_>,
+        name: &str,
+        link: Option<&str>,
+    ) -> FromFile<Placement<f64>> {
+        let Some(frame) = frame_of(object) else {
+            return Ok(Placement::identity());
+        };
+        let (placed, own) = match link {
+            Some(link) => ((frame == link).then(Placement::identity), link),
+            None => (self.frames.placement(frame), self.frames.own()),
+        };
+        placed.ok_or_else(|| {
+            let problem = format!(
+                "object {name:?} stands in frame {frame:?}, and where that is in {own:?} is not known: `fixed_frame_transforms` does not say it"
+            );
+            self.fail(object, &problem)
+        })
+    }
+
+    /// Octomaps are not read: what one holds would be missing.
+    fn no_octomap(&self, world: &Node<'_>) -> FromFile<()> {
+        let map = world.get("octomap").and_then(|map| map.get("octomap"));
+        let Some(data) = map.and_then(|map| map.get("data")) else {
+            return Ok(());
+        };
+        match data.list() {
+            Some([]) => Ok(()),
+            _ => Err(self.fail(data, "`octomap` holds cells, which are not read")),
+        }
+    }
+
+    fn note_allowed(&mut self, root: &Node<'_>) {
+        let allowed = root.get("allowed_collision_matrix");
+        let names = ["entry_names", "default_entry_names"].iter();
+        let mut names = names.filter_map(|key| allowed?.get(key)?.list());
+        if names.any(|names| !names.is_empty()) {
+            let note = "`allowed_collision_matrix` is not used: an SRDF file, or the robot's own pairs, say what may touch";
+            self.world.notes.push(note.to_owned());
+        }
+    }
+
     fn pose(&self, node: &Node<'_>) -> FromFile<Placement<f64>> {
+        self.placed(node, ["position", "orientation"])
+    }
+
+    /// Quaternions are x, y, z, w here.
+    fn placed(
+        &self,
+        node: &Node<'_>,
+        [translation, rotation]: [&str; 2],
+    ) -> FromFile<Placement<f64>> {
         let mut pose = Placement::identity();
-        if let Some(position) = node.get("position") {
-            let numbers = self.numbers(position, "position", &["x", "y", "z"])?;
+        if let Some(position) = node.get(translation) {
+            let numbers = self.numbers(position, translation, &["x", "y", "z"])?;
             pose.translation = Vector3::new(numbers[0], numbers[1], numbers[2]);
         }
-        if let Some(orientation) = node.get("orientation") {
-            let numbers = self.numbers(orientation, "orientation", &["x", "y", "z", "w"])?;
+        if let Some(orientation) = node.get(rotation) {
+            let numbers = self.numbers(orientation, rotation, &["x", "y", "z", "w"])?;
             let quaternion = Quaternion {
                 w: numbers[3],
                 v: Vector3::new(numbers[0], numbers[1], numbers[2]),
@@ -125,6 +196,7 @@ impl Scene<'_> {
         let name = self.text(self.named(object, "id")?, "id")?;
         let pose = object.get("pose").map(|pose| self.pose(pose));
         let pose = pose.transpose()?.unwrap_or_else(Placement::identity);
+        let pose = self.base_of(object, name, link)? * pose;
         for other in ["meshes", "planes"] {
             let given = object.get(other).and_then(Node::list);
             if given.is_some_and(|list| !list.is_empty()) {

@@ -14,7 +14,10 @@ impl World {
     /// A factor that is not positive and finite, or with which an obstacle is too small or too large to be one.
     pub fn scaled(&self, times: f64) -> Result<Self, WorldError> {
         BadOption::check("times", times, POSITIVE)?;
-        let mut scaled = Self::new();
+        let mut scaled = Self {
+            notes: self.notes.clone(),
+            ..Self::new()
+        };
         for obstacle in self.obstacles() {
             let shape = obstacle.shape.scaled(times);
             let shape = shape.map_err(|error| WorldError::Shape {
