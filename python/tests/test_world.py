@@ -68,6 +68,10 @@ def test_obstacles_are_what_was_added() -> None:
 def test_a_world_is_pickled_copied_and_written(tmp_path) -> None:
     world = everything()
     world.write(tmp_path / "world.json")
+    assert list(world) == world.names
+    for unread in ("world.yaml", "world.txt", "world"):
+        with pytest.raises(FileError, match="json"):
+            world.write(tmp_path / unread)
     for again in (
         pickle.loads(pickle.dumps(world)),
         copy.deepcopy(world),

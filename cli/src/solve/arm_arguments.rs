@@ -105,9 +105,9 @@ const GENERAL: [&str; 4] = ["solver", "jacobian", "max_iterations", "rays"];
 const METHOD: [&str; 3] = ["solver", "jacobian", "max_iterations"];
 
 impl ArmArguments {
-    /// The first of the options that was given, if any; of a `rig` those that it understands do not
-    /// count.
-    pub(super) fn given(&self, rig: bool) -> Option<&'static str> {
+    /// The first of the options that was given, if any; of a `rig`, and of what `settles` from where it stands, those that it understands
+    /// do not count.
+    pub(super) fn given(&self, rig: bool, settles: bool) -> Option<&'static str> {
         let searched = match self.search {
             Some(Search::Start | Search::First) => !rig,
             search => search.is_some(),
@@ -118,7 +118,7 @@ impl ArmArguments {
             ("--joint-weights", self.joint_weights.is_some()),
             (
                 "--global-search-on-miss",
-                self.global_search_on_miss && !rig,
+                self.global_search_on_miss && !settles,
             ),
             ("--metres-per-radian", self.metres_per_radian.is_some()),
             ("--servo", self.servo.is_some()),

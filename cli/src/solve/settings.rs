@@ -104,7 +104,9 @@ impl Arguments {
             || (!self.hold.is_empty() && loaded.rig.is_none())
             || goals.need_more_than_an_arm(loaded);
         let one_frame = self.file.is_some() || (self.targets.len() == 1 && self.rays.is_empty());
-        let of_an_arm = self.arm.given(loaded.rig.is_some());
+        // Those that settle from where they stand.
+        let settles = loaded.rig.is_some() || self.solver.is_none() && (general || !one_frame);
+        let of_an_arm = self.arm.given(loaded.rig.is_some(), settles);
         match (&loaded.robot, of_an_arm) {
             (Some(_), _) if one_frame && !general && !self.weights.is_empty() => Err(usage!(
                 "--weight is for several targets or held tips; beside a single target's position \

@@ -204,3 +204,14 @@ fn a_body_moves_no_further_than_it_may() {
     let farthest = q.iter().fold(0.0_f64, |most, angle| most.max(angle.abs()));
     assert!(farthest <= 0.04 && farthest > 0.03, "{farthest}");
 }
+
+/// What is advised can be done.
+#[test]
+fn a_body_that_misses_may_answer_by_another_way() {
+    let ask = format!("solve {NAO} --base-joint free --hold left_sole --hold right_sole");
+    let ask = format!("{ask} --target left_hand=0.6,0.1,0.1");
+    let own = answer!("{ask}");
+    assert_eq!(own["reached"], false);
+    let anywhere = answer!("{ask} --global-search-on-miss");
+    assert!(anywhere["cost"].as_f64().unwrap() <= own["cost"].as_f64().unwrap());
+}

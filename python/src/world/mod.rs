@@ -106,9 +106,9 @@ impl World {
         py.detach(|| world.to_json())
     }
 
-    /// Writes the world as JSON.
+    /// Writes the world as JSON, which is read from a .json.
     ///
-    /// Raises `FileError` where it cannot be written.
+    /// Raises `FileError` where it cannot be written, or where its name ends in another way.
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let world = self.snapshot();
         py.detach(|| world.write(path)).or_raise()
@@ -363,6 +363,11 @@ impl World {
 
     fn __contains__(&self, name: &str) -> bool {
         self.lock().obstacle(name).is_ok()
+    }
+
+    /// The names, in the order in which they were added.
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Ok(self.names().into_pyobject(py)?.try_iter()?.into_any())
     }
 
     /// An obstacle as it stands.

@@ -76,8 +76,15 @@ impl World {
     /// Writes the world as [`to_json`](Self::to_json) gives it.
     ///
     /// # Errors
-    /// The file cannot be written.
+    /// The file cannot be written, or its name does not end in .json, from which [`read`](Self::read) knows what it holds.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), WriteError> {
-        write_bytes(path.as_ref(), self.to_json().as_bytes())
+        let path = path.as_ref();
+        let end = path.extension().and_then(|end| end.to_str());
+        if !end.is_some_and(|end| end.eq_ignore_ascii_case("json")) {
+            let told = "a world is written as JSON: its name must end in .json";
+            let problem = std::io::Error::new(std::io::ErrorKind::InvalidInput, told);
+            return Err(WriteError::new(path, problem));
+        }
+        write_bytes(path, self.to_json().as_bytes())
     }
 }
