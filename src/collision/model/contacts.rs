@@ -13,10 +13,16 @@ impl CollisionModel {
         let pairs = pairs.filter(|[a, b]| contacts.are_apart(a.index(), b.index()));
         self.pairs = pairs.collect();
         let in_part = |[a, b]: &[FrameId; 2]| contacts.are_apart_in_part(a.index(), b.index());
-        for [a, b] in self.pairs.iter().filter(|pair| in_part(pair)) {
+        let mixed: Vec<_> = self.pairs.iter().filter(|pair| in_part(pair)).collect();
+        if let [[a, b], others @ ..] = mixed.as_slice() {
             let [a, b] = [self.name_of(*a), self.name_of(*b)];
+            let more = match others.len() {
+                0 => String::new(),
+                1 => " (and one more pair)".to_owned(),
+                count => format!(" (and {count} more pairs)"),
+            };
             self.notes.push(format!(
-                "links `{a}` and `{b}` are kept apart whole, though not all of their geoms would touch by their contact bits"
+                "links `{a}` and `{b}`{more} are kept apart whole, though not all of their geoms would touch by their contact bits"
             ));
         }
         for plane in &contacts.planes {
