@@ -239,8 +239,6 @@ impl Servo<'_> {
         }
         #[cfg(feature = "collision")]
         let touching = self.stop_before_touching()?;
-        #[cfg(not(feature = "collision"))]
-        let touching = None;
         let errors = self.workspace.judge_x();
         for ((velocity, q), x) in self.velocity.iter_mut().zip(&self.q).zip(&self.workspace.x) {
             *velocity = (x - q) / self.time_step;
@@ -249,6 +247,7 @@ impl Servo<'_> {
         self.branch
             .arrive(self.arm, &mut self.workspace, errors.reached);
         let status = self.look(errors, ended);
+        #[cfg(feature = "collision")]
         let status = touching.unwrap_or(status);
         self.fading = match rests && status != ServoStatus::SpeedLimited {
             true => self.fading * FADING,

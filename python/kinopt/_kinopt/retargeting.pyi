@@ -71,7 +71,7 @@ def capture_retargeted(
     Floats,
     list[str],
     NDArray[np.bool_],
-    list[str],
+    tuple[list[str], Floats],
     Floats,
     list[str],
     tuple[float, float, float, float],
