@@ -154,7 +154,7 @@ def test_no_servo_is_on_target_in_an_obstacle(panda: kinopt.Robot) -> None:
     assert step.status == "touching" and not step.reached
     assert step.collisions[0].second == "table" and np.isclose(step.collisions[0].distance, deep)
     # A way up leads out of it.
-    for _ in range(150):
+    for _ in range(100):
         pose[2, 3] += 0.002
         step = servo.step(pose)
         assert not step.collisions or step.collisions[0].distance >= deep - 1e-9

@@ -70,7 +70,7 @@ def test_a_world_is_pickled_copied_and_written(tmp_path) -> None:
     world.write(tmp_path / "world.json")
     assert list(world) == world.names
     for unread in ("world.yaml", "world.txt", "world"):
-        with pytest.raises(FileError, match="json"):
+        with pytest.raises(InvalidValueError, match="json"):
             world.write(tmp_path / unread)
     for again in (
         pickle.loads(pickle.dumps(world)),

@@ -108,7 +108,7 @@ impl World {
 
     /// Writes the world as JSON, which is read from a .json.
     ///
-    /// Raises `FileError` where it cannot be written, or where its name ends in another way.
+    /// Raises `InvalidValueError` for a name that ends in another way, `FileError` where it cannot be written.
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let world = self.snapshot();
         py.detach(|| world.write(path)).or_raise()
