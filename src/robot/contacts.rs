@@ -73,18 +73,20 @@ impl Contacts {
 
     /// Whether a link is kept over a plane.
     pub(crate) fn is_over(&self, plane: &ContactPlane, link: usize) -> bool {
-        let of = |body: usize| self.bodies.get(body).map_or(&[][..], |body| &body.bits);
         plane.paired.contains(&link)
             || self.bodies_meet(plane.body, link)
-                && of(link).iter().any(|bits| bits.meet(plane.bits))
+                && self.bits_of(link).iter().any(|bits| bits.meet(plane.bits))
     }
 
     fn meeting(&self, a: usize, b: usize) -> impl Iterator<Item = bool> + '_ {
-        let of = |body: usize| self.bodies.get(body).map_or(&[][..], |body| &body.bits);
-        let (first, second) = (of(a), of(b));
+        let (first, second) = (self.bits_of(a), self.bits_of(b));
         first
             .iter()
             .flat_map(move |one| second.iter().map(move |other| one.meet(*other)))
+    }
+
+    fn bits_of(&self, body: usize) -> &[ContactBits] {
+        self.bodies.get(body).map_or(&[], |body| &body.bits)
     }
 
     fn bodies_meet(&self, a: usize, b: usize) -> bool {

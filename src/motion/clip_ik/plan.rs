@@ -59,7 +59,7 @@ pub(super) struct Plan<'a> {
     /// Of the first limbs.
     pub(super) feet: &'a [Planted],
     /// How far the root moves from where the clip has it and its travel.
-    pub(super) moved: &'a [DVec3],
+    pub(super) moved: Vec<DVec3>,
 }
 
 impl Plan<'_> {
@@ -121,13 +121,7 @@ pub(super) fn travelled(request: &ClipRequest, time: f32) -> DVec3 {
 }
 
 /// What the reaches ask of a bone that the clip has at `free`.
-pub(super) fn reached(
-    ik: &ClipIk<'_>,
-    request: &ClipRequest,
-    bone: BoneId,
-    time: f64,
-    free: DVec3,
-) -> Goal {
+fn reached(ik: &ClipIk<'_>, request: &ClipRequest, bone: BoneId, time: f64, free: DVec3) -> Goal {
     let own = ik.reaches.iter().filter(|reach| reach.bone == bone);
     let asked = own.map(|reach| (reach.target(time), reach.weight(time, request.span)));
     asked.fold(

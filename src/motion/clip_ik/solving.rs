@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::ClipIkError;
 use super::clip_solver::{ClipIk, ClipRequest};
 use super::edited::{EditedClip, Led, Stance};
-use super::plan::{Goal, Moment, Plan, dvec, reached, travelled};
+use super::plan::{Goal, Moment, Plan, dvec, travelled};
 use super::planting::{Ground, Planted, plant};
 use super::posed_bones::PosedBones;
 use super::root::{self, Demand};
@@ -42,31 +42,25 @@ pub(super) fn solve(
         .iter()
         .map(|limb| foot(ik, request, limb, rate))
         .collect();
-    let goals: Vec<Vec<Goal>> = (0..limbs.len())
-        .map(|k| match feet.get(k) {
-            Some(foot) => foot.way.iter().map(|at| (dvec(*at), 1.0)).collect(),
-            None => {
-                let frames = times.iter().zip(&limbs[k].way);
-                let goals = frames.map(|(time, free)| {
-                    reached(ik, request, request.bones[k], f64::from(*time), *free)
-                });
-                goals.collect()
-            }
-        })
-        .collect();
-    let runs = match request.travel == DVec3::ZERO {
-        true => runs(&goals),
-        false => std::iter::once(0..times.len()).collect(),
-    };
-    let moved = root_moves(request, (&limbs, &goals, &feet), &runs, rate)?;
-    let plan = Plan {
+    let mut plan = Plan {
         ik,
         request,
         times: &times,
         limbs: &limbs,
         feet: &feet,
-        moved: &moved,
+        moved: Vec::new(),
     };
+    let goals = |(bone, limb): (usize, &LimbWay)| -> Vec<Goal> {
+        let frames = limb.way.iter().enumerate();
+        let goals = frames.map(|(frame, free)| plan.goal(bone, Moment::at(frame), *free));
+        goals.collect()
+    };
+    let goals: Vec<Vec<Goal>> = limbs.iter().enumerate().map(goals).collect();
+    let runs = match request.travel == DVec3::ZERO {
+        true => runs(&goals),
+        false => std::iter::once(0..times.len()).collect(),
+    };
+    plan.moved = root_moves(request, (&limbs, &goals, &feet), &runs, rate)?;
     let mut solved = SolvedMoments::none(&plan, clip, &posed)?;
     solved.add(runs.iter().cloned().flatten().map(Moment::at), &mut posed)?;
     let mut refinements = 0;
@@ -110,7 +104,7 @@ pub(super) fn solve(
     Ok(EditedClip {
         stances: stances.collect(),
         led: led.collect(),
-        root_moved: moved.iter().map(|by| by.length()).fold(0.0, f64::max),
+        root_moved: plan.moved.iter().map(|by| by.length()).fold(0.0, f64::max),
         clip: edited,
     })
 }

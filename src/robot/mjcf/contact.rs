@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use super::attributes::Attributes;
 use super::body::Body;
+use super::geom::Geom;
 use super::names::WORLD;
 use super::tree::Tag;
 use crate::model::UnknownName;
@@ -49,11 +50,12 @@ pub(super) fn read(
             }
         }
     }
+    let (body_names, geom_names) = (body_names(bodies), geom_names(bodies));
     let sections = root.children_named("contact");
     for tag in sections.flat_map(|section| section.children()) {
         let taken = match tag.name() {
-            "exclude" => exclude(tag, bodies, &mut contacts),
-            "pair" => pair(tag, bodies, &mut contacts),
+            "exclude" => exclude(tag, &body_names, &mut contacts),
+            "pair" => pair(tag, &geom_names, &mut contacts),
             _ => Ok(()),
         };
         left_out.extend(taken.err());
@@ -68,7 +70,8 @@ fn parents_count(root: Tag<'_>) -> bool {
     flags.any(|flag| flag.text("filterparent") == Some("disable"))
 }
 
-fn exclude(tag: Tag<'_>, bodies: &[Body<'_>], contacts: &mut Contacts) -> Read<()> {
+/// Bodies by name.
+fn body_names<'b>(bodies: &'b [Body<'_>]) -> HashMap<&'b str, usize> {
     let names = bodies.iter().enumerate().filter_map(|(index, body)| {
         let name = match index {
             0 => Some(WORLD),
@@ -76,25 +79,36 @@ fn exclude(tag: Tag<'_>, bodies: &[Body<'_>], contacts: &mut Contacts) -> Read<(
         };
         Some((name?, index))
     });
-    let names: HashMap<&str, usize> = names.collect();
+    names.collect()
+}
+
+/// Geoms by name, each with its body.
+fn geom_names<'b, 'd>(bodies: &'b [Body<'d>]) -> HashMap<&'b str, (usize, &'b Geom<'d>)> {
+    let geoms = bodies.iter().enumerate().flat_map(|(index, body)| {
+        let geoms = body.geoms.iter();
+        geoms.filter_map(move |geom| Some((geom.tag.text("name")?, (index, geom))))
+    });
+    geoms.collect()
+}
+
+fn exclude(tag: Tag<'_>, names: &HashMap<&str, usize>, contacts: &mut Contacts) -> Read<()> {
     let [a, b] = [
-        named(tag, "body1", "body", &names)?,
-        named(tag, "body2", "body", &names)?,
+        named(tag, "body1", "body", names)?,
+        named(tag, "body2", "body", names)?,
     ];
     contacts.excluded.push([a.min(b), a.max(b)]);
     Ok(())
 }
 
 /// Of links whose other geoms are kept apart with the two that are named there is a note.
-fn pair(tag: Tag<'_>, bodies: &[Body<'_>], contacts: &mut Contacts) -> Read<()> {
-    let geoms = bodies.iter().enumerate().flat_map(|(index, body)| {
-        let geoms = body.geoms.iter();
-        geoms.filter_map(move |geom| Some((geom.tag.text("name")?, (index, geom))))
-    });
-    let geoms: HashMap<&str, _> = geoms.collect();
+fn pair(
+    tag: Tag<'_>,
+    geoms: &HashMap<&str, (usize, &Geom<'_>)>,
+    contacts: &mut Contacts,
+) -> Read<()> {
     let [a, b] = [
-        named(tag, "geom1", "geom", &geoms)?,
-        named(tag, "geom2", "geom", &geoms)?,
+        named(tag, "geom1", "geom", geoms)?,
+        named(tag, "geom2", "geom", geoms)?,
     ];
     let not_kept = |why| Err(tag.fault(Fault::PairNotKept { why }));
     if contacts.bodies[a.0].weld == contacts.bodies[b.0].weld {
