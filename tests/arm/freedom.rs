@@ -146,3 +146,56 @@ fn a_mirrored_arm_goes_as_its_image() {
         }
     }
 }
+
+/// Six hinges and a slide after the first two, whose every length is `unit` times as long.
+fn on_a_rail(unit: f64) -> Arm {
+    let mut builder = Model::builder("on a rail");
+    let [x, y, z] = Vector3::UNITS;
+    let off = |v: Vector3<f64>, by: f64| Placement::translation(v * (by * unit));
+    let hinge = Limits::new(-2.5, 2.5);
+    let first = builder.revolute("0", None, off(z, 0.3), z, hinge);
+    let second = builder.revolute("1", Some(first), off(x, 0.1), y, hinge);
+    let rail = Limits::new(-0.5 * unit, 0.5 * unit);
+    let mut last = builder.prismatic("rail", Some(second), off(z, 0.2), z, rail);
+    let hinges = [
+        (x, y, 0.5),
+        (z, x, 0.4),
+        (x, z, 0.2),
+        (y, y, 0.2),
+        (z, x, 0.1),
+    ];
+    for (k, (way, axis, by)) in hinges.into_iter().enumerate() {
+        last = builder.revolute(format!("{}", k + 2), Some(last), off(way, by), axis, hinge);
+    }
+    builder.frame("tip", Some(last), off(x, 0.15));
+    let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
+    let arm = Arm::builder(&robot, kinopt::arm::Base::World, "tip").with_atlas(false);
+    let arm = arm.with_position_tolerance(1e-6 * unit);
+    arm.with_metres_per_radian(0.5 * unit).build().unwrap()
+}
+
+/// A slide's way counts in the unit of all lengths: in another, the freedom of a whole pose goes the same way.
+#[test]
+fn a_rail_in_another_unit_of_length_goes_the_same_way() {
+    let ends = [1.0, 8.0, 0.125].map(|unit| {
+        let arm = on_a_rail(unit);
+        let mut start = vec![0.3, 0.6, 0.1, -0.9, 0.4, 0.7, -0.8, 0.2];
+        start[2] *= unit;
+        let from = arm.base_from_tool(&start).unwrap();
+        let mut follower = arm.follower(&start).unwrap();
+        let (mut solution, mut steps) = (Solution::default(), 0);
+        for k in 0..200 {
+            let mut target = from;
+            let share = (f64::from(k) / 150.0).min(1.0);
+            target.translation += Vector3::new(-0.2, 0.3, 0.1) * (share * unit);
+            follower.advance(target, &mut solution).unwrap();
+            assert!(solution.reached, "{unit}: {}", solution.explain());
+            steps += solution.iterations;
+        }
+        let mut q = follower.q().to_vec();
+        q[2] /= unit;
+        (q, steps)
+    });
+    assert_eq!(ends[0], ends[1]);
+    assert_eq!(ends[0], ends[2]);
+}

@@ -209,3 +209,28 @@ fn what_is_not_kept_as_said_is_told() {
         "{note}"
     );
 }
+
+/// What passes a plane may be kept over it again, and what it holds passes with it.
+#[test]
+fn a_plane_that_a_link_passes_is_no_matter_to_what_it_holds() {
+    use kinopt::collision::World;
+    let arm = robot(FLOOR, [""; 3], "");
+    let mut world = World::new();
+    let box_at = kinopt::spatial::Vector3::new(0.1, 0.0, 0.0);
+    world.add_box("held", [0.1; 3], box_at).unwrap();
+    world.attach("held", "c", box_at).unwrap();
+    let told = |model: CollisionModel| {
+        let checker = Checker::new(model).with_world(&world).unwrap();
+        let found = checker.collisions(&[1.0, 0.0, 0.0]).unwrap();
+        let mut first: Vec<String> = found.into_iter().map(|pair| pair.first).collect();
+        first.sort();
+        first
+    };
+    let model = CollisionModel::of(&arm).unwrap();
+    assert_eq!(told(model.clone()), ["b", "c", "held"]);
+    let passing = model.with_ignored("c", "world").unwrap();
+    assert_eq!(told(passing.clone()), ["b"]);
+    let kept = passing.with_checked("world", "c").unwrap();
+    assert!(kept.is_checked("c", "world").unwrap());
+    assert_eq!(told(kept), ["b", "c", "held"]);
+}

@@ -365,3 +365,14 @@ fn pairs_that_a_planning_scene_allows_are_told_to_be_passed_over() {
     assert!(told.contains("allowed_collision_matrix"), "{told}");
     assert_eq!(world.scaled(2.0).unwrap().notes(), world.notes());
 }
+
+/// A mesh is as large as its file says, axis by axis.
+#[test]
+fn a_mesh_has_the_scale_that_is_asked_for() {
+    let text = r#"{"meshes": [{"name": "roof", "scale": [2.0, 1.0, 0.5],
+        "vertices": [[0,0,0],[1,0,0],[0,1,0],[0,0,1]], "triangles": [[0,2,1],[0,1,3],[1,2,3],[0,3,2]]}]}"#;
+    let world = World::from_json(text.as_bytes(), "roof.json").unwrap();
+    let bounds = world.obstacle("roof").unwrap().shape.bounding_box();
+    assert_eq!(bounds.max.to_array(), [2.0, 1.0, 0.5]);
+    assert_eq!(bounds.min.to_array(), [0.0; 3]);
+}

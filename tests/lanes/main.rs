@@ -3,6 +3,7 @@
 mod arithmetic;
 mod bounds;
 mod determinism;
+mod doors;
 mod errors;
 mod misses;
 mod success;

@@ -33,6 +33,7 @@ mod singular_rest_poses;
 mod small_chains;
 mod solution_derivatives;
 mod solutions_without_derivative;
+mod spaces_of_balls;
 mod standing_bodies;
 mod step_lengths;
 mod stopping;

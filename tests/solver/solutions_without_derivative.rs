@@ -409,3 +409,21 @@ fn a_limit_where_pulls_balance_but_for_rounding_decides_nothing() {
         assert_eq!(joint, "slide");
     }
 }
+
+/// A vector of parameters that is cleared has nothing left of any kind.
+#[test]
+fn cleared_parameters_are_none() {
+    let (model, tip) = chain(3, Limits::new(-2.0, 2.0));
+    let mut tasks = Problem::builder(&model);
+    tasks.add(Point::new(tip, [1.0, 1.0, 0.0]));
+    tasks.add(Posture::new(&model, &[0.1; 3]));
+    let problem = tasks.build().unwrap();
+    let none = ParameterVector::new(&problem).with_joint_origins(3);
+    let mut own = none.clone();
+    own.targets_mut().fill(1.0);
+    own.weights_mut().fill(2.0);
+    own.joint_origins_mut().fill(Vector3::UNITS[1]);
+    assert!(own.targets().len() == 6 && own.weights().len() == 2 && own != none);
+    own.clear();
+    assert_eq!(own, none);
+}

@@ -7,6 +7,7 @@ mod look_at_from_behind;
 mod mouse_rays;
 mod moved_targets;
 mod numeric_residuals;
+mod own_derivatives;
 mod posture_weights;
 mod room_and_bases;
 mod rooms;

@@ -5,7 +5,7 @@
 use kinopt::model::{JointId, Model};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::{
-    FrameVelocity, Gaze, LookAt, Orientation, Plane, Point, Pose, Ray, Residual, Within,
+    Axis, FrameVelocity, Gaze, LookAt, Orientation, Plane, Point, Pose, Ray, Residual, Within,
 };
 
 fn same<R: Residual>(task: &R, moved: &R, step: &[f64]) {
@@ -181,4 +181,96 @@ fn what_is_asked_about_is_what_was_given() {
         builder.add(if is_goal { posture.goal() } else { posture });
         assert_eq!(builder.build().unwrap().has_preferences(), prefers);
     }
+}
+
+/// The rows of a task whose numbers are moved by a step, and of one made so.
+fn same_with<R: Residual>(task: &R, moved: &R, step: &[f64], joints: &[f64]) {
+    assert_eq!(task.target_len(), step.len(), "{}", task.kind());
+    let mut random = support::random::Random::new(31);
+    let mut anywhere = || {
+        let mut own = || Vector3::from([0; 3].map(|_| random.within(-0.5, 0.5)));
+        Placement::new(rotation_exp(own()), own())
+    };
+    let frames: Vec<_> = task.frames().iter().map(|_| anywhere()).collect();
+    let rows: usize = task.rows().iter().map(|rows| rows.count).sum();
+    let [mut own, mut by_step, mut by_setter] = [(); 3].map(|()| vec![0.0; rows]);
+    task.evaluate(&frames, joints, &mut own);
+    task.evaluate_moved(&frames, joints, step, &mut by_step);
+    moved.evaluate(&frames, joints, &mut by_setter);
+    let off = |a: &[f64], b: &[f64]| {
+        let pairs = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+        pairs.fold(0.0, f64::max)
+    };
+    let kind = task.kind();
+    assert!(off(&own, &by_step) > 1e-6, "{kind}: {own:?} {by_step:?}");
+    assert!(
+        off(&by_step, &by_setter) < 1e-12,
+        "{kind}: {by_step:?} {by_setter:?}"
+    );
+}
+
+/// Numbers, pixels, places of lines, postures and velocities are moved by a step as places are.
+#[test]
+fn targets_of_every_kind_are_moved_by_the_step_itself() {
+    use kinopt::model::{Limits, Masses, PointMass};
+    use kinopt::task::{Camera, CentreOfMass, Distance, JointCoupling, Pixel, Posture};
+    let mut builder = Model::builder("hinges");
+    let (here, mut last, mut frames, mut joints) =
+        (Placement::identity(), None, Vec::new(), Vec::new());
+    for (name, axis) in ["a", "b", "c"].iter().zip(Vector3::UNITS) {
+        last = Some(builder.revolute(*name, last, here, axis, Limits::new(-1.0, 1.0)));
+        joints.extend(last);
+        frames.push(builder.frame(*name, last, here));
+    }
+    let model = builder.build().unwrap();
+    let [a, b] = [frames[0], frames[1]];
+    let (place, step) = (Vector3::new(1.0, 0.5, 2.0), [1e-3, -2e-3, 3e-3]);
+    let there = place + Vector3::from(step);
+
+    let distance = |by: f64| Distance::new(a, b, 0.4 + by);
+    same_with(&distance(0.0), &distance(1e-3), &[1e-3], &[]);
+    let through = |through: Vector3<f64>| Ray::new(a, [0.1, 0.2, -3.0], through);
+    let mut ray = through(place);
+    // A line's target is the mouse: its eye goes along.
+    ray.set_line(Vector3::new(0.1, 0.2, -3.0) + Vector3::from(step), there);
+    same_with(&through(place), &ray, &step, &[]);
+    let plane = |at: Vector3<f64>| Plane::new(a, at, [0.2, 0.4, 1.0]);
+    same_with(&plane(place), &plane(there), &step, &[]);
+    let look = |at: Vector3<f64>| LookAt::new(a, [2.0, 0.3, 0.1], at);
+    same_with(&look(place), &look(there), &step, &[]);
+    let camera = Camera::pinhole(
+        &Placement::translation([0.0, 0.0, -3.0].into()),
+        [500.0, 480.0],
+        [320.0, 240.0],
+    );
+    let pixel = |by: [f64; 2]| Pixel::new(a, camera, [300.0 + by[0], 200.0 + by[1]]);
+    same_with(&pixel([0.0; 2]), &pixel([1e-3, -2e-3]), &[1e-3, -2e-3], &[]);
+    let points = [(0, 1.0), (2, 3.0)].map(|(k, mass)| PointMass {
+        frame: frames[k],
+        mass,
+        at: Vector3::new(0.1, 0.2, 0.3),
+    });
+    let masses = Masses::new(&model, points).unwrap();
+    let centre = |at: Vector3<f64>| CentreOfMass::new(&masses, at).free_along(Axis::Y);
+    same_with(&centre(place), &centre(there), &step, &[]);
+    let relative = |at: Vector3<f64>| CentreOfMass::new(&masses, at).relative_to(b);
+    same_with(&relative(place), &relative(there), &step, &[]);
+    let velocity = [1e-3, -2e-3, 3e-3, 2e-3, 1e-3, -1e-3];
+    let moving = |by: f64| {
+        let [x, y, z, a, b, c] = velocity.map(|v| 0.3 + by * v);
+        let (linear, angular) = (Vector3::new(x, y, z), Vector3::new(a, b, c));
+        FrameVelocity::new(
+            frames[2],
+            Placement::translation(place),
+            0.1,
+            (linear, angular),
+        )
+    };
+    same_with(&moving(0.0), &moving(1.0), &velocity, &[]);
+    let values = [0.3, -0.4, 0.7];
+    let coupled =
+        |by: f64| JointCoupling::new(&model, [(joints[0], 1.0), (joints[1], -2.0)], 0.5 + by);
+    same_with(&coupled(0.0), &coupled(1e-3), &[1e-3], &values);
+    let posture = |by: f64| Posture::new(&model, &step.map(|step| 0.2 + by * step));
+    same_with(&posture(0.0), &posture(1.0), &step, &values);
 }

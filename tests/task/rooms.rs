@@ -130,3 +130,31 @@ fn of_centres_of_mass() {
         Within::new(CentreOfMass::new(&masses, [0.2, 0.1, 0.4]), 0.3)
     }));
 }
+
+/// How deep a turn is within its band is counted by the quaternion with w ≥ 0, however far the turn is.
+#[test]
+fn depths_of_far_turns_are_those_of_the_shorter_way_round() {
+    use kinopt::spatial::rotation_exp;
+    use nalgebra as na;
+    let mut builder = kinopt::Model::builder("frame");
+    let frame = builder.frame("hand", None, Placement::identity());
+    builder.build().unwrap();
+    let bands = [0.0, 0.0, f64::INFINITY, 0.4, 1.0, 2.9];
+    let task = Pose::new(frame, Placement::identity()).with_goal(Goal::within(bands));
+    let mut random = Random::new(5);
+    for _ in 0..300 {
+        let turn = random.direction().into_inner() * random.within(0.1, 3.1);
+        let rotation = rotation_exp(support::vector(turn));
+        let placed = [Placement::new(rotation, [0.1, 0.2, 0.3].into())];
+        let mut depths = [f64::NAN; 6];
+        task.depths(&placed, &[], &mut depths);
+        let half = na::UnitQuaternion::new(turn).quaternion().imag();
+        for (k, depths) in depths.chunks(2).enumerate() {
+            let band = 2.0 * (0.5 * bands[3 + k]).sin();
+            let expected = [band + 2.0 * half[k], band - 2.0 * half[k]];
+            for (own, expected) in depths.iter().zip(expected) {
+                assert!((own - expected).abs() < 1e-12, "{turn:?}: {depths:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! Promise: the space of balls is moved in, measured and bounded as one of numbers is, on edges and past half a turn too.
+#![allow(clippy::unwrap_used)]
+
+use std::f64::consts::{PI, TAU};
+
+use kinopt::Problem;
+use kinopt::model::{BallLimits, Limits, Model};
+use kinopt::problem::Question;
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::Point;
+use support::random::Random;
+
+/// Balls without limits, of a whole angle, of a cone, of an elliptic one, and of a cone within an angle, in a row.
+fn body() -> Model {
+    let twist = Limits::new(-0.6, 0.9);
+    let limits = [
+        None,
+        Some(BallLimits::within_angle(1.1)),
+        Some(BallLimits::cone(0.8, twist)),
+        Some(BallLimits::elliptic(
+            [1.0, 0.0, 0.0],
+            [0.4, 1.3],
+            Limits::new(-2.0, 0.2),
+        )),
+        Some(BallLimits::cone(1.0, twist).with_angle(1.05)),
+    ];
+    let [_, _, z] = Vector3::UNITS;
+    let mut builder = Model::builder("balls");
+    let mut carrier = None;
+    for (k, limits) in limits.into_iter().enumerate() {
+        let at = Placement::translation(z * 0.3);
+        carrier = Some(builder.ball(format!("ball {k}"), carrier, at, z, limits));
+    }
+    builder.frame("tip", carrier, Placement::translation(z));
+    builder.build().unwrap()
+}
+
+fn problem_of(model: &Model) -> Problem {
+    let mut builder = Problem::builder(model);
+    builder.add(Point::new(model.frame("tip").unwrap(), [0.5, 0.4, 0.9]));
+    builder.build().unwrap()
+}
+
+fn is_within(problem: &Problem, model: &Model, x: &[f64]) -> bool {
+    let mut q = model.neutral();
+    problem.parameters().expand(x, &mut q).unwrap();
+    model.is_within_limits(&q)
+}
+
+/// Steps are those that lead from one place to another; what leads out of a set does, and back in does not.
+#[test]
+fn steps_lead_where_they_say() {
+    let model = body();
+    let problem = problem_of(&model);
+    let question = Question::from(&problem);
+    let (space, n) = (question.space(), problem.variables());
+    let mut random = Random::new(81);
+    let (mut to, mut step, mut back) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    let mut on_edges = 0;
+    for round in 0..400 {
+        // Mostly within, or put on edges from far out.
+        let far = if round % 2 == 0 { 0.3 } else { 4.0 };
+        let mut x: Vec<f64> = (0..n).map(|_| random.within(-far, far)).collect();
+        space.project(&mut x);
+        assert!(is_within(&problem, &model, &x), "round {round}");
+        let mut again = x.clone();
+        space.project(&mut again);
+        let moved = space.distance(&again, &x, &mut back);
+        assert!(moved < 1e-9, "round {round}: {moved:e}");
+
+        step.fill_with(|| random.within(-1e-3, 1e-3));
+        space.integrate(&x, &step, &mut to);
+        space.difference(&to, &x, &mut back);
+        let off = |a: &[f64], b: &[f64]| {
+            let both = a.iter().zip(b);
+            both.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()))
+        };
+        assert!(
+            off(&back, &step) < 1e-12,
+            "round {round}: {back:?} {step:?}"
+        );
+        let longest = step.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
+        assert!((space.distance(&to, &x, &mut back) - longest).abs() < 1e-12);
+
+        for k in 0..n {
+            // One component alone goes where a step of all with nothing else does, and comes back to the bit.
+            let mut alone = x.clone();
+            let taken = space.integrate_one(&x, k, 1e-3, &mut alone);
+            step.fill(0.0);
+            step[k] = taken;
+            space.integrate(&x, &step, &mut to);
+            assert!(off(&alone, &to) < 1e-15, "round {round}, {k}");
+            space.return_one(&x, k, &mut alone);
+            assert_eq!(alone, x, "round {round}, {k}");
+
+            let (down, up) = space.room(&x, k);
+            for (sign, room) in [(-1.0, down), (1.0, up)] {
+                let taken = space.integrate_one(&x, k, sign * 1e-4, &mut alone);
+                assert_eq!(space.stopped_step(&x, k, taken).is_some(), 1e-4 > room);
+                let left = !is_within(&problem, &model, &alone);
+                if room == 0.0 {
+                    assert!(left, "round {round}: {k} goes {sign} from {x:?} and stays");
+                    on_edges += 1;
+                    // What leads out is put back where it came from, or beside.
+                    space.project(&mut alone);
+                    let moved = space.distance(&alone, &x, &mut back);
+                    assert!(moved < 1e-3, "round {round}, {k}: {moved:e}");
+                } else if room == f64::INFINITY && sign < 0.0 {
+                    // From an edge straight inward.
+                    let curved = left && {
+                        space.project(&mut alone);
+                        space.distance(&alone, &x, &mut back) < 0.5e-4
+                    };
+                    assert!(
+                        !curved,
+                        "round {round}: {k} does not leave the edge at {x:?}"
+                    );
+                }
+                space.return_one(&x, k, &mut alone);
+            }
+        }
+    }
+    assert!(on_edges > 200, "{on_edges}");
+}
+
+/// A turn by more than half a turn is the same as a shorter one the other way round, and no step is longer for it.
+#[test]
+fn half_a_turn_is_no_edge() {
+    let model = body();
+    let problem = problem_of(&model);
+    let question = Question::from(&problem);
+    let (space, n) = (question.space(), problem.variables());
+    let mut random = Random::new(82);
+    let mut back = vec![0.0; n];
+    for _ in 0..100 {
+        let axis = random.direction();
+        let mut x = vec![0.0; n];
+        let (short, over) = (random.within(0.01, 0.2), random.within(0.01, 0.2));
+        for k in 0..3 {
+            x[k] = (PI - short) * axis[k];
+        }
+        let mut beyond = x.clone();
+        for k in 0..3 {
+            beyond[k] = (PI + over) * axis[k];
+        }
+        space.project(&mut beyond);
+        for k in 0..3 {
+            assert!((beyond[k] - (PI + over - TAU) * axis[k]).abs() < 1e-12);
+        }
+        let longest = (0..3).fold(0.0_f64, |most, k| most.max(axis[k].abs()));
+        let moved = space.distance(&beyond, &x, &mut back);
+        let expected = longest * (short + over);
+        assert!((moved - expected).abs() < 1e-12, "{moved} {expected}");
+    }
+}

@@ -1,0 +1,70 @@
+//! Promise: derivatives that a residual writes by hand are weighed row by row, wherever it writes them.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::model::{FrameId, JointId, Limits, Model};
+use kinopt::problem::Evaluation;
+use kinopt::solver::LeastSquares;
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{LocalJacobian, Quantity, Residual, Rows, Task};
+use kinopt::{Problem, Scalar};
+use nalgebra::DMatrix;
+
+/// A row of each of two quantities, of a joint each: 2 a and 3 b.
+#[derive(Clone)]
+struct TwoSorts {
+    joints: [JointId; 2],
+    diagonal: bool,
+}
+
+impl Residual for TwoSorts {
+    fn frames(&self) -> Vec<FrameId> {
+        Vec::new()
+    }
+    fn joints(&self) -> Vec<JointId> {
+        self.joints.to_vec()
+    }
+    fn rows(&self) -> Vec<Rows> {
+        vec![
+            Rows::new(Quantity::JointUnits, 1),
+            Rows::new(Quantity::Ratio, 1),
+        ]
+    }
+    fn evaluate<S: Scalar>(&self, _: &[Placement<S>], joints: &[S], r: &mut [S]) {
+        r[0] = joints[0] * S::constant(2.0);
+        r[1] = joints[1] * S::constant(3.0);
+    }
+    fn differentiate(&self, _: &[Placement<f64>], _: &[f64], to: &mut LocalJacobian) -> bool {
+        match self.diagonal {
+            true => to.set_diagonal([2.0, 3.0]),
+            false => {
+                to.joint_mut(0).copy_from_slice(&[2.0, 0.0]);
+                to.joint_mut(1).copy_from_slice(&[0.0, 3.0]);
+            }
+        }
+        true
+    }
+}
+
+#[test]
+fn each_row_has_its_own_weight() {
+    let mut builder = Model::builder("hinges");
+    let (at, z) = (Placement::identity(), Vector3::UNITS[2]);
+    let limits = Limits::new(-1.0, 1.0);
+    let a = builder.revolute("a", None, at, z, limits);
+    let b = builder.revolute("b", Some(a), at, z, limits);
+    let model = builder.build().unwrap();
+    for diagonal in [true, false] {
+        let mut tasks = Problem::builder(&model);
+        let joints = [a, b];
+        let own = Task::new(TwoSorts { joints, diagonal });
+        let own = own.weight(Quantity::JointUnits, 10.0);
+        tasks.add(own.weight(Quantity::Ratio, 100.0));
+        let problem = tasks.build().unwrap();
+        let mut scratch = problem.scratch();
+        let mut evaluation = Evaluation::new(&problem, &mut scratch);
+        let mut jacobian = DMatrix::zeros(2, 2);
+        evaluation.jacobian(&[0.1, 0.2], &mut jacobian);
+        let expected = DMatrix::from_row_slice(2, 2, &[20.0, 0.0, 0.0, 300.0]);
+        assert_eq!(jacobian, expected, "{diagonal}");
+    }
+}
