@@ -299,3 +299,27 @@ fn bad_armatures_and_sizes_are_named_errors() {
             .is_err()
     );
 }
+
+/// A pose that is copied into another is that pose, in memory that is there.
+#[test]
+fn a_copy_is_the_same_in_every_part() {
+    let bones = ["a", "b"].map(|name| kinopt::animation::ArmatureBone {
+        name: name.into(),
+        parent: None,
+        rest: LocalTransform::IDENTITY,
+    });
+    let targets = vec!["smile".to_owned(), "frown".to_owned()];
+    let armature = Armature::new(bones.into(), targets).unwrap();
+    let mut from = armature.rest().clone();
+    let local = LocalTransform {
+        translation: Vec3A::new(1.0, 2.0, 3.0),
+        rotation: Quat::from_rotation_z(0.3),
+        scale: Vec3A::splat(2.0),
+    };
+    from.set_local(armature.bone("b").unwrap(), local).unwrap();
+    from.morph_weights_mut().copy_from_slice(&[0.25, 0.75]);
+    let mut to = armature.rest().clone();
+    assert_ne!(to, from);
+    to.copy_from(&from);
+    assert_eq!(to, from);
+}

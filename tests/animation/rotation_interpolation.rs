@@ -406,3 +406,32 @@ fn an_even_turn_stays_even_between_uneven_keys() {
         assert!(off < 1e-5, "{time} s: off by {off}");
     }
 }
+
+/// A rotation and its negative are one: keys on the other side of the sphere make no other curve.
+#[test]
+fn keys_of_either_sign_are_one_curve() {
+    let [start, end] = [
+        Quat::from_rotation_x(0.4),
+        Quat::from_rotation_y(1.3) * Quat::from_rotation_x(0.2),
+    ];
+    let rates = [Vec3::new(0.4, -0.3, 1.0), Vec3::new(-0.2, 0.5, 0.3)];
+    let curve = |start: Quat, end: Quat| RotationHermite::new(start, rates[0], end, rates[1]);
+    let times = [0.0, 0.4, 1.0];
+    let first = [start, end, start * end];
+    let means = mean_rates(&times, &first);
+    for signs in 0..4 {
+        let sign = |k: usize, q: Quat| if signs >> k & 1 == 1 { -q } else { q };
+        let (a, b) = (sign(0, start), sign(1, end));
+        for step in 0..=8 {
+            let u = step as f32 / 8.0;
+            assert!(apart(curve(a, b).at(u), curve(start, end).at(u)) < 1e-5);
+            for blend in [nlerp, slerp] {
+                assert!(apart(blend(a, b, u), blend(start, end, u)) < 1e-5);
+            }
+        }
+        let turned = [a, b, first[2]];
+        for (own, mean) in mean_rates(&times, &turned).iter().zip(&means) {
+            assert!((*own - *mean).length() < 1e-5);
+        }
+    }
+}

@@ -401,3 +401,22 @@ fn angles_may_be_of_any_size_and_places_may_not() {
         refused(&far, &["Yposition"]);
     }
 }
+
+/// Lines are counted alike however they end.
+#[test]
+fn a_line_is_told_whatever_ends_lines() {
+    for word in words().into_iter().filter(is_value).step_by(3) {
+        let text = with(&word, "much");
+        let places = ["\n", "\r\n", "\r"].map(|end| {
+            let text = text.replace('\n', end);
+            let error = bvh::from_bytes(text.as_bytes(), "damaged.bvh").unwrap_err();
+            error.place
+        });
+        assert!(
+            places
+                .iter()
+                .all(|place| *place == Place::Line(line_of(&word))),
+            "{places:?}"
+        );
+    }
+}

@@ -341,3 +341,31 @@ fn morph_targets_move_the_vertices_of_their_primitive() {
     ];
     assert_eq!(posed.positions(), expected.map(Vec3::from));
 }
+
+/// Weights of a mesh of several primitives are those of each one's own vertices.
+#[test]
+fn weights_go_with_the_vertices_of_their_primitive() {
+    let mut numbers = Numbers::default();
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let others = corners.map(|[x, y, z]: [f32; 3]| [x + 5.0, y, z]);
+    let [first, second] = [&corners, &others].map(|places| numbers.floats(places));
+    let joints = numbers.bytes(&[[0, 1, 2, 0]; 3], "");
+    let [to_first, to_others] = [[1.0, 0.0, 0.0, 0.0], [0.0, 0.25, 0.75, 0.0]]
+        .map(|weights: [f32; 4]| numbers.floats(&[weights; 3]));
+    let scene = numbers.read(&format!(
+        r#""nodes":[{{"name":"skin","mesh":0,"skin":0}},{{"name":"a"}},{{"name":"b"}},{{"name":"c"}}],"skins":[{{"joints":[1,2,3]}}],
+        "meshes":[{{"primitives":[
+        {{"attributes":{{"POSITION":{first},"JOINTS_0":{joints},"WEIGHTS_0":{to_first}}}}},
+        {{"attributes":{{"POSITION":{second},"JOINTS_0":{joints},"WEIGHTS_0":{to_others}}}}}]}}]"#
+    ));
+    assert_eq!(scene.notes, []);
+    let skin = scene.meshes[0].skin.as_ref().unwrap();
+    for vertex in 0..6 {
+        let influences = skin.weights.influences(vertex).iter();
+        let own: Vec<_> = influences.map(|i| (i.bone, i.weight)).collect();
+        match vertex < 3 {
+            true => assert_eq!(own, [(0, 1.0)], "{vertex}"),
+            false => assert_eq!(own, [(1, 0.25), (2, 0.75)], "{vertex}"),
+        }
+    }
+}

@@ -128,3 +128,17 @@ fn a_root_that_is_no_rigid_motion_is_refused() {
     let error = rig.skeleton.placed(stretched).unwrap_err();
     assert!(matches!(error, SkeletonError::BadRest { bone, .. } if bone == "bone/0"));
 }
+
+/// A bone hangs on one before it: not on a later one, and not on itself.
+#[test]
+fn a_bone_comes_after_what_carries_it() {
+    let rig = RandomRig::new(3);
+    let bones = rig.skeleton.bones().to_vec();
+    for (bone, parent) in [(0, 0), (1, 1), (1, 2), (2, 2)] {
+        let mut own = bones.clone();
+        own[bone].parent = rig.skeleton.bone_at(parent);
+        let error = Skeleton::new("loop", own).unwrap_err();
+        let bone = bones[bone].name.clone();
+        assert_eq!(error, SkeletonError::ParentNotBefore { bone });
+    }
+}

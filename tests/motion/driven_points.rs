@@ -22,10 +22,14 @@ fn hips_driven_beside_their_joints_go_as_frames_there_would() {
         drive.frame = drive.frame.replace("_thigh", "_hip_mark");
     }
     let options = RetargetOptions::default();
-    let [by_points, by_frames] = [by_points, by_frames].map(|map| {
-        let found = Retargeting::new(&robot, &map, &capture, options.clone()).unwrap();
-        found.per_frame().unwrap()
-    });
+    let [points, frames] = [by_points, by_frames]
+        .map(|map| Retargeting::new(&robot, &map, &capture, options.clone()).unwrap());
+    let [by_points, by_frames] = [&points, &frames].map(|own| own.per_frame().unwrap());
+    // Errors are those of the points.
+    let [errors, of_frames] = [(&points, &by_points), (&frames, &by_frames)]
+        .map(|(retargeting, found)| retargeting.errors(found).unwrap());
+    let off = errors.iter().zip(&of_frames).map(|(a, b)| (a - b).abs());
+    assert!(off.fold(0.0, f64::max) < 1e-6);
     check_limits(&robot, &by_points);
     let ends = by_points.q.iter().zip(&by_frames.q);
     let off = ends.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);

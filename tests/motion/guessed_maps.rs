@@ -377,6 +377,11 @@ fn a_map_of_another_robot_is_completed_by_names_and_keeps_what_it_says() {
         assert_eq!(completed.notes[0], lacking);
         assert_eq!(completed.notes[1..], guess.notes[..]);
     }
+    // What it says of contacts stays.
+    let text = r#"{"contacts": ["LeftFoot"]}"#;
+    let map = BodyMap::from_json(text, "body.urdf").unwrap();
+    let completed = map.completed(&capture, &humanoid).unwrap().map;
+    assert_eq!(completed.contacts, Some(vec!["LeftFoot".to_owned()]));
     // Drives of its own stay as they are.
     let text =
         r#"{"drives": {"g1.urdf": {"Hips": "pelvis_link"}, "body.urdf": {"Hips": "pelvis"}}}"#;
@@ -452,4 +457,25 @@ fn names_of_nobody_are_refused_by_name() {
     assert_eq!(smpl.joints_of_array(22).map(<[String]>::len), Some(22));
     assert_eq!(smpl.joints_of_array(21), None);
     assert_eq!(smpl.joints_of_array(53), None);
+}
+
+/// Every number of a map is in its text, and comes back from it.
+#[test]
+fn a_map_is_its_text() {
+    let text = r#"{"joints": ["Hips", "Hand"], "fps": 60, "up": "y", "contacts": ["Hips"], "drives": {
+        "Hand": {"frame": "hand", "offset": [0.1, -0.2, 0.3], "weight": 2.5, "scale": 0.75},
+        "Hips": "pelvis"}}"#;
+    let map = BodyMap::from_json(text, "body.urdf").unwrap();
+    let hand = &map.drives[0];
+    assert_eq!((&*hand.joint, &*hand.frame), ("Hand", "hand"));
+    assert_eq!(hand.offset.to_array(), [0.1, -0.2, 0.3]);
+    assert_eq!((hand.weight, hand.scale), (2.5, Some(0.75)));
+    let hips = &map.drives[1];
+    assert_eq!((&*hips.joint, &*hips.frame), ("Hips", "pelvis"));
+    assert_eq!(hips.offset.to_array(), [0.0; 3]);
+    assert_eq!((hips.weight, hips.scale), (1.0, None));
+    assert_eq!((map.frame_rate, map.up), (Some(60.0), Some(UpAxis::Y)));
+    assert_eq!(map.joints, ["Hips", "Hand"]);
+    assert_eq!(map.contacts, Some(vec!["Hips".to_owned()]));
+    assert_eq!(BodyMap::from_json(&map.to_json(), "").unwrap(), map);
 }

@@ -273,6 +273,14 @@ fn points_for_two_tools() {
         let at = [&arm, &drill][*tool].base_from_tool(q).unwrap();
         assert!((at.translation - point.translation).norm() < 1.1e-6);
     }
+    // Where it is to end, its last point's tool counts.
+    let end = solution.rows().last().unwrap().to_vec();
+    let with_tools = PathSolver::new(&arm).with_tools([&drill]);
+    let again = with_tools.clone().with_end(&end).solve(&path).unwrap();
+    assert_eq!(again.rows().last().unwrap(), end);
+    let by_flange = arm.solve(points[39], &end).unwrap().q;
+    let refused = with_tools.with_end(&by_flange).solve(&path);
+    assert!(matches!(refused, Err(PathError::End { which: "end", .. })));
     // The change of tools is the only long step.
     assert!(
         solution

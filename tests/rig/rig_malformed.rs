@@ -475,3 +475,31 @@ fn paths_that_cannot_be_read() {
     assert!(error.to_string().contains(&missing), "{error}");
     assert_eq!(error.place, Place::Json("model.file".into()));
 }
+
+/// Tension, continuity and bias are of one interpolation; another has none of them, and says so.
+#[test]
+fn controls_of_another_interpolation() {
+    for name in ["linear", "catmull-rom"] {
+        refused(
+            name,
+            |j| {
+                j["fk_animation"][0]["interpolation"] = json!(name);
+                j["fk_animation"][0]["keys"][1]["tcb"] = json!([0.1, 0.2, 0.3]);
+            },
+            &["fk_animation[0].keys[1].tcb", "kochanek-bartels", name],
+        );
+    }
+    refused(
+        "unknown",
+        |j| j["fk_animation"][0]["interpolation"] = json!("cubic"),
+        &["fk_animation[0].interpolation", "cubic"],
+    );
+    refused(
+        "too few",
+        |j| {
+            j["fk_animation"][0]["interpolation"] = json!("kochanek-bartels");
+            j["fk_animation"][0]["keys"][0]["tcb"] = json!([0.1, 0.2]);
+        },
+        &["fk_animation[0].keys[0].tcb", "2 numbers instead of 3"],
+    );
+}
