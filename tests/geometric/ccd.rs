@@ -393,3 +393,42 @@ fn a_limit_that_is_turned_to_is_met_exactly() {
         }
     }
 }
+
+/// A pose that is asked of a tool is one asked of a frame where the tool is.
+#[test]
+fn a_tool_is_a_frame_at_the_tip() {
+    let mut random = Random::new(47);
+    let limits = Limits::new(-2.5, 2.5);
+    let mut builder = Model::builder("arm");
+    let mut parent = None;
+    for k in 0..6 {
+        let at = support::placement(&random.rigid(0.4));
+        let axis = support::vector(random.direction().into_inner());
+        parent = Some(builder.revolute(format!("joint {k}"), parent, at, axis, limits));
+    }
+    let tool = support::placement(&random.rigid(0.3));
+    let tip = builder.frame("tip", parent, Placement::identity());
+    let at_tool = builder.frame("tool", parent, tool);
+    let model = builder.build().unwrap();
+    let mut kinematics = ForwardKinematics::of_frames(&model, &[at_tool]).unwrap();
+    let few = Stopping::default().with_max_iterations(3);
+    let ccd = Ccd::default().with_restarts(Restarts::none());
+    let ccd = ccd.with_stopping(few);
+    for seed in 0..10 {
+        let target = kinematics.place(&model.random_configuration(seed)).unwrap()[0];
+        let [by_tool, by_frame] = [
+            Pose::new(tip, target).with_tool(tool),
+            Pose::new(at_tool, target),
+        ]
+        .map(|pose| {
+            let mut builder = Problem::builder(&model);
+            builder.add(pose);
+            builder.build().unwrap()
+        });
+        let [a, b] =
+            [&by_tool, &by_frame].map(|problem| ccd.solve(problem, &model.neutral()).unwrap().q);
+        let off = a.iter().zip(&b).map(|(a, b)| (a - b).abs());
+        let off = off.fold(0.0, f64::max);
+        assert!(off < 1e-9, "{seed}: {off:e}");
+    }
+}
