@@ -1,7 +1,7 @@
 //! A method as an engine of a search for what is free.
 
 use super::Minimiser;
-use crate::problem::{AnyClearanceCheck, Evaluation, Fence, Scratch};
+use crate::problem::{AnyClearanceCheck, Collision, Evaluation, Fence, Scratch};
 use crate::search::{Attempt, Engine};
 use crate::solver::{LeastSquares, SolverState, Stopping, Termination};
 
@@ -47,9 +47,13 @@ impl EngineRoom {
 
     /// How near the nearest pair is at a configuration, if any is too near.
     pub(super) fn least_distance(&mut self, q: &[f64]) -> f64 {
-        let pairs = self.check.collisions(q);
-        pairs.first().map_or(f64::INFINITY, |pair| pair.distance)
+        distance_of_first(&self.check.collisions(q))
     }
+}
+
+/// How near the nearest of some pairs is, the nearest first.
+pub(super) fn distance_of_first(pairs: &[Collision]) -> f64 {
+    pairs.first().map_or(f64::INFINITY, |pair| pair.distance)
 }
 
 impl<'a> ClearEngine<'a> {

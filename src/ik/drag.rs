@@ -4,6 +4,7 @@ use super::keep_clear::ClearRoom;
 use super::levels::Extent;
 use super::solver::Run;
 use super::way_out::{WayOut, WayOutSolvers};
+use super::way_out_of_contact::WayOutOfContact;
 use super::{BoundKind, MoveLimits, Restarts, Solution, SolveError, Solver, Workspace};
 use crate::bad_option::BadOption;
 use crate::problem::{Problem, ProblemError, Question, Targets, TaskId};
@@ -41,8 +42,9 @@ pub(super) const BETTER: f64 = 1.0 - 1e-3;
 ///
 /// A body that [keeps clear](crate::problem::ProblemBuilder::keep_clear) goes only where the straight way of each frame is free, on
 /// which all joints move evenly, and so slides along what is in the way; its solution is then not reached and names that
-/// ([`Solution::collisions`]). From a place that touches something every frame touches less, until nothing does. It leaps
-/// nowhere.
+/// ([`Solution::collisions`]). From a place that touches something every frame touches less, until nothing does; where
+/// no small step does, an arm in a plate being an example, the body goes straight to a free place not far away, through what it is in.
+/// It leaps nowhere.
 ///
 /// Where it comes to rest a little short of targets that it could reach, limits of several joints being in its way, the
 /// frames that follow look for a way out on the same branch, one attempt each, and go there as far in a frame as joints may
@@ -100,6 +102,7 @@ pub struct Drag {
     pub(super) moved: f64,
     pub(super) way_out: WayOut,
     pub(super) way_out_solvers: WayOutSolvers,
+    pub(super) way_out_of_contact: WayOutOfContact,
     pub(super) leap: Option<(usize, f64)>,
     /// Where a frame of a body that keeps clear begins, and room for its checks.
     pub(super) q_before: Vec<f64>,
@@ -148,6 +151,7 @@ impl Drag {
             moved: 0.0,
             way_out: WayOut::new(n),
             way_out_solvers: WayOutSolvers::new(&Solver::default(), Stopping::default()),
+            way_out_of_contact: WayOutOfContact::new(n),
             leap: None,
             q_before: Vec::new(),
             clear: None,
@@ -264,6 +268,7 @@ impl Drag {
         self.misses = 0;
         self.touches = true;
         self.way_out.clear();
+        self.way_out_of_contact.clear();
         Ok(())
     }
 
@@ -311,7 +316,8 @@ impl Drag {
     pub fn rests(&self) -> bool {
         let done = self.solution().reached && !self.problem.has_preferences();
         let nudged = self.misses == 0 || self.misses > NUDGE_EVERY;
-        done || (self.moved < REST && nudged && !self.seeks_way_out())
+        let seeks = self.seeks_way_out() || self.seeks_way_out_of_contact();
+        done || (self.moved < REST && nudged && !seeks)
     }
 
     /// The variable that has moved furthest for what it may since `before`, and how far, in radians: of a ball by

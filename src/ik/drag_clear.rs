@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use super::Drag;
+use super::clear_engine::distance_of_first;
 use super::drag::near;
 use super::keep_clear::ClearRoom;
 use super::levels::Extent;
 use super::solver::Run;
 use super::step_guard::WayGuard;
-use crate::problem::Fence;
-use crate::search::{Collision, Found};
+use crate::problem::{Collision, Fence};
+use crate::search::Found;
 use crate::solver::Silent;
 
 impl Drag {
@@ -37,40 +38,60 @@ impl Drag {
     }
 
     fn slide(&mut self, fence: &Fence, room: &mut ClearRoom, by: Collision) {
-        let free = room.engine.check.is_free(&self.q_before);
+        // What it only stands on does not keep it from going on.
+        let stays = room.engine.check.blocked(&self.q_before, &self.q_before);
+        let free = stays.is_none();
         let before = room.engine.least_distance(&self.q_before);
         let mut found = Found::of(&self.workspace.solution);
-        let mut end = None;
-        // Preferences may lead where the goals alone do not.
-        for extent in [Extent::Frame, Extent::Goals] {
-            self.solve_fenced(fence, room, extent, free);
-            found.add(&room.fenced.solution);
-            let q = &room.fenced.solution.q;
-            let ends = q.iter().all(|value| value.is_finite());
-            let stands = ends
-                && match free {
-                    true => room.engine.check.blocked(&self.q_before, q).is_none(),
-                    false => {
-                        let pairs = room.engine.check.collisions(q);
-                        pairs.first().is_none_or(|pair| pair.distance > before)
-                    }
-                };
-            if stands {
-                end = Some(room.fenced.search.keeper.x.clone());
-                break;
-            }
-        }
+        let out = self.go_out_of_contact().filter(|_| !free);
+        let goes_out = out.is_some();
+        let end = out.or_else(|| self.slide_to(fence, room, (free, before), &mut found));
         let question = near(&self.problem, &self.targets, &self.moves);
         let x = end.as_ref().unwrap_or(&self.x);
         let workspace = &mut self.workspace;
         self.solver
             .report_at(question, x, found, workspace, &mut Silent);
-        let touched = room.engine.check.collisions(&workspace.solution.q);
-        self.touches = !touched.is_empty();
-        match touched.is_empty() && !workspace.solution.reached {
-            true => workspace.solution.set_collisions(vec![by]),
-            false => workspace.solution.set_collisions(touched),
+        let mut pairs = room.engine.check.collisions(&workspace.solution.q);
+        self.touches = !pairs.is_empty();
+        let after = distance_of_first(&pairs);
+        if free && !workspace.solution.reached {
+            pairs.push(by);
         }
+        workspace.solution.set_collisions(pairs);
+        if free || !self.touches {
+            self.way_out_of_contact.clear();
+        } else if !goes_out {
+            let check = &mut *room.engine.check;
+            self.seek_way_out_of_contact(fence, check, (before, after));
+        }
+    }
+
+    /// Where a frame solved with the clearance among its goals leads, by variable: on a way that is free from where the body stood, or
+    /// where that touches something, to less of it.
+    fn slide_to(
+        &mut self,
+        fence: &Fence,
+        room: &mut ClearRoom,
+        (free, before): (bool, f64),
+        found: &mut Found,
+    ) -> Option<Vec<f64>> {
+        // Preferences may lead where the goals alone do not.
+        for extent in [Extent::Frame, Extent::Goals] {
+            self.solve_fenced(fence, room, extent, free);
+            found.add(&room.fenced.solution);
+            let q = &room.fenced.solution.q;
+            if !q.iter().all(|value| value.is_finite()) {
+                continue;
+            }
+            let stands = match free {
+                true => room.engine.check.blocked(&self.q_before, q).is_none(),
+                false => room.engine.least_distance(q) > before,
+            };
+            if stands {
+                return Some(room.fenced.search.keeper.x.clone());
+            }
+        }
+        None
     }
 
     /// Solves a frame with the clearance among its goals, from where the body stood; guarded from where that is free.

@@ -8,6 +8,7 @@ use super::solver::Run;
 use super::{Restarts, SolveError, Solver, Workspace};
 use crate::problem::{Fence, Question};
 use crate::search::Found;
+use crate::solver::Termination;
 
 /// Room for that.
 #[derive(Clone, Debug)]
@@ -50,6 +51,7 @@ impl Solver {
             clear: Some((fence, &mut room.engine)),
         };
         goals.run(question, start, workspace, &mut clear)?;
+        self.touch_less(fence, question, &mut room, workspace, run)?;
         let solution = &workspace.solution;
         let prefers = question.problem.search_share() != crate::problem::Share::All;
         if prefers && solution.reached && self.refining() != Extent::Goals {
@@ -63,6 +65,41 @@ impl Solver {
         Ok(())
     }
 
+    /// Where goals are met but something is touched: lets the clearance act within what the goals leave free, on the same branch.
+    fn touch_less(
+        &self,
+        fence: &Fence,
+        question: Question<'_>,
+        room: &mut ClearRoom,
+        workspace: &mut Workspace,
+        run: &mut Run<'_>,
+    ) -> Result<(), SolveError> {
+        let (problem, share) = (question.problem, question.problem.search_share());
+        let meets_goals =
+            |workspace: &Workspace| problem.is_reached_by(share, &workspace.search.keeper.residual);
+        let solution = &workspace.solution;
+        if solution.termination != Termination::Stationary || !meets_goals(workspace) {
+            return Ok(());
+        }
+        let (q, x) = (solution.q.clone(), workspace.search.keeper.x.clone());
+        let before = room.engine.least_distance(&q);
+        if before == f64::INFINITY {
+            return Ok(());
+        }
+        let once = self.clone().with_restarts(Restarts::none());
+        once.run(question.fenced(fence.yielding()), &q, &mut room.fenced, run)?;
+        let found = Found::of(&workspace.solution).refined_by(&room.fenced.solution);
+        let end = &room.fenced.search.keeper.x;
+        self.report_at(question, end, found, workspace, run.observer);
+        let after = room.engine.least_distance(&workspace.solution.q);
+        if after <= before || !meets_goals(workspace) {
+            self.report_at(question, &x, found, workspace, run.observer);
+        } else if after == f64::INFINITY {
+            workspace.solution.termination = Termination::Reached;
+        }
+        Ok(())
+    }
+
     /// Lets preferences act from where goals are reached and nothing touches.
     fn prefer(
         &self,
@@ -72,7 +109,7 @@ impl Solver {
         workspace: &mut Workspace,
         run: &mut Run<'_>,
     ) -> Result<(), SolveError> {
-        let mut found = Found::of(&workspace.solution);
+        let found = Found::of(&workspace.solution);
         if !room.engine.check.is_free(&workspace.solution.q) {
             return Ok(());
         }
@@ -80,9 +117,7 @@ impl Solver {
         let q = workspace.solution.q.clone();
         once.run(question.fenced(fence.holding()), &q, &mut room.fenced, run)?;
         let refined = &room.fenced.solution;
-        let attempts = found.attempts;
-        found.add(refined);
-        found.attempts = attempts;
+        let found = found.refined_by(refined);
         let x = match refined.reached && room.engine.check.is_free(&refined.q) {
             true => room.fenced.search.keeper.x.clone(),
             false => workspace.search.keeper.x.clone(),

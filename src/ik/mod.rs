@@ -16,6 +16,7 @@ mod solver;
 mod stance;
 mod step_guard;
 mod way_out;
+mod way_out_of_contact;
 mod workspace;
 
 pub use crate::search::{

@@ -70,6 +70,11 @@ pub(super) struct WayOutSolvers {
 }
 
 impl WayOutSolvers {
+    getters! {
+        /// How an attempt is made.
+        pub(super) fn attempt(&self) -> &Solver = &self.attempt;
+    }
+
     /// Of a solver within these limits a frame.
     pub(super) fn new(solver: &Solver, stopping: Stopping) -> Self {
         let within = |steps: usize| {

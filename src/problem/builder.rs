@@ -41,6 +41,15 @@ pub(super) struct PendingTask {
     residual: Box<dyn ErasedResidual>,
 }
 
+/// What a clearance is among the tasks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ClearanceAs {
+    /// A goal of the first level.
+    Goal,
+    /// A preference, and the others pull no more.
+    OnlyPreference,
+}
+
 impl PendingTask {
     pub(super) fn new<R: Residual>(task: Task<R>) -> Self {
         Self {
@@ -153,7 +162,7 @@ impl<'m> ProblemBuilder<'m> {
     /// The problem, with a clearance after all other tasks where there is one.
     pub(super) fn compile(
         mut self,
-        clearance: Option<PendingTask>,
+        clearance: Option<(PendingTask, ClearanceAs)>,
     ) -> Result<Problem, ProblemError> {
         let model = self.model;
         let mut map = match self.map {
@@ -180,15 +189,21 @@ impl<'m> ProblemBuilder<'m> {
             });
         }
 
-        let first_level = self
-            .tasks
-            .iter()
-            .filter(|task| task.role == Role::Goal && !task.is_loop);
-        let first_level = first_level.map(|task| task.level).min().unwrap_or(0);
-        self.tasks.extend(clearance.map(|task| PendingTask {
-            level: first_level,
-            ..task
-        }));
+        if let Some((mut task, counts)) = clearance {
+            let goals = self.tasks.iter().filter(|task| task.role == Role::Goal);
+            let levels = goals.filter(|task| !task.is_loop).map(|task| task.level);
+            task.level = levels.min().unwrap_or(0);
+            if counts == ClearanceAs::OnlyPreference {
+                for other in &mut self.tasks {
+                    if other.role == Role::Preference {
+                        other.factor = 0.0;
+                    }
+                }
+                task.role = Role::Preference;
+                self.preferences = Preferences::default();
+            }
+            self.tasks.push(task);
+        }
 
         let mut frames = Vec::new();
         let mut tasks = Vec::with_capacity(self.tasks.len());

@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use super::builder::PendingTask;
+use super::builder::{ClearanceAs, PendingTask};
 use super::{Collision, Problem, ProblemBuilder, ProblemError};
 use crate::task::{Residual, Task};
 
@@ -95,6 +95,8 @@ pub(crate) struct Fence {
     leading: Problem,
     /// The same with a clearance that holds against what pulls into something.
     holding: Problem,
+    /// The same with the clearance within what the goals leave free: as little is touched as they allow.
+    yielding: Problem,
     check: Box<dyn AnyClearanceCheck>,
 }
 
@@ -104,6 +106,8 @@ impl Fence {
         pub(crate) fn leading(&self) -> &Problem = &self.leading;
         /// The same with a clearance that holds against what pulls into something.
         pub(crate) fn holding(&self) -> &Problem = &self.holding;
+        /// The same with the clearance within what the goals leave free: as little is touched as they allow.
+        pub(crate) fn yielding(&self) -> &Problem = &self.yielding;
         /// A check with memory of its own.
         pub(crate) fn check(&self) -> Box<dyn AnyClearanceCheck> = self.check.clone();
     }
@@ -111,6 +115,7 @@ impl Fence {
     pub(super) fn with_derivatives(mut self, route: super::Derivatives) -> Self {
         self.leading = self.leading.with_derivatives(route);
         self.holding = self.holding.with_derivatives(route);
+        self.yielding = self.yielding.with_derivatives(route);
         self
     }
 }
@@ -143,9 +148,14 @@ impl ProblemBuilder<'_> {
         }
         let mut holding = asked.clearance.clone();
         holding.factor *= HOLDING;
+        let with = |clearance: &PendingTask, counts| {
+            let clearance = (clearance.clone(), counts);
+            self.clone().compile(Some(clearance))
+        };
         Ok(Fence {
-            leading: self.clone().compile(Some(asked.clearance))?,
-            holding: self.clone().compile(Some(holding))?,
+            leading: with(&asked.clearance, ClearanceAs::Goal)?,
+            holding: with(&holding, ClearanceAs::Goal)?,
+            yielding: with(&holding, ClearanceAs::OnlyPreference)?,
             check: asked.check,
         })
     }

@@ -92,6 +92,14 @@ impl Found {
         self.counts += solution.counts;
     }
 
+    /// The same attempts, the last of which went on in a search for what else is wanted.
+    pub(crate) fn refined_by(mut self, solution: &Solution) -> Self {
+        let attempts = self.attempts;
+        self.add(solution);
+        self.attempts = attempts;
+        self
+    }
+
     /// A lone attempt, whose end is not judged yet.
     pub(crate) fn alone(termination: Termination, iterations: usize) -> Self {
         Self {

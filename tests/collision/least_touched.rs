@@ -1,0 +1,44 @@
+//! Promise: where a body reaches its goals but nowhere free, it touches as little as the goals allow on the branch that it is on.
+
+use kinopt::collision::{Checker, CollisionModel, CollisionObject, Shape, World};
+use kinopt::ik::Restarts;
+use kinopt::model::{Limits, Model};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{Plane, Posture, Task};
+use kinopt::{Problem, Solver};
+
+/// A ball on two slides, held on a line through a greater ball: the farther the free slide goes the less deep it is.
+#[test]
+fn the_depth_told_is_the_least_that_goals_and_limits_allow() {
+    let mut builder = Model::builder("slides");
+    let [x, y, _] = Vector3::UNITS;
+    let here = Placement::identity();
+    let first = builder.prismatic("x", None, here, x, Limits::new(-1.0, 1.0));
+    let second = builder.prismatic("y", Some(first), here, y, Limits::new(-0.05, 0.03));
+    let ball = builder.frame("ball", Some(second), here);
+    let model = builder.build().unwrap();
+    let shape = Shape::sphere(0.05).unwrap();
+    let object = CollisionObject::new("ball", ball, here, shape);
+    let mut world = World::new();
+    world.add_sphere("rock", 0.1, here).unwrap();
+    let checker = Checker::new(CollisionModel::new(&model, vec![object]).unwrap());
+    let checker = checker.with_world(&world).unwrap();
+    // Of both sides, of which a solver without restarts has one; pulled to the middle of the rock or not.
+    for (start, y) in [(0.01, 0.03_f64), (-0.01, -0.05)] {
+        for pulled in [false, true] {
+            let mut tasks = Problem::builder(&model);
+            tasks.add(Plane::new(ball, [0.0; 3], x));
+            if pulled {
+                tasks.add(Task::new(Posture::new(&model, &[0.0, 0.0])).preference());
+            }
+            tasks.keep_clear(&checker);
+            let problem = tasks.build().unwrap();
+            let solver = Solver::default().with_restarts(Restarts::none());
+            let solution = solver.solve_once(&problem, &[0.02, start]).unwrap();
+            assert!(!solution.reached && solution.goals_reached());
+            let depth = solution.collisions()[0].depth();
+            assert!((depth - (0.15 - y.abs())).abs() < 1e-6, "{start} {depth}");
+            assert!((solution.q[1] - y).abs() < 1e-6, "{:?}", solution.q);
+        }
+    }
+}
