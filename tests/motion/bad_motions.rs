@@ -150,3 +150,68 @@ fn one_frame_is_a_motion() {
         solved.cost()
     );
 }
+
+/// A joint is no faster than the least that is said of it, in whatever order that is said.
+#[test]
+fn of_several_speeds_the_least_counts() {
+    let model = arm();
+    for speeds in [
+        vec![0.5],
+        vec![0.5, 2.0],
+        vec![2.0, 0.5],
+        vec![2.0, 0.5, 1.0],
+    ] {
+        let motion = asked(&model, 12, |motion| {
+            for &speed in &speeds {
+                motion.max_speed("shoulder", speed);
+            }
+            motion.first(&[1.5, 0.4]);
+        });
+        let motion = motion.unwrap();
+        let solved = MotionSolver::default().solve(&motion, &[1.5, 0.4]).unwrap();
+        let places: Vec<f64> = (0..12)
+            .map(|frame| solved.frame(frame).unwrap()[0])
+            .collect();
+        let most = places.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+        let most = most.fold(0.0, f64::max);
+        assert!((most - 0.005).abs() < 1e-6, "{speeds:?}: {most}");
+    }
+}
+
+/// A ball that is held beyond its cone, its whole angle or either end of its twist cannot be.
+#[test]
+fn a_ball_is_held_within_all_its_limits() {
+    use kinopt::model::BallLimits;
+    let limits = BallLimits::cone(0.8, Limits::new(-0.5, 0.7)).with_angle(0.9);
+    let mut builder = Model::builder("ball");
+    let x = Vector3::UNITS[0];
+    let ball = builder.ball("hip", None, Placement::identity(), x, Some(limits));
+    builder.frame("tip", Some(ball), Placement::translation(x));
+    let model = builder.build().unwrap();
+    let held = |turn: [f64; 3]| {
+        let angle = turn.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let [a, b, c] = turn.map(|v| v * (0.5 * angle).sin() / angle.max(1e-12));
+        asked(&model, 3, |motion| {
+            motion.last(&[(0.5 * angle).cos(), a, b, c]);
+        })
+    };
+    for within in [
+        [0.69, 0.0, 0.0],
+        [-0.49, 0.0, 0.0],
+        [0.0, 0.79, 0.0],
+        [0.0, 0.0, -0.79],
+        [0.4, 0.5, 0.5],
+    ] {
+        assert!(held(within).is_ok(), "{within:?}");
+    }
+    for beyond in [
+        [0.71, 0.0, 0.0],
+        [-0.51, 0.0, 0.0],
+        [0.0, 0.81, 0.0],
+        [0.0, 0.0, -0.81],
+        [0.6, 0.5, 0.5],
+    ] {
+        let told = held(beyond).unwrap_err();
+        assert!(matches!(told, MotionError::FixedBeyond { .. }), "{told}");
+    }
+}

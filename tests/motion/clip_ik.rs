@@ -554,3 +554,26 @@ fn a_root_comes_back_within_the_span_that_it_follows() {
         assert!(inner.fold(f32::INFINITY, f32::min) > 0.45 / 60.0);
     }
 }
+
+/// Feet stay where they stand while a hand is led elsewhere in the clip, and while nothing asks it of anything.
+#[test]
+fn feet_stand_before_and_after_what_a_hand_does() {
+    let armature = figure();
+    let walk = walk(&armature, true);
+    let alone = planted(&armature).solve(&walk).unwrap();
+    let hand = armature.bone("hand").unwrap();
+    let reach = Reach::to(hand, [0.4, 1.2, 1.4]).unwrap();
+    let reach = reach.with_span(0.9..=1.3).with_fade(0.1);
+    let edited = planted(&armature).with_reach(reach).solve(&walk).unwrap();
+    assert_eq!(edited.stances.len(), alone.stances.len());
+    for (own, before) in edited.stances.iter().zip(&alone.stances) {
+        assert!(own.slide < before.slide + 1e-4, "{own:?} {before:?}");
+        let name = &armature.names()[own.bone.index()];
+        let [from, to] = own.span;
+        for k in 0..=10 {
+            let time = from + (to - from) * f64::from(k) / 10.0;
+            let off = at(&armature, &edited.clip, name, time).as_dvec3();
+            assert!(off.distance(own.place) < 2e-3, "{name} at {time}");
+        }
+    }
+}

@@ -126,3 +126,47 @@ fn what_is_told_to_touch_has_no_free_answer_that_is_easily_found() {
     }
     assert!(told > 0);
 }
+
+/// A wall between two points that nothing leads round: the way through it is told, and the path is no whole one.
+#[test]
+fn a_wall_between_two_points_is_told() {
+    use kinopt::arm::Goal;
+    use kinopt::model::{Limits, Model};
+    use kinopt::robot::Robot;
+    let mut builder = Model::builder("gantry");
+    let here = Placement::identity();
+    let [x, y, _] = Vector3::UNITS;
+    let rail = Limits::new(0.0, 1.0);
+    builder.frame("base", None, here);
+    let along = builder.prismatic("along", None, here, x, rail);
+    let aside = builder.prismatic("aside", Some(along), here, y, rail);
+    builder.frame("tool", Some(aside), here);
+    let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
+    let mut world = World::new();
+    world.add_sphere("ball", 0.01, Vector3::zero()).unwrap();
+    world.attach("ball", "tool", Vector3::zero()).unwrap();
+    let wall = Vector3::new(0.5, 0.5, 0.0);
+    world.add_box("wall", [0.004, 2.0, 1.0], wall).unwrap();
+    let checker = Checker::of(&robot).unwrap().with_world(&world).unwrap();
+    let arm = Arm::builder(&robot, "base", "tool").with_goal(Goal::position());
+    let arm = arm.with_atlas(false).build().unwrap();
+    let arm = arm.with_checker(&checker, &[0.0; 2]).unwrap();
+    let points = |from: f64| -> CartesianPath {
+        let place = |k: u32| Vector3::new(from + 0.04 * f64::from(k), 0.3, 0.0);
+        let points = (0..10).map(|k| Placement::translation(place(k)));
+        CartesianPath::new(points.collect::<Vec<_>>()).unwrap()
+    };
+    let free = PathSolver::new(&arm).solve(&points(0.05)).unwrap();
+    assert!(free.is_whole(), "{free:?}");
+    let through = PathSolver::new(&arm).solve(&points(0.24)).unwrap();
+    assert!(through.missed.is_empty() && through.reconfigurations.is_empty());
+    let [blocked] = &through.blocked[..] else {
+        panic!("{:?}", through.blocked)
+    };
+    // From 0.48 to 0.52 m.
+    assert_eq!(blocked.index, 7);
+    let mut names = [&*blocked.by.first, &*blocked.by.second];
+    names.sort_unstable();
+    assert_eq!(names, ["ball", "wall"]);
+    assert!(!through.is_whole());
+}

@@ -132,3 +132,19 @@ fn states_are_configurations_also_of_a_free_base() {
     assert_eq!(ready[..7], [1.0, 2.0, 3.0, 0.8, 0.0, 0.0, 0.6]);
     assert_eq!(ready[8], -0.5);
 }
+
+/// A mark before the text and a parent that is left empty are nothing.
+#[test]
+fn what_is_empty_is_not_there() {
+    let robot = panda();
+    let plain = Srdf::parse(PANDA, "panda.srdf", &robot).unwrap();
+    let marked = Srdf::parse(&format!("\u{feff}{PANDA}"), "panda.srdf", &robot).unwrap();
+    assert_eq!(marked.groups.len(), plain.groups.len());
+    assert_eq!(marked.disabled_pairs, plain.disabled_pairs);
+    let text = PANDA.replace(r#"parent_group="arm""#, r#"parent_group="""#);
+    let empty = Srdf::parse(&text, "panda.srdf", &robot).unwrap();
+    assert_eq!(empty.end_effectors[0].parent_group, None);
+    let text = PANDA.replace(r#"parent_group="arm""#, r#"parent_group="leg""#);
+    let error = Srdf::parse(&text, "panda.srdf", &robot).unwrap_err();
+    assert!(error.to_string().contains("leg"), "{error}");
+}
