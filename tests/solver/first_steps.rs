@@ -303,3 +303,58 @@ fn spectral_steps_stay_below_the_last_ten() {
         assert!(costs[step] < worst, "{step}: {} {worst}", costs[step]);
     }
 }
+
+/// Of a linear problem whose columns have rows of their own, each step's normal equations are those of the variables that
+/// are free then, which change on the way: a few steps end where no feasible change does better.
+#[test]
+fn rows_of_their_own_are_looked_for_anew_where_other_variables_are_free() {
+    let mut random = Random::new(71);
+    let mut released = 0;
+    for case in 0..60 {
+        // Four rows each of the first and second three variables, and four of all.
+        let (rows, n) = (12, 8);
+        let a = DMatrix::from_fn(rows, n, |row, column| {
+            let own = row / 4 == 2 || column >= 6 || row / 4 == column / 3;
+            random.within(-1.0, 1.0) * f64::from(u8::from(own))
+        });
+        let b = DVector::from_fn(rows, |_, _| random.within(-1.0, 1.0));
+        let [lower, upper] = [-0.3, 0.3].map(|bound| vec![bound; n]);
+        let start = DVector::from_fn(n, |_, _| [-0.3, 0.0, 0.3][random.below(3)]);
+        let mut problem = Linear {
+            a,
+            b,
+            lower,
+            upper,
+            start,
+        };
+        let start = problem.start.clone();
+        let held = |problem: &Linear, x: &DVector<f64>| -> Vec<bool> {
+            let (_, gradient) = problem.at(x);
+            let down = x - gradient;
+            let cut = problem.cut(&down);
+            (0..n).map(|j| cut[j] == x[j]).collect()
+        };
+        let mut state = SolverState::default();
+        let method = LevenbergMarquardt::default();
+        let stopping = Stopping::default().with_gradient_tolerance(1e-10);
+        let ended = minimise(
+            &mut problem,
+            &method,
+            start.as_slice(),
+            &stopping,
+            &mut kinopt::solver::Silent,
+            &mut state,
+        );
+        let iterations = ended.unwrap().iterations;
+        let x = DVector::from_column_slice(state.x());
+        let (_, gradient) = problem.at(&x);
+        let off = (problem.cut(&(&x - gradient)) - &x).amax();
+        let (first, last) = (held(&problem, &start), held(&problem, &x));
+        released += usize::from(first.iter().zip(&last).any(|(a, b)| *a && !b));
+        assert!(
+            iterations < 30 && off < 1e-7,
+            "{case}: {iterations} {off:e}"
+        );
+    }
+    assert!(released > 20, "{released}");
+}
