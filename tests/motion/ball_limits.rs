@@ -408,3 +408,30 @@ fn free_joints_and_their_speeds_are_told_by_name() {
         assert!(told("base", linear, angular).contains("max_free_speed"));
     }
 }
+
+/// A twist without limits goes the shorter way round from one end that is held to the other.
+#[test]
+fn an_endless_twist_is_drawn_the_shorter_way_round() {
+    let model = {
+        let mut builder = Model::builder("spinner");
+        let x = Vector3::UNITS[0];
+        let limits = BallLimits::cone(0.5, Limits::UNBOUNDED);
+        let ball = builder.ball("hip", None, Placement::identity(), x, Some(limits));
+        builder.frame("tip", Some(ball), Placement::translation(x));
+        builder.build().unwrap()
+    };
+    let twisted = |angle: f64| [(0.5 * angle).cos(), (0.5 * angle).sin(), 0.0, 0.0];
+    let mut motion = MotionProblem::builder(&model, 7, STEP);
+    motion.add(Point::new(model.frame("tip").unwrap(), [1.0, 0.0, 0.0]));
+    // 0.28 rad the one way and 6 the other; 0.6 at most are there for them.
+    motion.first(&twisted(3.0)).last(&twisted(-3.0));
+    motion.max_speed("hip", 0.1 / STEP);
+    let motion = motion.build().unwrap();
+    let solved = MotionSolver::default().solve(&motion, &twisted(3.0));
+    let solved = solved.unwrap();
+    for frame in 1..7 {
+        let [before, now] = [frame - 1, frame].map(|k| quaternion(solved.frame(k).unwrap(), 0));
+        let moved = angle(between(before, now));
+        assert!(moved <= 0.1 + 1e-9, "frame {frame}: {moved}");
+    }
+}
