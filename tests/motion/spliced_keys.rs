@@ -3,7 +3,7 @@
 
 use glam::{DVec3, Quat};
 use kinopt::animation::rotation::RotationCurve;
-use kinopt::animation::{Channel, Clip};
+use kinopt::animation::{Armature, Channel, Clip};
 use kinopt::motion::clip_ik::{ClipIk, Reach};
 
 use crate::clip_ik::{figure, pose};
@@ -156,4 +156,46 @@ fn a_skeleton_s_limits_are_kept() {
         .with_reach(reach());
     let held = held.solve(&clip).unwrap();
     assert!(outside(&held.clip) < 2e-3, "{}", outside(&held.clip));
+}
+
+/// A rig whose root is turned in its clip reaches as it does unturned, seen from its root.
+#[test]
+fn a_rig_reaches_alike_however_its_root_is_turned() {
+    use kinopt::io::rig::Rig;
+    let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
+    let armature = Armature::of_skeleton(&rig.skeleton);
+    let id = |name: &str| armature.bone(name).unwrap();
+    let (root, hand) = (id("pelvis"), id("right_hand"));
+    let arm = ["right_clavicle", "right_upper_arm", "right_forearm"].map(id);
+    let reached = |turn: Quat| {
+        let mut still = armature.rest().clone();
+        let own = still.local(root).unwrap();
+        still.set_rotation(root, turn * own.rotation).unwrap();
+        let poses = vec![still.clone(); 2];
+        let clip = Clip::through_poses("still", &armature, &[0.0, 0.4], &poses).unwrap();
+        let origin = own.translation.as_dvec3();
+        let place = armature.model_from_bone(armature.rest(), hand).unwrap();
+        let place = place.translation.as_dvec3() + DVec3::new(0.35, 0.1, 0.25);
+        let place = origin + turn.as_dquat() * (place - origin);
+        let ik = ClipIk::new(&armature).with_joints_of(&rig.skeleton);
+        let ik = ik
+            .with_root(root)
+            .with_reach(Reach::to(hand, place).unwrap());
+        let edited = ik.solve(&clip).unwrap();
+        let posed = pose(&armature, &edited.clip, 0.2);
+        (
+            arm.map(|bone| posed.local(bone).unwrap().rotation),
+            edited.led[0].miss,
+        )
+    };
+    let (plain, miss) = reached(Quat::IDENTITY);
+    let moved = plain[2].angle_between(armature.rest().local(arm[2]).unwrap().rotation);
+    assert!(moved > 0.1, "{moved}");
+    for turn in [Quat::from_rotation_z(1.2), Quat::from_rotation_x(-0.8)] {
+        let (turned, own) = reached(turn);
+        assert!((own - miss).abs() < 1e-4, "{own} {miss}");
+        for (a, b) in turned.iter().zip(&plain) {
+            assert!(a.angle_between(*b) < 2e-3, "{a} {b}");
+        }
+    }
 }
