@@ -356,5 +356,5 @@ fn rows_of_their_own_are_looked_for_anew_where_other_variables_are_free() {
             "{case}: {iterations} {off:e}"
         );
     }
-    assert!(released > 20, "{released}");
+    assert!(released >= 10, "{released}");
 }
