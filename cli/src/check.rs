@@ -15,7 +15,7 @@ use crate::number_list::{self, Numbers};
 use crate::output;
 use crate::outside_limits::OutsideLimits;
 use crate::table::Table;
-use crate::world_file;
+use crate::world_file::TouchOption;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -62,6 +62,9 @@ pub(crate) struct Arguments {
     margin: f64,
 
     #[command(flatten)]
+    touch: TouchOption,
+
+    #[command(flatten)]
     collisions: CollisionOptions,
 
     #[command(flatten)]
@@ -82,9 +85,7 @@ struct Document<'a> {
 
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let loaded = LoadedModel::read(&arguments.robot, &arguments.model_options)?;
-    let Some(robot) = &loaded.robot else {
-        return Err(usage!("{}: check is for robots", loaded.file));
-    };
+    let robot = loaded.robot_with_shapes("check")?;
     let mut q = match (&arguments.q, &arguments.q_file) {
         (Some(Numbers(numbers)), _) => {
             loaded.typed_configuration(numbers, arguments.degrees, "--q")?
@@ -93,7 +94,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         _ => loaded.rest(),
     };
     loaded.close_loops(&mut q)?;
-    let world = world_file::read(arguments.world.as_deref())?;
+    let world = arguments.touch.read(arguments.world.as_deref())?;
     let model = (arguments.collisions).model(robot, &arguments.model_options)?;
     let checker = Checker::new(model)
         .with_world(&world)?
@@ -119,11 +120,12 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     output::result(json, document, text)?;
     match collisions.len() {
         0 => Ok(()),
-        count => Err(Failure::Touching(format!(
-            "{count} {} nearer than {} m",
-            if count == 1 { "pair is" } else { "pairs are" },
-            arguments.margin
-        ))),
+        count => Err(Failure::Touching(match (count, arguments.margin) {
+            (1, 0.0) => "1 pair touches".to_owned(),
+            (count, 0.0) => format!("{count} pairs touch"),
+            (1, margin) => format!("1 pair is nearer than {margin} m"),
+            (count, margin) => format!("{count} pairs are nearer than {margin} m"),
+        })),
     }
 }
 

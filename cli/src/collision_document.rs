@@ -29,3 +29,10 @@ impl<'a> CollisionDocument<'a> {
         }
     }
 }
+
+/// How deep one is in the other, or how far they are apart.
+pub(crate) fn depth(pair: &Collision) -> String {
+    let millimetres = 1e3 * pair.distance.abs();
+    let how = if pair.distance < 0.0 { "deep" } else { "apart" };
+    format!("{millimetres:.3} mm {how}")
+}

@@ -74,6 +74,9 @@ impl SphereOption {
             return Ok(Checker::sampled(model));
         };
         let spheres = SphereModel::read(file, &model)?;
+        for note in spheres.notes() {
+            output::message(&format!("note: {}: {note}", file.display()));
+        }
         if spheres.gap() > 0.0 {
             let (file, millimetres) = (file.display(), 1e3 * spheres.gap());
             output::message(&format!(

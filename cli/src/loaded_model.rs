@@ -254,6 +254,20 @@ impl LoadedModel {
         }
     }
 
+    /// The robot, for what its collision shapes are needed for.
+    ///
+    /// # Errors
+    /// A rig, a scene or a motion capture.
+    pub(crate) fn robot_with_shapes(&self, subcommand: &str) -> Outcome<&Robot> {
+        self.robot.as_deref().ok_or_else(|| {
+            usage!(
+                "{subcommand} is for robots with collision shapes (.urdf or .xml), and {} is a {}",
+                self.file,
+                self.kind()
+            )
+        })
+    }
+
     /// Whether the file says neither how far bones turn nor what is pinned.
     pub(crate) fn is_bare_figure(&self) -> bool {
         self.scene.is_some() || self.capture.is_some()

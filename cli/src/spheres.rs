@@ -10,6 +10,7 @@ use serde::Serialize;
 use crate::collision_options::CollisionOptions;
 use crate::failure::Outcome;
 use crate::help_headings::OUTPUT;
+use crate::loaded_model::LoadedModel;
 use crate::model_options::ModelOptions;
 use crate::number_list;
 use crate::output;
@@ -26,6 +27,10 @@ Examples:
 
 /// The overhang, unless given, as a share of the robot's reach.
 const SHARE: f64 = 0.02;
+/// And where a link is too large for that, as a share of the radius around the largest shape.
+const SHARE_OF_LARGEST: f64 = 0.05;
+/// So often it is doubled at most.
+const DOUBLINGS: usize = 40;
 
 /// Covers a robot's collision shapes with spheres, for fast checks here and elsewhere.
 ///
@@ -50,7 +55,7 @@ pub(crate) struct Arguments {
     format: Option<Format>,
 
     /// As few spheres as are found that stick out by at most this, in metres. Default: a fiftieth of
-    /// the robot's reach.
+    /// the robot's reach, and more where a link is too large for that.
     #[arg(long, value_name = "METRES", value_parser = number_list::number, conflicts_with = "spheres")]
     overhang: Option<f64>,
 
@@ -97,18 +102,16 @@ struct Link<'a> {
 pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     let format = arguments.format()?;
     let path = &arguments.robot;
-    let robot = arguments.model_options.read(path)?;
-    let model = (arguments.collisions).model(&robot, &arguments.model_options)?;
-    let fineness = match (arguments.overhang, arguments.spheres) {
-        (Some(overhang), _) => Fineness::Overhang(overhang),
-        (_, Some(count)) => Fineness::PerLink(count),
-        // A robot of one joint's turn reaches nowhere, and has shapes all the same.
-        _ => Fineness::Overhang(match robot.model().reach() {
-            0.0 => SHARE,
-            reach => SHARE * reach,
-        }),
+    let loaded = LoadedModel::read(path, &arguments.model_options)?;
+    let robot = loaded.robot_with_shapes("spheres")?;
+    let model = (arguments.collisions).model(robot, &arguments.model_options)?;
+    let spheres = match (arguments.overhang, arguments.spheres) {
+        (Some(overhang), _) => SphereModel::of(&model, Fineness::Overhang(overhang))
+            .map_err(|wrong| failure!("--overhang {overhang}: {}", wrong.allowed))?,
+        (_, Some(count)) => SphereModel::of(&model, Fineness::PerLink(count))
+            .map_err(|wrong| failure!("--spheres {count}: {}", wrong.allowed))?,
+        _ => as_fine_as_may_be(&model, robot.model().reach())?,
     };
-    let spheres = SphereModel::of(&model, fineness)?;
     let text = match format {
         Format::Yaml => spheres.to_yaml(),
         Format::Urdf => {
@@ -123,6 +126,32 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         output::write_file(path, model.to_srdf())?;
     }
     report(arguments, &model, &spheres, json)
+}
+
+/// Spheres that stick out by a fiftieth of the reach, or where a link is too large for that by a share of the largest.
+fn as_fine_as_may_be(model: &CollisionModel, reach: f64) -> Outcome<SphereModel> {
+    // A robot of one joint's turn reaches nowhere, and has shapes all the same.
+    let finest = match reach > 0.0 && reach.is_finite() {
+        true => SHARE * reach,
+        false => SHARE,
+    };
+    let sizes = model.objects().iter();
+    let largest = sizes
+        .map(|object| object.shape.bounding_sphere().radius)
+        .fold(0.0, f64::max);
+    let mut overhang = finest;
+    for _ in 0..DOUBLINGS {
+        if let Ok(spheres) = SphereModel::of(model, Fineness::Overhang(overhang)) {
+            if overhang > finest {
+                output::message(&format!(
+                    "note: the spheres stick out by up to {overhang} m: some link is too large for {finest} m, a fiftieth of the reach"
+                ));
+            }
+            return Ok(spheres);
+        }
+        overhang = (2.0 * overhang).max(SHARE_OF_LARGEST * largest);
+    }
+    Ok(SphereModel::of(model, Fineness::Overhang(overhang))?)
 }
 
 fn report(

@@ -127,7 +127,7 @@ impl Fault for kinopt::collision::CollisionModelError {
 impl Fault for kinopt::collision::CheckerError {
     fn kind(&self) -> Kind {
         match self {
-            Self::Attached { .. } => Kind::UnknownName,
+            Self::Attached { .. } | Self::MayTouch { .. } => Kind::UnknownName,
             _ => Kind::InvalidValue,
         }
     }
@@ -164,7 +164,7 @@ impl Fault for ClipNameError {
 impl Fault for kinopt::collision::WorldError {
     fn kind(&self) -> Kind {
         match self {
-            Self::Unknown { .. } => Kind::UnknownName,
+            Self::Unknown { .. } | Self::NoObstacle { .. } => Kind::UnknownName,
             _ => Kind::InvalidValue,
         }
     }

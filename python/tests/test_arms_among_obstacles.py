@@ -122,13 +122,42 @@ def test_bad_worlds_and_margins_are_refused(panda: kinopt.Robot, arm: kinopt.Arm
         kinopt.Arm(panda, "base", "flange", world="scene.json")  # type: ignore[arg-type]
     with pytest.raises(InvalidValueError, match="Robot"):
         kinopt.Arm(panda.model, "base", "flange", world=table())
-    with pytest.raises(InvalidValueError, match="checker|world"):
-        kinopt.Arm(panda, "base", "flange").with_world(table())
+    plain = kinopt.Arm(panda, "base", "flange")
+    with pytest.raises(InvalidValueError, match="made without a world or a margin"):
+        plain.with_world(table())
+    with pytest.raises(InvalidValueError, match="not known: it was made without a world"):
+        plain.collisions(Q)
+    with pytest.raises(InvalidValueError, match="not known"):
+        plain.clear_by_spheres(np.array([Q]))
     held = table()
     held.attach("post", "claw", (0, 0, 0))
     with pytest.raises(UnknownNameError, match="claw"):
         kinopt.Arm(panda, "base", "flange", world=held)
     assert arm.collisions(Q) == []
+
+
+def test_what_may_touch_is_passed_over(panda: kinopt.Robot) -> None:
+    world = table()
+    arm = kinopt.Arm(panda, "base", "flange", world=world)
+    place = arm.base_from_tool(Q)[:3, 3]
+    world.add_sphere("ball", 0.1, pose=place)
+    touching = {pair.first for pair in arm.with_world(world).collisions(Q)}
+    assert touching
+    for link in sorted(touching):
+        world.allow_touch(link, "ball")
+    assert sorted(touching) == sorted(world["ball"].may_touch)
+    assert world.may_touch("ball", min(touching))
+    assert arm.with_world(world).collisions(Q) == []
+    assert arm.with_world(pickle.loads(pickle.dumps(world))).collisions(Q) == []
+    world.forbid_touch("ball", min(touching))
+    assert [pair.first for pair in arm.with_world(world).collisions(Q)] == [min(touching)]
+    with pytest.raises(InvalidValueError, match="kept apart"):
+        world.forbid_touch("ball", min(touching))
+    with pytest.raises(UnknownNameError, match="neither"):
+        world.allow_touch("hand", "bal")
+    world.allow_touch("ball", "hnad")
+    with pytest.raises(UnknownNameError, match="did you mean `hand`"):
+        arm.with_world(world)
 
 
 def test_a_collision_model_of_ones_own_decides_what_touches(panda: kinopt.Robot) -> None:

@@ -63,6 +63,7 @@ def test_obstacles_are_what_was_added() -> None:
     assert np.array_equal(shell["vertices"][shell["triangles"]], np.array(TETRAHEDRON)[FACES[:3]])
     assert np.array_equal(world["ground"].measures["heights"], [[0.1, 0.2, 0.3], [0.4, 0.5, 0.7]])
     assert "open at 3 edges" in world["shell"].notes[0]
+    assert [note for note in world.notes if "shell" in note and "open at 3 edges" in note]
 
 
 def test_a_world_is_pickled_copied_and_written(tmp_path) -> None:

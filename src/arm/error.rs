@@ -135,6 +135,11 @@ pub enum QueryError {
         /// The value.
         value: f64,
     },
+    /// What an arm touches that keeps clear of nothing: it has no [checker](super::Arm::with_checker).
+    #[error(
+        "what the arm touches is not known: it was made without a world or a margin to keep clear of"
+    )]
+    NothingToKeepClearOf,
     /// A servo's time step that is no positive number of seconds.
     #[error("the time step is {0} s: a positive finite number")]
     TimeStep(f64),

@@ -190,7 +190,7 @@ impl Follower<'_> {
         let arm = self.arm;
         let continuous = arm.go_far(&target, &self.q, solution)?;
         #[cfg(feature = "collision")]
-        let continuous = continuous && arm.collisions(&solution.q)?.is_empty();
+        let continuous = continuous && arm.touching(&solution.q)?.is_empty();
         if !continuous {
             arm.answer(&arm.query(&target, &self.q), solution)?;
         }

@@ -42,7 +42,6 @@ pub use checker::{Checker, CheckerError, CheckerWorkspace, Clearance, Way, WayCh
 pub(crate) use distance::ROUNDING;
 pub use distance::{Separation, separation, separation_within};
 pub use mesh_file::MeshFile;
-pub(crate) use model::Plane;
 pub use model::{
     CollisionModel, CollisionModelBuilder, CollisionModelError, CollisionObject, MeshUse,
 };

@@ -23,6 +23,7 @@ impl Solution {
         let mut text = String::new();
         // Writing to a String cannot fail.
         let _ = self.write_explanation(&mut text);
+        text.truncate(text.trim_end().len());
         text
     }
 

@@ -592,3 +592,18 @@ fn what_is_clear_by_its_spheres_is_clear_by_a_wide_margin() {
         );
     }
 }
+
+/// An arm that keeps clear of nothing does not call anything free.
+#[test]
+fn of_a_plain_arm_it_is_not_known_what_it_touches() {
+    let plain = kinopt::Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
+    let q = [0.0; 7];
+    let told = plain.collisions(&q).unwrap_err().to_string();
+    assert!(told.contains("not known"), "{told}");
+    assert!(plain.clear_by_spheres(&q, &mut [true]).is_err());
+    let told = plain
+        .with_world(&World::new(), None)
+        .unwrap_err()
+        .to_string();
+    assert!(!told.contains("with_checker"), "{told}");
+}

@@ -114,6 +114,83 @@ fn open_and_turned_meshes_are_told() {
     assert!((loose.signed_distance(inside) + 0.1).abs() < 1e-15);
 }
 
+/// Corners that a rounding apart are one where that closes the mesh, and nowhere else: what is closed stays as it is, to the bit.
+#[test]
+fn a_mesh_that_is_open_by_a_rounding_is_closed_and_told() {
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vector3::from);
+    let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+    let inside = Vector3::new(0.1, 0.1, 0.1);
+    // Every corner of every triangle a vertex of its own, each off by so much.
+    let shaken = |size: f64, by: f64, keep: usize| {
+        let mut random = Random::new(7);
+        let mut off = || {
+            let off = random.vector(1.0);
+            Vector3::new(off.x, off.y, off.z) * by
+        };
+        let own = faces[..keep].iter().flatten();
+        let loose: Vec<_> = own.map(|&i| corners[i as usize] * size + off()).collect();
+        let triangles = (0..keep as u32)
+            .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
+            .collect();
+        Shape::mesh(loose, triangles).unwrap()
+    };
+    for size in [1e-3, 1.0, 1e3] {
+        let closed = shaken(size, 1e-9 * size, 4);
+        assert!(
+            matches!(closed.notes(), [ShapeNote::Closed { vertices: 8, .. }]),
+            "{:?}",
+            closed.notes()
+        );
+        let depth = closed.signed_distance(inside * size);
+        assert!((depth + 0.1 * size).abs() < 1e-8 * size, "{depth}");
+        // Farther apart than that, or with a triangle missing, it is open as before.
+        let open = shaken(size, 1e-3 * size, 4);
+        assert_eq!(open.notes(), [ShapeNote::Open { edges: 12 }]);
+        let missing = shaken(size, 1e-9 * size, 3);
+        assert_eq!(missing.notes(), [ShapeNote::Open { edges: 9 }]);
+    }
+    let mut world = kinopt::collision::World::new();
+    let shape = shaken(1.0, 1e-9, 4);
+    world.add("part", shape, Vector3::zero()).unwrap();
+    let notes = world.notes();
+    assert!(
+        notes.len() == 1 && notes[0].contains("part") && notes[0].contains("closes"),
+        "{notes:?}"
+    );
+    assert!(world.scaled(2.0).unwrap().notes().is_empty());
+}
+
+/// Places so far away that squares of them overflow would be answered by what is no number.
+#[test]
+fn what_is_placed_beyond_all_lengths_is_refused() {
+    let mut world = World::new();
+    for far in [1e300, -2e9, 1.1e9] {
+        let error = world
+            .add_sphere("moon", 0.1, Vector3::new(far, 0.0, 0.0))
+            .unwrap_err();
+        let told = error.to_string();
+        assert!(told.contains("moon") && told.contains("1e9"), "{told}");
+    }
+    world
+        .add_sphere("moon", 0.1, Vector3::new(1e9, 0.0, 0.0))
+        .unwrap();
+    assert!(
+        world
+            .move_to("moon", Vector3::new(0.0, 1e300, 0.0))
+            .is_err()
+    );
+    assert!(
+        world
+            .attach("moon", "hand", Vector3::new(0.0, 1e300, 0.0))
+            .is_err()
+    );
+    let text = r#"{"boxes": [{"name": "far", "size": [1, 1, 1], "position": [1e300, 0, 0]}]}"#;
+    let told = World::from_json(text.as_bytes(), "w.json")
+        .unwrap_err()
+        .to_string();
+    assert!(told.contains("boxes[0]") && told.contains("far"), "{told}");
+}
+
 #[test]
 fn numbers_that_are_none_are_named() {
     let nan = Vector3::new(0.0, f64::NAN, 0.0);

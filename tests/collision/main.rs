@@ -33,6 +33,7 @@ mod time_limits;
 mod tops;
 mod ways_that_slide;
 mod what_exactly_meets;
+mod what_may_touch;
 mod what_no_joint_moves;
 mod world_files;
 mod worlds;

@@ -4,7 +4,7 @@
 use kinopt::Arm;
 use kinopt::collision::{Checker, CollisionModel};
 use kinopt::problem::BodyKind;
-use kinopt::robot::{BaseJoint, Robot};
+use kinopt::robot::{BaseJoint, Robot, Srdf};
 
 /// Three links of 0.4, 0.4 and 0.1 m along x that turn about y, half a metre above the floor that `world` may bring.
 fn robot(world: &str, links: [&str; 3], contact: &str) -> Robot {
@@ -80,6 +80,10 @@ fn a_plane_is_kept_where_models_are_copied_and_told_where_it_cannot_be() {
     assert!(model.is_checked("world", "c").unwrap());
     let model = model.with_ignored("c", "world").unwrap();
     assert!(!model.is_checked("c", "world").unwrap());
+    // Also by way of an SRDF file, in which the plane is its body's.
+    let srdf = Srdf::parse(&model.to_srdf(), "arm.srdf", &arm).unwrap();
+    let again = CollisionModel::of(&arm).unwrap().with_srdf(&srdf);
+    assert!(!again.is_checked("world", "c").unwrap() && again.is_checked("world", "b").unwrap());
     let found = Checker::new(model).collisions(&[1.0, 0.0, 0.0]).unwrap();
     assert_eq!(found.len(), 1);
     // Carried by a joint it would be a half-space that moves.

@@ -38,6 +38,13 @@ fn curobo_spheres_are_read() {
     };
     assert_eq!((base.name.as_str(), base.spheres[0].radius), ("base", 0.12));
     assert_eq!(hand.spheres.len(), 1);
+    let [note] = spheres.notes() else {
+        panic!("{:?}", spheres.notes());
+    };
+    assert!(
+        note.contains("`hand`") && note.contains("1 sphere") && note.contains("cuRobo"),
+        "{note}"
+    );
     assert_eq!(hand.spheres[0].centre.to_array(), [0.0, 0.01, 0.03]);
     assert_eq!(spheres.pairs(), [[0, 1]]);
     // The hand is a capsule of radius 0.033 along y at z = 0.03: 0.05 - 0.033. The base is a box 0.14 high and 0.19

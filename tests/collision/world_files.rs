@@ -1,7 +1,7 @@
 //! Promise: worlds come from our JSON and MoveIt's scenes as they stand there, go to JSON and back without a change,
 //! and what is wrong is named with its place.
 
-use kinopt::collision::{Shape, ShapeKind, World, separation};
+use kinopt::collision::{Checker, Shape, ShapeKind, World, separation};
 use kinopt::spatial::{Placement, Vector3};
 use nalgebra as na;
 use support::random::Random;
@@ -355,15 +355,66 @@ fn an_object_of_a_planning_scene_stands_in_its_frame_or_is_refused() {
     );
 }
 
+/// Pairs of links are the robot's affair: that they are passed over is told.
 #[test]
-fn pairs_that_a_planning_scene_allows_are_told_to_be_passed_over() {
-    let allowed = format!(
-        "allowed_collision_matrix: {{entry_names: [a, b], entry_values: [[0, 1], [1, 0]]}}{SCENE}"
-    );
-    let world = World::from_moveit(allowed.as_bytes(), "s.yaml").unwrap();
+fn a_planning_scene_lets_touch_what_it_says_of_its_objects() {
+    let read = |matrix: &str| {
+        let text = format!("allowed_collision_matrix: {matrix}{SCENE}");
+        World::from_moveit(text.as_bytes(), "s.yaml")
+    };
+    let links = "{entry_names: [a, b], entry_values: [[0, 1], [1, 0]]}";
+    let world = read(links).unwrap();
     let told = world.notes().join("\n");
-    assert!(told.contains("allowed_collision_matrix"), "{told}");
+    assert!(
+        told.contains("pairs of links") && told.contains("allowed_collision_matrix"),
+        "{told}"
+    );
     assert_eq!(world.scaled(2.0).unwrap().notes(), world.notes());
+    // As lists, and as messages of ROS.
+    let names = "entry_names: [panda_hand, Can1, shelf, gone]";
+    let rows = [
+        "[false, true, false, false]",
+        "[true, false, true, true]",
+        "[false, true, false, false]",
+        "[false, true, false, false]",
+    ];
+    let lists = format!("{{{names}, entry_values: [{}]}}", rows.join(", "));
+    let messages = rows.map(|row| format!("{{enabled: {row}}}")).join(", ");
+    let messages = format!("{{{names}, entry_values: [{messages}]}}");
+    for matrix in [lists, messages] {
+        let world = read(&matrix).unwrap();
+        assert!(world.notes().is_empty(), "{:?}", world.notes());
+        let may = |a: &str, b: &str| world.may_touch(a, b);
+        assert!(may("Can1", "panda_hand") && may("shelf/0", "Can1") && may("shelf/1", "Can1"));
+        assert!(!may("shelf/0", "panda_hand") && !may("pen", "Can1"));
+        // What is no more there, and what another robot has, is passed over, also after JSON.
+        let again = World::from_json(world.to_json().as_bytes(), "w.json").unwrap();
+        for mut world in [world, again] {
+            world.remove("pen").unwrap();
+            let panda = support::arms::robot("franka_panda");
+            Checker::of(&panda).unwrap().with_world(&world).unwrap();
+        }
+    }
+    let held = SCENE.replace(
+        "link_name: panda_hand",
+        "link_name: panda_hand\n      touch_links: [a, b]",
+    );
+    let world = World::from_moveit(held.as_bytes(), "s.yaml").unwrap();
+    assert_eq!(world.obstacle("pen").unwrap().may_touch, ["a", "b"]);
+    let defaults = read("{default_entry_names: [Can1], default_entry_values: [1]}").unwrap();
+    assert!(defaults.notes()[0].contains("default"));
+    for wrong in [
+        "{entry_names: [a, b], entry_values: [[0, 1]]}",
+        "{entry_names: [a, b], entry_values: [[0, 1], [1]]}",
+        "{entry_names: [a, b], entry_values: [[0, maybe], [1, 0]]}",
+    ] {
+        let told = read(wrong).unwrap_err().to_string();
+        assert!(
+            told.contains("line 1") && told.contains("entry_values")
+                || told.contains("allowed_collision_matrix"),
+            "{told}"
+        );
+    }
 }
 
 /// A mesh is as large as its file says, axis by axis.

@@ -1,4 +1,4 @@
-//! Promise: whatever is moved, added, taken out, attached and left again, a checker and an arm that go along with a world answer bit for bit
+//! Promise: whatever is moved, added, taken out, attached, let touch and left again, a checker and an arm that go along with a world answer bit for bit
 //! as those of a world that is built anew; those of the world before stay as they were.
 
 use kinopt::arm::Arm;
@@ -60,6 +60,11 @@ fn anew(world: &World) -> World {
             anew.attach(&own.name, frame, own.placement).unwrap();
         }
     }
+    for own in world.obstacles() {
+        for other in &own.may_touch {
+            anew.allow_touch(&own.name, other).unwrap();
+        }
+    }
     anew
 }
 
@@ -72,7 +77,19 @@ fn change(world: &mut World, added: &mut usize, random: &mut Random) {
         return;
     };
     let attached = world.obstacle(&name).unwrap().attached.is_some();
-    match random.below(10) {
+    match random.below(12) {
+        10 => {
+            let links = ["link5", "hand", "link3", "finger_left"];
+            let other = any(world, random).filter(|_| random.below(2) == 0);
+            let other = other.unwrap_or_else(|| links[random.below(4)].to_owned());
+            world.allow_touch(&name, &other).unwrap();
+        }
+        11 => {
+            let let_touch = world.obstacles().find(|own| !own.may_touch.is_empty());
+            if let Some(own) = let_touch.cloned() {
+                world.forbid_touch(&own.may_touch[0], &own.name).unwrap();
+            }
+        }
         0 | 1 => {
             *added += 1;
             let (shape, place) = (shape(random), somewhere(random));

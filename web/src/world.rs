@@ -136,6 +136,30 @@ impl World {
         self.inner.remove(name).map_err(raise)
     }
 
+    /// Lets an obstacle and a link, or two obstacles, touch, however deep, until it is forbidden or one of the obstacles is removed.
+    #[wasm_bindgen(js_name = allowTouch)]
+    pub fn allow_touch(&mut self, one: &str, other: &str) -> Result<(), JsError> {
+        self.inner.allow_touch(one, other).map_err(raise)
+    }
+
+    /// Keeps two things apart again that may touch.
+    #[wasm_bindgen(js_name = forbidTouch)]
+    pub fn forbid_touch(&mut self, one: &str, other: &str) -> Result<(), JsError> {
+        self.inner.forbid_touch(one, other).map_err(raise)
+    }
+
+    /// Whether two things were let touch, in either order.
+    #[wasm_bindgen(js_name = mayTouch)]
+    pub fn may_touch(&self, one: &str, other: &str) -> bool {
+        self.inner.may_touch(one, other)
+    }
+
+    /// What of its file was not taken up, and what was found about the obstacles' shapes and taken all the same: that a mesh is open, say.
+    #[wasm_bindgen(getter)]
+    pub fn notes(&self) -> Vec<String> {
+        self.inner.notes()
+    }
+
     /// The obstacles.
     #[wasm_bindgen(getter)]
     pub fn names(&self) -> Vec<String> {
@@ -190,6 +214,17 @@ impl CollisionModel {
         let spheres = collision::SphereModel::parse(text.as_bytes(), file, model).map_err(raise)?;
         let checker = self.checker.clone().with_spheres(spheres);
         Ok(Self { checker })
+    }
+
+    /// What of the robot's shapes, and of a file of spheres, was left out or mended.
+    #[wasm_bindgen(getter)]
+    pub fn notes(&self) -> Vec<String> {
+        let spheres = self.checker.spheres().map(collision::SphereModel::notes);
+        let of_model = self.checker.model().notes().iter();
+        of_model
+            .chain(spheres.unwrap_or_default())
+            .cloned()
+            .collect()
     }
 
     /// The links that have shapes.

@@ -132,6 +132,21 @@ test("an arm keeps clear of a box, and says what it touches", () => {
         assert.equal(secondKind, second.includes("shelf") ? "obstacle" : "link");
         assert.equal(onTheWay, false);
     }
+    for (const { first } of blocked) world.allowTouch("shelf", first);
+    assert.ok(world.mayTouch(blocked[0].first, "shelf"));
+    assert.deepEqual(arm.withWorld(World.fromJson(world.toJson()), 0.01).collisions([0, 0.4, 0, -1.8, 0, 2.2, 0.8]), []);
+    world.forbidTouch("shelf", blocked[0].first);
+    assert.equal(arm.withWorld(world, 0.01).collisions([0, 0.4, 0, -1.8, 0, 2.2, 0.8]).length, 1);
+    assert.throws(() => world.allowTouch("hand", "shell"), /neither.*shelf/s);
+    assert.throws(() => free.collisions(solution.q), /not known/);
+});
+
+test("what was found about a world is told", () => {
+    const sheet = { name: "sheet", vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0]], triangles: [[0, 1, 2]] };
+    const { notes } = World.fromJson(JSON.stringify({ meshes: [sheet] }));
+    assert.equal(notes.length, 1);
+    assert.match(notes[0], /sheet.*open/);
+    assert.deepEqual(new World().notes, []);
 });
 
 test("names and options that do not exist list those that do", () => {

@@ -5,7 +5,7 @@ use kinopt::counted;
 use kinopt::motion::path::{CartesianPath, CsvColumns, MissReason, Missed, PathSolution};
 use serde::Serialize;
 
-use crate::collision_document::CollisionDocument;
+use crate::collision_document::{CollisionDocument, depth};
 use crate::loaded_model::LoadedModel;
 use crate::table;
 
@@ -167,11 +167,12 @@ impl<'a> Report<'a> {
         add(&mut text, "reconfigurations", steps.collect());
         let missed = solution.missed.iter().map(|missed| {
             let (metres, radians) = (missed.position_error, missed.orientation_error);
-            let why = reason(missed);
-            format!(
-                "  row {}: by {metres:.3e} m and {radians:.3e} rad, {why}",
-                missed.index
-            )
+            let (row, why) = (missed.index, reason(missed));
+            match missed.reason {
+                // By itself it is met.
+                MissReason::Touches(_) => format!("  row {row}: {why}"),
+                _ => format!("  row {row}: by {metres:.3e} m and {radians:.3e} rad, {why}"),
+            }
         });
         add(&mut text, "missed", missed.collect());
         let blocked = solution.blocked.iter();
@@ -209,7 +210,7 @@ fn reason(missed: &Missed) -> String {
         MissReason::BeyondReach { distance, reach } => format!(
             "beyond reach: {distance:.4} m from where the chain begins, which is {reach:.4} m long"
         ),
-        MissReason::Touches(pair) => format!("{pair} touch there"),
+        MissReason::Touches(pair) => format!("{pair} touch there, {}", depth(pair)),
         _ => "no configuration within the limits was found".to_owned(),
     }
 }

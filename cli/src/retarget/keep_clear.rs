@@ -14,7 +14,8 @@ use crate::collision_options::{ShapeOptions, SphereOption};
 use crate::failure::Outcome;
 use crate::help_headings::COLLISIONS;
 use crate::number_list::not_negative;
-use crate::{output, world_file};
+use crate::output;
+use crate::world_file::TouchOption;
 
 /// How many times as large obstacles are made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +60,9 @@ pub(super) struct KeepClearOptions {
     /// How far all is to be apart at least, in metres; without --world of the robot's own links, as --keep-clear. Default: 0.
     #[arg(long, value_name = "M", value_parser = not_negative, conflicts_with = "keep_clear", help_heading = COLLISIONS)]
     margin: Option<f64>,
+
+    #[command(flatten)]
+    touch: TouchOption,
 
     #[command(flatten)]
     shapes: ShapeOptions,
@@ -129,7 +133,7 @@ impl KeepClearOptions {
                 target.loaded.kind()
             ));
         }
-        let mut world = world_file::read(self.world.as_deref())?;
+        let mut world = self.touch.read(self.world.as_deref())?;
         if let Some(WorldScale::Times(times)) = self.world_scale {
             world = world.scaled(times)?;
         }

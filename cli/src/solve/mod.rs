@@ -107,6 +107,7 @@ fn one<B: QueryBackend>(
         answer: &answer,
         tasks: backend.tasks(),
         idle: backend.idle_coordinates(),
+        keeps_clear: arguments.obstacles.given().is_some(),
     };
     let text = || report.text(arguments.degrees);
     output::result(json, || report.whole_document(notes), text)?;

@@ -13,7 +13,7 @@ use crate::failure::Outcome;
 use crate::help_headings::{COLLISIONS, TARGETS};
 use crate::loaded_model::LoadedModel;
 use crate::number_list::not_negative;
-use crate::world_file;
+use crate::world_file::TouchOption;
 
 /// Options about collisions.
 #[derive(Args, Clone, Debug)]
@@ -32,6 +32,9 @@ pub(crate) struct ObstacleArguments {
     /// How far all is to be apart at least, in metres; without --world of the robot's own links. Default: 0.
     #[arg(long, value_name = "M", value_parser = not_negative, help_heading = COLLISIONS, hide_short_help = true)]
     margin: Option<f64>,
+
+    #[command(flatten)]
+    touch: TouchOption,
 
     #[command(flatten)]
     shapes: ShapeOptions,
@@ -58,7 +61,7 @@ impl ObstacleArguments {
         let Some(option) = self.given() else {
             return Ok(None);
         };
-        let world = world_file::read(self.world.as_deref())?;
+        let world = self.touch.read(self.world.as_deref())?;
         let checker = match &loaded.robot {
             Some(robot) => {
                 let model = self.of_robot(robot, loaded.srdf.as_deref())?;

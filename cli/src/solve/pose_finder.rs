@@ -103,7 +103,9 @@ impl PoseFinder {
         let (solver, question) = (self.search(left), body.question());
         let searched = solver.solve_observed(question, start, workspace, observer)?;
         let better = searched.cost < BETTER * settled.cost;
-        let taken = searched.reached || (self.anywhere && better);
+        // Where every goal can be met, but nowhere without touching: that is told, as of an arm, and by how much.
+        let only_touches = searched.goals_reached() && !settled.goals_reached();
+        let taken = searched.reached || only_touches || (self.anywhere && better);
         let (way, best) = match taken {
             true => (Way::Another, searched),
             false => (Way::Own, &settled),

@@ -19,6 +19,8 @@ pub(super) struct Report<'a> {
     pub(super) tasks: &'a [TaskName],
     /// Coordinates that no task depends on, which text does not show.
     pub(super) idle: &'a [usize],
+    /// Whether anything was to be kept clear of.
+    pub(super) keeps_clear: bool,
 }
 
 #[derive(Serialize)]
@@ -40,9 +42,9 @@ pub(super) struct Document<'a> {
     /// Of a model that has loops: those that are open.
     #[serde(skip_serializing_if = "Option::is_none")]
     open_loops: Option<Vec<OpenLoopDocument<'a>>>,
-    /// What is in the way; none where nothing was to be kept clear of.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    collisions: Vec<CollisionDocument<'a>>,
+    /// What is in the way, where anything was to be kept clear of.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    collisions: Option<Vec<CollisionDocument<'a>>>,
     iterations: usize,
     attempts: usize,
     /// How many of them ended at the same miss; 0 where it is reached or was not counted.
@@ -159,7 +161,7 @@ impl<'a> Report<'a> {
             tasks: tasks.collect(),
             active_limits: limits.collect(),
             open_loops: has_loops.then(|| open_loops.collect()),
-            collisions: collisions.collect(),
+            collisions: self.keeps_clear.then(|| collisions.collect()),
             iterations: solution.iterations,
             attempts: solution.attempts,
             agreeing_attempts: solution.agreeing,
@@ -180,7 +182,7 @@ impl<'a> Report<'a> {
     pub(super) fn text(&self, degrees: bool) -> String {
         let solution = &self.answer.solution;
         let mut text = solution.explain();
-        if !solution.reached && self.tasks.iter().any(|task| task.held) {
+        if !solution.goals_reached() && self.tasks.iter().any(|task| task.held) {
             text.push_str("\n  What is held should stay where it was; --hold says what else.");
         }
         let settled = self.answer.settled;

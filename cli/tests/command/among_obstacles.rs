@@ -15,7 +15,11 @@ fn an_answer_touches_nothing_or_names_what_it_touches() {
     let free = with(POSE, "");
     assert_eq!(free["reached"], true);
     assert_eq!(free["goals_reached"], true);
-    assert_eq!(free.get("collisions"), None);
+    has!(free, {"collisions": []});
+    // Where nothing was to be kept clear of, nothing is said of it.
+    let panda = model("franka_panda.urdf");
+    let plain = answer!("solve {panda} --base base --target {POSE}");
+    assert_eq!(plain.get("collisions"), None);
     // In the table.
     let inside = with("flange=0.6,0,0.18,0,1,0,0", "");
     assert_eq!(inside["reached"], false);
@@ -52,18 +56,79 @@ fn a_body_touches_nothing_or_names_what_it_touches() {
         |target: &str| answer!("solve {nao} {body} --target left_hand={target} --world {world}");
     // Above the board, and in it.
     let above = ask("0.2,0.11,0.05");
-    assert_eq!(
-        (&above["reached"], above.get("collisions")),
-        (&true.into(), None)
-    );
+    has!(above, {"reached": true, "collisions": []});
     let inside = ask("0.23,0.11,-0.05");
-    assert_eq!(inside["reached"], false);
+    // It can be met, but not freely.
+    has!(inside, {"reached": false, "goals_reached": true});
     let pairs = list(&inside["collisions"]);
     assert!(
         pairs.iter().any(|pair| pair["second"] == "board"),
         "{pairs:?}"
     );
-    assert!(inside["explanation"].as_str().unwrap().contains("`board`"));
+    assert!(number(&pairs[0]["distance"]) < 0.0);
+    let text = inside["explanation"].as_str().unwrap();
+    says!(text => "every goal is met here | `board`");
+    assert!(!text.ends_with('\n'));
+    let far = ask("3,0,1");
+    has!(far, {"reached": false, "goals_reached": false});
+    // What may touch the board is passed over.
+    let names = pairs.iter().filter(|pair| pair["second"] == "board");
+    let may: Vec<String> = names
+        .map(|pair| format!("--may-touch {}=board", pair["first"].as_str().unwrap()))
+        .collect();
+    let may = may.join(" ");
+    let through =
+        answer!("solve {nao} {body} --target left_hand=0.23,0.11,-0.05 --world {world} {may}");
+    assert!(
+        list(&through["collisions"])
+            .iter()
+            .all(|pair| pair["second"] != "board")
+            || through["reached"] == true,
+        "{through}"
+    );
+}
+
+#[test]
+fn what_may_touch_is_passed_over_by_every_subcommand() {
+    let (panda, folder) = (model("franka_panda.urdf"), Folder::new("may-touch"));
+    let table = model("worlds/table.json");
+    let inside = "flange=0.6,0,0.18,0,1,0,0";
+    let pairs = with(inside, "");
+    let pairs = list(&pairs["collisions"]);
+    let links = [
+        "hand",
+        "finger_left",
+        "finger_right",
+        "link7",
+        "link6",
+        "link5",
+    ];
+    let may: Vec<String> = links
+        .map(|link| format!("--may-touch {link}=table"))
+        .to_vec();
+    let may = may.join(" ");
+    assert!(pairs.iter().any(|pair| pair["second"] == "table"));
+    has!(with(inside, &may), {"reached": true, "collisions": []});
+    refused!("solve {panda} --base base --target {inside} --world {table} --may-touch hand=tabel" => 2, "--may-touch hand=tabel | table");
+    refused!("solve {panda} --base base --target {inside} --world {table} --may-touch hnad=table" => 1, "did you mean `hand`?");
+    refused!("solve {panda} --base base --target {inside} --world {table} --may-touch table" => 2, "two names");
+    refused!("check {panda} --may-touch hand=table" => 2, "--world");
+    // A base in the floor that it stands on.
+    let floor = folder.text(
+        "floor.json",
+        r#"{"planes": [{"name": "floor", "position": [0, 0, 0.05]}]}"#,
+    );
+    let kept = folder.text(
+        "kept.json",
+        r#"{"planes": [{"name": "floor", "position": [0, 0, 0.05], "may_touch": ["base"]}]}"#,
+    );
+    let q = "--q 0,-0.8,0,-2.4,0,1.6,0.8,0.04,0.04";
+    let touching = kinopt!("check {panda} {q} --world {floor}");
+    assert_eq!(touching.status.code(), Some(1));
+    says!(stderr(&touching) => "1 pair touches");
+    for world in [format!("{floor} --may-touch floor=base"), kept] {
+        has!(answer!("check {panda} {q} --world {world}"), {"free": true});
+    }
 }
 
 #[test]
@@ -125,7 +190,7 @@ fn what_was_mended_of_a_world_is_told() {
     ] {
         let run = kinopt!("{}", line.replace("{}", &ask));
         assert!(
-            stderr(&run).contains("note: obstacle sheet: "),
+            stderr(&run).contains("obstacle \"sheet\": "),
             "{line}: {}",
             stderr(&run)
         );

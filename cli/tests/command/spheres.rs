@@ -85,8 +85,8 @@ fn what_cannot_be_is_refused() {
     let folder = Folder::new("no-spheres");
     let panda = model("franka_panda.urdf");
     let out = folder.file("panda.yml");
-    refused!("spheres {panda} --overhang=-1 --out {out}" => 1, "option overhang is -1");
-    refused!("spheres {panda} --spheres 0 --out {out}" => 1, "spheres per link");
+    refused!("spheres {panda} --overhang=-1 --out {out}" => 1, "--overhang -1: | positive");
+    refused!("spheres {panda} --spheres 0 --out {out}" => 1, "--spheres 0: | positive");
     refused!("spheres {panda} --out {out}.txt" => 2, ".urdf or .yml");
     let bare = r#"<robot name="bare"><link name="a"/></robot>"#;
     let bare = folder.text("bare.urdf", bare);
@@ -94,4 +94,23 @@ fn what_cannot_be_is_refused() {
     let mesh = r#"<robot name="m"><link name="a"><collision><geometry><mesh filename="package://pack/a.stl"/></geometry></collision></link></robot>"#;
     let mesh = folder.text("mesh.urdf", mesh);
     refused!("spheres {mesh} --package /nowhere --out {out}" => 1, "/nowhere/pack/a.stl");
+}
+
+/// What a fiftieth of the reach is too fine for: a floor that a robot's file has in it.
+#[test]
+fn the_default_takes_a_link_of_any_size() {
+    let folder = Folder::new("sphere-default");
+    let floor = r#"<mujoco><worldbody><geom name="floor" type="box" size="5 5 .1" pos="0 0 -.2"/>
+      <body name="a" pos="0 0 .5"><joint axis="0 1 0" range="-100 100"/><geom type="capsule" size=".05" fromto="0 0 0 .4 0 0"/>
+      <body name="b" pos=".4 0 0"><joint axis="0 1 0" range="-100 100"/><geom type="box" size=".2 .05 .05" pos=".2 0 0"/>
+      </body></body></worldbody></mujoco>"#;
+    let (robot, out) = (folder.text("arm.xml", floor), folder.file("spheres.yml"));
+    let told = answer!("spheres {robot} --samples 0 --out {out}");
+    assert!(number(&told["overhang"]) > 0.008, "{told}");
+    let run = kinopt!("spheres {robot} --samples 0 --out {out}");
+    says!(stderr(&run) => "note: | too large for 0.008 m, a fiftieth of the reach");
+    refused!("spheres {robot} --samples 0 --overhang 0.0001 --out {out}" => 1, "--overhang 0.0001: | larger");
+    let rig = model("humanoid/humanoid.json");
+    refused!("spheres {rig} --out {out}" => 2, "spheres is for robots with collision shapes | is a rig");
+    refused!("check {rig}" => 2, "check is for robots with collision shapes | is a rig");
 }

@@ -265,9 +265,9 @@ impl Arm {
     }
 
     /// The pairs that are nearer to each other than the margin at `q` (shape (dof,)), the deepest first: `Collision`s.
-    /// None where the arm keeps clear of nothing.
     ///
-    /// Raises `InvalidValueError` for another shape and for numbers that are not finite.
+    /// Raises `InvalidValueError` for an arm that was made without `world` and without `margin`, of which it is not known what it
+    /// touches, for another shape and for numbers that are not finite.
     fn collisions(&self, q: &Bound<'_, PyAny>) -> PyResult<Vec<Collision>> {
         let q = arrays::vector_of(q, "q", self.inner.joint_count())?;
         let pairs = self.inner.collisions(&q).or_raise()?;
@@ -276,9 +276,10 @@ impl Arm {
 
     /// Which configurations, shape (N, dof), are surely clear, shape (N,): the spheres that cover the links come nowhere nearer than the
     /// margin. Eight are checked at once, far faster than by `collisions`; where the spheres stick out of the shapes, one that is not
-    /// clear by them may still be free. All are where the arm keeps clear of nothing.
+    /// clear by them may still be free.
     ///
-    /// Raises `InvalidValueError` for another shape and for numbers that are not finite.
+    /// Raises `InvalidValueError` for an arm that was made without `world` and without `margin`, of which it is not known what it
+    /// touches, for another shape and for numbers that are not finite.
     fn clear_by_spheres<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<bool>>> {
         let (py, dof) = (q.py(), self.inner.joint_count());
         let q = arrays::rows(q, "q", dof)?;

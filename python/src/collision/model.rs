@@ -177,7 +177,7 @@ impl CollisionModel {
         self.inner.is_checked(first, second).or_raise()
     }
 
-    /// The same model, but these two links may touch.
+    /// The same model, but these two links may touch. A link and an obstacle are let touch by the world: `World.allow_touch`.
     ///
     /// Raises `UnknownNameError` for a link without shapes.
     fn with_ignored(&self, first: &str, second: &str) -> PyResult<Self> {

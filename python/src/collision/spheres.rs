@@ -68,6 +68,12 @@ impl SphereModel {
         self.inner.gap()
     }
 
+    /// What of the file that they were read from was left out, one text each.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.inner.notes().to_vec()
+    }
+
     /// By link: an array of shape (N, 4), x, y, z and the radius of each sphere in the link's frame, metres.
     #[getter]
     fn spheres<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {

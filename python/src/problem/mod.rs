@@ -336,14 +336,16 @@ impl Problem {
         self.with_options(&options)
     }
 
-    /// The pairs that are nearer to each other than the margin at a configuration, the deepest first; none where there is nothing to keep
-    /// clear of.
+    /// The pairs that are nearer to each other than the margin at a configuration, the deepest first.
     ///
-    /// Raises `InvalidValueError` for another length and numbers that are not finite.
+    /// Raises `InvalidValueError` for a problem that was made without `world` and without `margin`, of which it is not known what
+    /// touches, for another length and numbers that are not finite.
     fn collisions(&self, py: Python<'_>, q: &Bound<'_, PyAny>) -> PyResult<Vec<Collision>> {
         let q = arrays::copied(q, "q")?;
         let Some(checker) = &self.checker else {
-            return Ok(Vec::new());
+            return Err(invalid(
+                "what touches is not known: the problem was made without a world or a margin to keep clear of",
+            ));
         };
         let found = py.detach(|| checker.collisions(&q)).or_raise()?;
         Ok(found.into_iter().map(Collision::from).collect())

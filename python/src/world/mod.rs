@@ -278,7 +278,7 @@ impl World {
         self.lock().move_to(name, pose).or_raise()
     }
 
-    /// Takes an obstacle out.
+    /// Takes an obstacle out, and with it what it may touch and what may touch it.
     ///
     /// Raises `UnknownNameError` for a name that is not there.
     fn remove(&self, name: &str) -> PyResult<()> {
@@ -305,6 +305,27 @@ impl World {
     fn detach(&self, name: &str, world_from_object: &Bound<'_, PyAny>) -> PyResult<()> {
         let pose = self::pose(Some(world_from_object), "world_from_object")?;
         self.lock().detach(name, pose).or_raise()
+    }
+
+    /// Lets two things touch, however deep: an obstacle and a link of the robot, or two obstacles, as feet and the floor, a gripper and its
+    /// can, or a can that is held and the table. Every check passes them over, until it is forbidden or one of the obstacles is removed; what
+    /// is moved, attached or detached keeps it. Whether the robot has the link shows when both come together.
+    ///
+    /// Raises `UnknownNameError` where neither is an obstacle.
+    fn allow_touch(&self, one: &str, other: &str) -> PyResult<()> {
+        self.lock().allow_touch(one, other).or_raise()
+    }
+
+    /// Keeps two things apart again that may touch.
+    ///
+    /// Raises `UnknownNameError` where neither is an obstacle, `InvalidValueError` where they may not touch.
+    fn forbid_touch(&self, one: &str, other: &str) -> PyResult<()> {
+        self.lock().forbid_touch(one, other).or_raise()
+    }
+
+    /// Whether two things were let touch, in either order.
+    fn may_touch(&self, one: &str, other: &str) -> bool {
+        self.lock().may_touch(one, other)
     }
 
     /// A new world of the same obstacles `times` as large and as far from the world's origin, as a person's surroundings are for a
@@ -345,10 +366,11 @@ impl World {
         self.lock().obstacles().map(|o| o.name.clone()).collect()
     }
 
-    /// What the file that it was read from says and is not taken up, one text each.
+    /// What is to be known of it, one text each: what the file that it was read from says and is not taken up, and what was found about
+    /// the shapes of its obstacles and taken all the same, as that a mesh is open and so has no inside.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.lock().notes().to_vec()
+        self.lock().notes()
     }
 
     /// A number that every change raises.

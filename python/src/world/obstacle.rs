@@ -86,6 +86,12 @@ impl Obstacle {
         self.0.attached.as_deref()
     }
 
+    /// The links of the robot, and the obstacles, that it may touch (`World.allow_touch`).
+    #[getter]
+    fn may_touch(&self) -> Vec<String> {
+        self.0.may_touch.clone()
+    }
+
     /// What was found about its shape and taken all the same: that a mesh is open and so has no inside, say.
     #[getter]
     fn notes(&self) -> Vec<String> {

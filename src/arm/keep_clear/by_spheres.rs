@@ -9,14 +9,16 @@ impl Arm {
     /// nearer than the margin. Eight are checked at once in SIMD lanes, which is some twenty times as fast as
     /// [`collisions`](Self::collisions); where the spheres stick out of the shapes, one that is not clear by them may still be free. Links
     /// that stand so near each other that their spheres nearly always meet, as a wrist's, are told apart by their shapes.
-    /// Where there are no spheres, or what they cannot say is asked (an attached obstacle), the shapes decide. All are clear where the arm
-    /// has no [checker](Self::with_checker).
+    /// Where there are no spheres, or what they cannot say is asked (an attached obstacle), the shapes decide.
     ///
     /// # Errors
-    /// Slices of the wrong length, or a configuration that is not finite.
+    /// An arm without a [checker](Self::with_checker), of which it is not known what it touches; slices of the wrong length, or a configuration that is not finite.
     pub fn clear_by_spheres(&self, q: &[f64], clear: &mut [bool]) -> Result<(), QueryError> {
         self.check_length("q", q.len(), self.joint_count() * clear.len())?;
         self.check_finite(q)?;
+        if !self.keeps_clear() {
+            return Err(QueryError::NothingToKeepClearOf);
+        }
         clear.fill(true);
         self.for_each_touching(q, false, |place| clear[place] = false)
     }

@@ -12,8 +12,8 @@ use std::sync::Arc;
 use super::arm::Arm;
 use super::workspace::ArmWorkspace;
 use super::{ArmError, QueryError, Reply};
-use crate::collision::in_lanes::{self, Body, BodyChain, Rooms, SolidMoved, Solids};
-use crate::collision::{Checker, CheckerWorkspace, FIRST_PLANE, Plane, SphereModel, World};
+use crate::collision::in_lanes::{self, Body, BodyChain, Passed, Rooms, SolidMoved, Solids};
+use crate::collision::{Checker, CheckerWorkspace, FIRST_PLANE, SphereModel, World};
 use crate::kinematics::ForwardKinematics;
 use crate::lanes::Chain;
 use crate::model::{FrameId, JointId, Model};
@@ -113,7 +113,7 @@ impl Arm {
     ) -> Result<Self, ArmError> {
         let Some(kept) = &self.collisions else {
             return Err(ArmError::Conflict(
-                "an arm in another world has a checker first: `with_checker` gives it one",
+                "the arm was made without a world or a margin to keep clear of, so it has none to exchange",
             ));
         };
         let margin = margin.into().unwrap_or(kept.checker.margin());
@@ -132,12 +132,20 @@ impl Arm {
         self.collisions.is_some()
     }
 
-    /// The pairs that are nearer to each other than the margin at a configuration of the arm, the deepest first; none where
-    /// the arm has no [checker](Self::with_checker).
+    /// The pairs that are nearer to each other than the margin at a configuration of the arm, the deepest first.
     ///
     /// # Errors
-    /// A configuration of the wrong length, or one that is not finite.
+    /// An arm without a [checker](Self::with_checker), of which it is not known what it touches; a configuration of the wrong length, or
+    /// one that is not finite.
     pub fn collisions(&self, q: &[f64]) -> Result<Vec<Collision>, QueryError> {
+        match self.keeps_clear() {
+            true => self.touching(q),
+            false => Err(QueryError::NothingToKeepClearOf),
+        }
+    }
+
+    /// The same; nothing where there is nothing to keep clear of.
+    pub(crate) fn touching(&self, q: &[f64]) -> Result<Vec<Collision>, QueryError> {
         self.check_length("q", q.len(), self.joint_count())?;
         match &self.collisions {
             Some(kept) => kept.collisions(self, &mut kept.room(), q),
@@ -216,7 +224,7 @@ impl KeepClear {
             && checker.margin() == self.checker.margin()
             && rest == self.rest;
         let lanes = self.lanes.as_ref().filter(|_| same)?;
-        lanes.in_world(self.checker.world(), checker.world())
+        lanes.in_world(&self.checker, checker)
     }
 
     pub(super) fn checker(&self) -> &Checker {
@@ -358,8 +366,8 @@ impl Own<'_> {
 }
 
 impl InLanes {
-    /// `None` where the arm moves the world in its base's frame, where it carries an obstacle, which has no spheres, where a link
-    /// has none, and where one that moves may be through a plane.
+    /// `None` where the arm moves the world in its base's frame, where it carries an obstacle, which has no spheres, and where a link
+    /// has none.
     fn new(
         chain: &Chain,
         q: &[f64],
@@ -369,10 +377,6 @@ impl InLanes {
         spheres: &SphereModel,
     ) -> Option<Self> {
         if own.joints_to(None) > 0 || checker.world().attached().next().is_some() {
-            return None;
-        }
-        // Lanes hold all bodies over all planes.
-        if checker.model().planes().iter().any(Plane::is_passed) {
             return None;
         }
         let base_from_world = match own.base {
@@ -407,18 +411,24 @@ impl InLanes {
         let solids = solids.map(|(number, o)| (number, &o.shape, base_from_world * o.placement));
         let bodies = BodyChain::new(chain, q, bodies, pairs);
         Some(Self {
-            solids: Solids::new(solids, &bodies, checker.margin() + SLACK),
+            solids: Solids::new(
+                solids,
+                &bodies,
+                passed(spheres, checker),
+                checker.margin() + SLACK,
+            ),
             bodies: Arc::new(bodies),
             base_from_world,
         })
     }
 
     /// The same in another world; `None` where the arm carries something there, and where all solids are to be looked at in another way.
-    fn in_world(&self, before: &World, after: &World) -> Option<Self> {
-        if after.attached().next().is_some() {
+    fn in_world(&self, before: &Checker, after: &Checker) -> Option<Self> {
+        if after.world().attached().next().is_some() {
             return None;
         }
-        let changes = before.changes(after);
+        let passed = passed(after.spheres()?, after);
+        let changes = before.world().changes(after.world());
         let moved = changes.iter().map(|change| SolidMoved {
             number: change.number,
             before: change.before.map(|obstacle| &obstacle.shape),
@@ -426,9 +436,15 @@ impl InLanes {
         });
         let moved: Vec<SolidMoved<'_>> = moved.collect();
         Some(Self {
-            solids: self.solids.changed(&moved, &self.bodies)?,
+            solids: self.solids.changed(&moved, &self.bodies, &passed)?,
             bodies: Arc::clone(&self.bodies),
             base_from_world: self.base_from_world,
         })
     }
+}
+
+/// What the bodies of a sphere model may touch.
+fn passed(spheres: &SphereModel, checker: &Checker) -> Passed {
+    let groups = spheres.groups().iter();
+    Passed::new(groups.map(|group| checker.passes_of(group.link)))
 }

@@ -15,6 +15,14 @@ pub enum CheckerError {
         /// The frame, and the valid names.
         unknown: UnknownName,
     },
+    /// An obstacle that may touch what neither the robot nor the world has.
+    #[error("obstacle `{obstacle}` may touch what is not there: {unknown}")]
+    MayTouch {
+        /// The obstacle.
+        obstacle: String,
+        /// What it may touch, and the valid names.
+        unknown: UnknownName,
+    },
     /// An option out of its range.
     #[error(transparent)]
     Option(#[from] BadOption),

@@ -12,6 +12,7 @@ mod placed_shapes;
 mod scene_placements;
 mod sliding_bound;
 mod sphere_cover;
+mod touches;
 mod workspace;
 mod workspace_pool;
 
@@ -27,15 +28,17 @@ pub use workspace::CheckerWorkspace;
 use super::world::Change;
 use super::{CollisionModel, ROUNDING, SphereModel, World};
 use crate::kinematics::KinematicsError;
+use crate::model::FrameId;
 use crate::search::Collision;
 use parts::{Pair, Scene};
+use touches::Touches;
 
 /// A robot's shapes among the obstacles of a world: which pairs come nearer to each other than a margin.
 ///
 /// Its parts are the links that have shapes and the obstacles that are attached to frames. Every part is kept from every
 /// obstacle that stands in the world, and from the parts that its [model](CollisionModel::pairs) keeps it apart from; an
 /// attached obstacle from all parts but those that may hold it: on its own body, on those that it carries (a hand's
-/// fingers), and on the one that carries it beside others (a finger's hand). What is nearer by no more than a nanometre is
+/// fingers), and on the one that carries it beside others (a finger's hand). What [may touch](World::allow_touch) is passed over. What is nearer by no more than a nanometre is
 /// as far as it should be: shapes that exactly meet are so apart, and rounding decides nothing.
 /// It never changes; changed copies share what stays.
 ///
@@ -101,11 +104,14 @@ impl Checker {
     /// as long as what did.
     ///
     /// # Errors
-    /// An obstacle that is attached to a frame that the robot does not have; the error lists the valid names.
+    /// An obstacle that is attached to a frame that the robot does not have, or that may touch what is not there; the error lists the
+    /// valid names.
     pub fn with_world(mut self, world: &World) -> Result<Self, CheckerError> {
         let changes = self.world.changes(world);
         let mut scene = self.scene.changed(&changes);
-        if changes.iter().any(Change::is_of_attached) {
+        let touching = [&self.world, world].map(|world| world.touching().next().is_some());
+        let of_touch = touching != [false; 2] && changes.iter().any(Change::is_of_names);
+        if of_touch || changes.iter().any(Change::is_of_attached) {
             scene = scene.with_attached(&self.model, world)?;
             if let Some(spheres) = &self.spheres {
                 scene = scene.covered_by(spheres);
@@ -207,6 +213,15 @@ impl Checker {
                 true
             });
         Ok(nearest.map(|(pair, distance)| self.collision(pair, distance)))
+    }
+
+    /// The numbers of what stands that a link may touch, in order: planes of the model, and obstacles of the world.
+    pub(crate) fn passes_of(&self, link: FrameId) -> Vec<u64> {
+        match self.model.links().binary_search(&link) {
+            Ok(part) => self.scene.passes(part).to_vec(),
+            // Of a link without shapes, which has spheres alone.
+            Err(_) => Touches::passes_of(&self.model, &self.world, link),
+        }
     }
 
     /// Whether another is of the same shapes, spheres and pairs, made once for both.

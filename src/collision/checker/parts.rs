@@ -7,6 +7,7 @@ use super::motion_bound::MotionBound;
 use super::placed_shapes::{PartShape, PlacedShapes, part_to_part};
 use super::scene_placements::SceneRoom;
 use super::sphere_cover::{Cover, PlacedCover};
+use super::touches::Touches;
 use crate::collision::changing_tree::ChangingTree;
 use crate::collision::model::Bodies;
 use crate::collision::world::Change;
@@ -29,7 +30,7 @@ pub(super) struct Part {
     pub(super) shapes: Vec<PartShape>,
     /// Around all of its shapes, where that was given.
     cover: Option<Cover>,
-    /// The numbers of the model's planes that it may be through.
+    /// The numbers of what stands that it may touch, in order: of the model's planes, and of obstacles.
     passes: Vec<u64>,
 }
 
@@ -116,13 +117,18 @@ impl Scene {
                 passes: passes(model, frame),
             });
         }
+        let touches = Touches::of(model, world)?;
+        for part in &mut parts {
+            touches.add_passes(&part.name, &mut part.passes);
+        }
+        let pairs = pairs(model, &parts, own, &touches);
         let ends = parts.iter().scan(0, |end, part| {
             *end += part.shapes.len();
             Some(*end)
         });
         Ok(Self {
             shape_ends: ends.collect(),
-            pairs: pairs(model, &parts, own).into(),
+            pairs: pairs.into(),
             motion_bound: Arc::new(MotionBound::new(
                 model.model(),
                 parts.iter().map(Part::balls),
@@ -163,6 +169,11 @@ impl Scene {
             }
             Pair::Parts(a, b) => [part(a), part(b)],
         }
+    }
+
+    /// The numbers of what stands that the part may touch, in order.
+    pub(super) fn passes(&self, part: usize) -> &[u64] {
+        &self.parts[part].passes
     }
 
     getters! {
@@ -221,7 +232,12 @@ impl Scene {
         });
         let passes = &self.parts[part].passes;
         if !passes.is_empty() {
-            near.retain(|(standing, _)| !passes.contains(&self.standing.number(*standing)));
+            let passed = |standing| {
+                passes
+                    .binary_search(&self.standing.number(standing))
+                    .is_ok()
+            };
+            near.retain(|(standing, _)| !passed(*standing));
         }
         near.sort_by_key(|(standing, _)| self.standing.number(*standing));
     }
@@ -348,7 +364,12 @@ impl Part {
 }
 
 /// Parts that are kept apart: links as the model has it, attached obstacles from all but what may hold them.
-fn pairs(model: &CollisionModel, parts: &[Part], own: usize) -> Vec<[usize; 2]> {
+fn pairs(
+    model: &CollisionModel,
+    parts: &[Part],
+    own: usize,
+    touches: &Touches<'_>,
+) -> Vec<[usize; 2]> {
     let place = |frame: FrameId| parts[..own].iter().position(|part| part.frame == frame);
     let links = model.pairs().iter();
     let mut pairs: Vec<[usize; 2]> = links
@@ -362,6 +383,7 @@ fn pairs(model: &CollisionModel, parts: &[Part], own: usize) -> Vec<[usize; 2]> 
             bodies.are_apart(other, attached)
                 || other < own && bodies.is_above_alone(other, attached)
         });
+        let kept = kept.filter(|&other| !touches.may(&parts[other].name, &parts[attached].name));
         pairs.extend(kept.map(|other| [other, attached]));
     }
     pairs

@@ -7,8 +7,10 @@ mod bodies;
 mod instruction_set;
 mod many_solids;
 mod near;
+mod passed;
 mod solids;
 
 pub(crate) use bodies::{Body, BodyChain};
 pub(crate) use instruction_set::{CHECKED, Rooms, near};
+pub(crate) use passed::Passed;
 pub(crate) use solids::{SolidMoved, Solids};

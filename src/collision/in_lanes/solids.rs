@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::bodies::{Body, BodyChain};
 use super::many_solids::{ManySolids, SolidChange};
+use super::passed::Passed;
 use crate::collision::{Ball, BoundingBox, Shape, ShapeKind};
 use crate::lanes::lane::LaneScalar;
 use crate::spatial::{Placement, Vector3};
@@ -45,6 +46,7 @@ pub(crate) struct Solids {
     listed: Arc<Listed>,
     /// All others.
     many: Option<ManySolids>,
+    passed: Passed,
     /// How many there are of one shape that is soon looked at.
     simple: usize,
     /// How near to a solid, or to each other, bodies are not to come, metres.
@@ -117,44 +119,52 @@ impl Reached {
 
 impl Solids {
     /// Shapes with their numbers, each by where it stands in the chain's base; how near to a solid the bodies are not to
-    /// come, metres.
+    /// come, metres, but for those that they may touch.
     pub(crate) fn new<'a>(
         shapes: impl IntoIterator<Item = (u64, &'a Shape, Placement<f64>)>,
         chain: &BodyChain,
+        passed: Passed,
         margin: f64,
     ) -> Self {
         let all: Vec<_> = shapes.into_iter().collect();
         let simple = all.iter().filter(|(_, shape, _)| is_simple(shape)).count();
-        let is_listed = |shape: &Shape| is_listed(shape, simple);
-        let (listed, many): (Vec<_>, Vec<_>) =
-            all.into_iter().partition(|(_, shape, _)| is_listed(shape));
+        let (listed, many): (Vec<_>, Vec<_>) = all
+            .into_iter()
+            .partition(|(number, shape, _)| is_listed(shape, simple) || passed.has(*number));
         let placed = listed
             .into_iter()
             .map(|(number, shape, at)| (number, Placed::new(shape, at)));
         Self {
-            listed: Arc::new(Listed::new(placed, chain, margin)),
+            listed: Arc::new(Listed::new(placed, chain, &passed, margin)),
             many: (!many.is_empty()).then(|| ManySolids::new(many)),
+            passed,
             simple,
             margin,
         }
     }
 
     /// The same with some of them changed, in the order of their numbers; `None` where so many became so few, or the other way, that all
-    /// are looked at in another way.
-    pub(crate) fn changed(&self, changes: &[SolidMoved<'_>], chain: &BodyChain) -> Option<Self> {
+    /// are looked at in another way, and where bodies may touch others.
+    pub(crate) fn changed(
+        &self,
+        changes: &[SolidMoved<'_>],
+        chain: &BodyChain,
+        passed: &Passed,
+    ) -> Option<Self> {
         let count = |shapes: &mut dyn Iterator<Item = &Shape>| {
             shapes.filter(|shape| is_simple(shape)).count()
         };
         let before = count(&mut changes.iter().filter_map(|change| change.before));
         let after = count(&mut changes.iter().filter_map(|change| Some(change.after?.0)));
         let simple = (self.simple + after).checked_sub(before)?;
-        if are_many(simple) != are_many(self.simple) {
+        if are_many(simple) != are_many(self.simple) || *passed != self.passed {
             return None;
         }
         let (mut listed, mut many): (Vec<SolidChange<'_>>, Vec<SolidChange<'_>>) =
             Default::default();
         for change in changes {
-            let is_listed = |shape: &&Shape| is_listed(shape, simple);
+            let is_passed = passed.has(change.number);
+            let is_listed = |shape: &&Shape| is_passed || is_listed(shape, simple);
             let now = change.after.filter(|(shape, _)| is_listed(shape));
             if now.is_some() || change.before.filter(is_listed).is_some() {
                 listed.push((change.number, now));
@@ -177,11 +187,12 @@ impl Solids {
         };
         let listed = match listed.is_empty() {
             true => Arc::clone(&self.listed),
-            false => Arc::new(self.listed.changed(&listed, chain, self.margin)),
+            false => Arc::new(self.listed.changed(&listed, chain, passed, self.margin)),
         };
         Some(Self {
             listed,
             many,
+            passed: passed.clone(),
             simple,
             margin: self.margin,
         })
@@ -293,12 +304,15 @@ impl Listed {
     fn new(
         solids: impl IntoIterator<Item = (u64, Placed)>,
         chain: &BodyChain,
+        passed: &Passed,
         margin: f64,
     ) -> Self {
         let (numbers, placed): (Vec<u64>, Vec<Placed>) = solids.into_iter().unzip();
-        let reached = |(room, body): (Ball, &Body)| {
+        let reached = |(index, (room, body)): (usize, (Ball, &Body))| {
             let reach = room.radius + margin;
-            let near = (0..).zip(&placed).filter(|(_, solid)| {
+            let kept = (0..).zip(&placed).zip(&numbers);
+            let kept = kept.filter(|(_, number)| !passed.is_passed(index, **number));
+            let near = kept.map(|(solid, _)| solid).filter(|(_, solid)| {
                 let apart = solid.bounds.squared_distance(room.centre);
                 // Not a number about a half-space's corner at infinity.
                 apart.is_nan() || apart <= reach * reach
@@ -311,6 +325,7 @@ impl Listed {
                 .rooms()
                 .into_iter()
                 .zip(&chain.bodies)
+                .enumerate()
                 .map(reached)
                 .collect(),
             numbers,
@@ -319,7 +334,13 @@ impl Listed {
     }
 
     /// The same with some of them changed.
-    fn changed(&self, changes: &[SolidChange<'_>], chain: &BodyChain, margin: f64) -> Self {
+    fn changed(
+        &self,
+        changes: &[SolidChange<'_>],
+        chain: &BodyChain,
+        passed: &Passed,
+        margin: f64,
+    ) -> Self {
         let stays = |(number, _): &(u64, Placed)| {
             changes
                 .binary_search_by_key(number, |(changed, _)| *changed)
@@ -336,7 +357,7 @@ impl Listed {
             Some((*number, Placed::new(shape, at)))
         }));
         all.sort_by_key(|(number, _)| *number);
-        Self::new(all, chain, margin)
+        Self::new(all, chain, passed, margin)
     }
 }
 

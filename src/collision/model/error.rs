@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::CollisionObject;
 use crate::SizeMismatch;
 use crate::bad_option::BadOption;
+use crate::collision::shape::LARGEST;
 use crate::collision::{ShapeError, ShapeKind};
 use crate::file::ReadError;
 use crate::kinematics::KinematicsError;
@@ -50,6 +51,16 @@ pub enum CollisionModelError {
     NotRigid {
         /// The shape.
         object: String,
+    },
+    /// Placed so far away that no distance could be told.
+    #[error(
+        "collision shape `{object}` is placed {metres:e} m from its link, which is more than {LARGEST:e}"
+    )]
+    TooFar {
+        /// The shape.
+        object: String,
+        /// How far, metres.
+        metres: f64,
     },
     /// Weights of another mesh or skeleton.
     #[error(transparent)]
@@ -101,5 +112,12 @@ pub(super) fn check(object: &CollisionObject) -> Result<(), CollisionModelError>
         return Err(CollisionModelError::Boundless { object: name() });
     }
     let rigid = object.link_from_shape.check_rigid(ROUNDING);
-    rigid.map_err(|_| CollisionModelError::NotRigid { object: name() })
+    rigid.map_err(|_| CollisionModelError::NotRigid { object: name() })?;
+    match object.link_from_shape.translation.norm() {
+        metres if metres > LARGEST => Err(CollisionModelError::TooFar {
+            object: name(),
+            metres,
+        }),
+        _ => Ok(()),
+    }
 }

@@ -6,7 +6,8 @@ use crate::model::{FrameId, FrameRef, UnknownName};
 use crate::robot::Srdf;
 
 impl CollisionModel {
-    /// The same model, but these two links may touch.
+    /// The same model, but these two links may touch. A link and an obstacle are let touch by the world
+    /// ([`World::allow_touch`](crate::collision::World::allow_touch)).
     ///
     /// # Errors
     /// A link without shapes; the error lists those that have some.
@@ -67,7 +68,9 @@ impl CollisionModel {
     }
 
     fn pair(&self, a: FrameRef<'_>, b: FrameRef<'_>) -> Result<[FrameId; 2], UnknownName> {
-        Ok(ordered([self.link(a)?, self.link(b)?]))
+        let hint = "a world's `allow_touch` lets an obstacle be touched";
+        let link = |link| self.link(link).map_err(|unknown| unknown.with_note(hint));
+        Ok(ordered([link(a)?, link(b)?]))
     }
 }
 

@@ -37,11 +37,6 @@ impl Plane {
         }
     }
 
-    /// Whether some link that moves may be through it.
-    pub(crate) fn is_passed(&self) -> bool {
-        !self.passed.is_empty()
-    }
-
     /// Whether what is on a link is kept over it: not what stands as it does.
     pub(crate) fn holds(&self, model: &Model, link: FrameId) -> bool {
         carrier(model, link).is_some() && !self.passed.contains(&link)

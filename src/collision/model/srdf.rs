@@ -5,7 +5,8 @@ use std::fmt::Write;
 use super::CollisionModel;
 
 impl CollisionModel {
-    /// An SRDF document that disables every pair of links with shapes that this model does not keep apart.
+    /// An SRDF document that disables every pair of links with shapes that this model does not keep apart, and of links and the planes of
+    /// an MJCF file's world, which stand there under their body's name, those that may be through them.
     #[must_use]
     pub fn to_srdf(&self) -> String {
         let mut text = "<?xml version=\"1.0\"?>\n".to_owned();
@@ -26,6 +27,24 @@ impl CollisionModel {
                     text,
                     "  <disable_collisions link1=\"{a}\" link2=\"{b}\" reason=\"{reason}\"/>"
                 );
+            }
+        }
+        let mut passed = Vec::new();
+        for plane in self.planes() {
+            for &link in &plane.passed {
+                let pair = [plane.link.min(link), plane.link.max(link)];
+                let has_shapes = pair
+                    .iter()
+                    .all(|link| self.links.binary_search(link).is_ok());
+                // Above, or kept apart by shapes, which the document could not say beside it.
+                if !has_shapes && !passed.contains(&pair) {
+                    passed.push(pair);
+                    let [a, b] = pair.map(|link| escaped(self.name_of(link)));
+                    let _ = writeln!(
+                        text,
+                        "  <disable_collisions link1=\"{a}\" link2=\"{b}\" reason=\"User\"/>"
+                    );
+                }
             }
         }
         text + "</robot>\n"

@@ -5,7 +5,7 @@ use crate::spatial::Vector3;
 
 /// Lengths of shapes, so that no square of one over- or underflows.
 const SMALLEST: f64 = 1e-9;
-const LARGEST: f64 = 1e9;
+pub(in crate::collision) const LARGEST: f64 = 1e9;
 /// How many times as long as thick a shape may be: rounding along it is then a thousandth of what it is across.
 const SLENDEREST: f64 = 1e12;
 /// Vertices, points and heights of one shape.
@@ -100,7 +100,7 @@ pub enum ShapeError {
 }
 
 /// What was found about a shape that is taken all the same.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShapeNote {
     /// Edges with another number of triangles than two: there is no inside, the surface alone counts.
@@ -117,6 +117,15 @@ pub enum ShapeNote {
     Winding {
         /// How many.
         edges: usize,
+    },
+    /// Corners on open edges that were next to each other and are one now, so that the mesh is closed.
+    #[error("{} on open edges within {within:e} m of another {} made one with it, which closes the mesh",
+        counted(*.vertices, "vertex"), if *.vertices == 1 { "was" } else { "were" })]
+    Closed {
+        /// How many are no more.
+        vertices: usize,
+        /// How far apart they were at most, metres.
+        within: f64,
     },
     /// A closed mesh whose triangles are clockwise seen from outside: they were turned.
     #[error("the mesh is inside out: its triangles were turned")]

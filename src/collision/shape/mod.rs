@@ -7,6 +7,7 @@ mod error;
 mod geodesic;
 mod height_field;
 mod hull_climb;
+mod near_welds;
 mod point_cloud;
 mod scaled;
 mod signed_distance;
@@ -16,6 +17,7 @@ use std::sync::Arc;
 
 pub use bounds::Ball;
 pub use convex_hull::ConvexHull;
+pub(in crate::collision) use error::LARGEST;
 pub use error::{ShapeError, ShapeNote};
 pub use height_field::HeightField;
 pub use point_cloud::PointCloud;

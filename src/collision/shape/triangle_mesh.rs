@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::error::check_points;
-use super::{ShapeError, ShapeNote};
+use super::{ShapeError, ShapeNote, near_welds};
 use crate::collision::bounding_box::BoundingBox;
 use crate::collision::box_tree::BoxTree;
 use crate::scalar::elementary::atan2;
@@ -58,7 +58,7 @@ impl TriangleMesh {
             }
         }
         let given = triangles.len();
-        let (vertices, mut triangles) = welded(&vertices, &triangles);
+        let (mut vertices, mut triangles) = welded(&vertices, &triangles);
         let mut notes = Vec::new();
         if triangles.len() < given {
             notes.push(ShapeNote::WithoutArea {
@@ -73,7 +73,20 @@ impl TriangleMesh {
                 given: 0,
             });
         }
-        let inside = match across(&triangles) {
+        let mut beyond = across(&triangles);
+        if let Err(ShapeNote::Open { .. }) = beyond
+            && let Some(closed) = near_welds::closed(&vertices, &triangles)
+        {
+            let within = near_welds::TOLERANCE * closed.size;
+            let made_one = vertices.len() - closed.vertices.len();
+            notes.push(ShapeNote::Closed {
+                vertices: made_one,
+                within,
+            });
+            (vertices, triangles) = (closed.vertices, closed.triangles);
+            beyond = Ok(closed.across);
+        }
+        let inside = match beyond {
             Err(note) => {
                 notes.push(note);
                 None
@@ -134,7 +147,10 @@ impl TriangleMesh {
 }
 
 /// The vertices in use without copies, and the triangles with three of them.
-fn welded(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> (Vec<Vector3<f64>>, Vec<[u32; 3]>) {
+pub(super) fn welded(
+    vertices: &[Vector3<f64>],
+    triangles: &[[u32; 3]],
+) -> (Vec<Vector3<f64>>, Vec<[u32; 3]>) {
     let mut names: HashMap<[u64; 3], u32> = HashMap::new();
     let mut kept = Vec::new();
     let mut weld = |vertex: u32| {
@@ -153,7 +169,7 @@ fn welded(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> (Vec<Vector3<f64
 }
 
 /// The triangles beyond each side, if the mesh is closed and wound one way.
-fn across(triangles: &[[u32; 3]]) -> Result<Vec<[u32; 3]>, ShapeNote> {
+pub(super) fn across(triangles: &[[u32; 3]]) -> Result<Vec<[u32; 3]>, ShapeNote> {
     // Each side by its ends, then whether it goes from the greater to the lesser, its triangle and place there.
     let mut sides = Vec::with_capacity(3 * triangles.len());
     for (t, corners) in triangles.iter().enumerate() {

@@ -60,6 +60,7 @@ pub struct SphereModel {
     groups: Vec<SphereGroup>,
     pairs: Vec<[usize; 2]>,
     overhang: f64,
+    notes: Vec<String>,
 }
 
 /// The spheres of one link.
@@ -150,6 +151,7 @@ impl SphereModel {
             pairs: pairs.collect(),
             groups,
             overhang,
+            notes: Vec::new(),
         }
     }
 
@@ -176,6 +178,8 @@ impl SphereModel {
         pub fn overhang(&self) -> f64 = self.overhang;
         /// No point of the shapes lies farther outside all spheres of its link, metres: 0 where they cover all shapes.
         pub fn gap(&self) -> f64 = self.groups.iter().fold(0.0, |most, group| group.gap.max(most));
+        /// What of the file that they were read from was left out, one text each.
+        pub fn notes(&self) -> &[String] = &self.notes;
         /// How many spheres there are.
         pub fn count(&self) -> usize = self.groups.iter().map(|group| group.spheres.len()).sum();
     }

@@ -20,7 +20,8 @@ impl SphereModel {
     /// Spheres that others made: cuRobo's `collision_spheres` (`.yaml`, `.yml`), or with feature `urdf` the spheres of a
     /// spherised URDF, whose links are found by their names.
     ///
-    /// They are taken as they are. How far they stick out of the model's shapes is measured, and how much of those they leave
+    /// They are taken as they are, but that cuRobo switches spheres off by a radius below 0: those are left out, with a
+    /// [note](Self::notes). How far they stick out of the model's shapes is measured, and how much of those they leave
     /// uncovered, their [gap](SphereGroup::gap), by which a [`Checker`](crate::collision::Checker) grows them; where a link has no shapes, its spheres are its shape. Which of them are kept apart
     /// the model says, and of links without shapes there that they are not adjacent.
     ///
@@ -42,8 +43,9 @@ impl SphereModel {
             ReadError::malformed(file, at, "is not UTF-8 text")
         })?;
         let end = file.rsplit('.').next().unwrap_or_default();
+        let mut notes = Vec::new();
         let named = match end.to_ascii_lowercase().as_str() {
-            "yaml" | "yml" => yaml::parse(text, file)?,
+            "yaml" | "yml" => yaml::parse(text, file, &mut notes)?,
             #[cfg(feature = "urdf")]
             "urdf" => of_urdf(text, file)?,
             _ => {
@@ -80,6 +82,7 @@ impl SphereModel {
             pairs: pairs(model, &groups),
             groups,
             overhang,
+            notes,
         })
     }
 }

@@ -14,6 +14,8 @@ pub(super) struct Parts {
     groups: Vec<Group>,
     pairs: Vec<[usize; 2]>,
     overhang: f64,
+    #[serde(default)]
+    notes: Vec<String>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -39,6 +41,7 @@ impl From<SphereModel> for Parts {
             groups: own.groups.into_iter().map(group).collect(),
             pairs: own.pairs,
             overhang: own.overhang,
+            notes: own.notes,
         }
     }
 }
@@ -71,6 +74,7 @@ impl TryFrom<Parts> for SphereModel {
             groups,
             pairs: parts.pairs,
             overhang: parts.overhang,
+            notes: parts.notes,
         })
     }
 }

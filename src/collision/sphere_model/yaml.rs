@@ -12,6 +12,7 @@ use std::fmt::Write;
 use super::{NamedSpheres, SphereModel};
 use crate::collision::Ball;
 use crate::file::{FromFile, Place, ReadError};
+use crate::plural::counted;
 use crate::spatial::Vector3;
 use crate::yaml::{self, Node, Value};
 
@@ -40,7 +41,7 @@ fn quoted(name: &str) -> String {
 
 /// The spheres of a document, wherever in it `collision_spheres` stands: cuRobo has it under
 /// `robot_cfg: kinematics:` as well. One of radius 0 or less counts for nothing, as there.
-pub(super) fn parse(text: &str, file: &str) -> FromFile<NamedSpheres> {
+pub(super) fn parse(text: &str, file: &str, notes: &mut Vec<String>) -> FromFile<NamedSpheres> {
     let root = yaml::parse(text, file)?;
     let fail = |node: &Node<'_>, problem: &str| {
         ReadError::malformed(file, Place::Line(node.line), problem)
@@ -75,6 +76,13 @@ pub(super) fn parse(text: &str, file: &str) -> FromFile<NamedSpheres> {
                 let centre = Vector3::from(centre);
                 spheres.push(Ball { centre, radius });
             }
+        }
+        let off = list.len() - spheres.len();
+        if off > 0 {
+            let spheres = counted(off, "sphere");
+            notes.push(format!(
+                "link `{name}`: {spheres} of a radius of 0 or less left out: cuRobo switches them off so"
+            ));
         }
         named.push((name.to_owned(), spheres));
     }

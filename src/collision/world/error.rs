@@ -2,7 +2,7 @@
 
 use super::Obstacle;
 use crate::bad_option::BadOption;
-use crate::collision::shape::ShapeError;
+use crate::collision::shape::{LARGEST, ShapeError};
 use crate::spatial::RigidDefect;
 
 /// Why a world cannot be changed so.
@@ -23,6 +23,17 @@ pub enum WorldError {
         /// The first of those there are.
         valid: Vec<String>,
     },
+    /// Neither of two names is an obstacle's.
+    #[error("neither {:?} nor {:?} is an obstacle; {}", .names[0], .names[1], listed(.valid))]
+    NoObstacle {
+        /// The names.
+        names: [String; 2],
+        /// The first of those there are.
+        valid: Vec<String>,
+    },
+    /// Two that may not touch.
+    #[error("{:?} and {:?} are kept apart: nothing lets them touch", .0[0], .0[1])]
+    KeptApart([String; 2]),
     /// An obstacle that stands in the world already.
     #[error("obstacle {0:?} is attached to nothing that it could be detached from")]
     NotAttached(String),
@@ -33,6 +44,16 @@ pub enum WorldError {
         name: String,
         /// What is wrong with it.
         defect: RigidDefect,
+    },
+    /// Placed so far away that no distance could be told.
+    #[error(
+        "obstacle {name:?} is placed {metres:e} m from the origin, which is more than {LARGEST:e}"
+    )]
+    TooFar {
+        /// Which.
+        name: String,
+        /// How far, metres.
+        metres: f64,
     },
     /// A factor that no world can be scaled by.
     #[error(transparent)]
@@ -50,13 +71,27 @@ pub enum WorldError {
 
 impl WorldError {
     pub(super) fn unknown<'a>(name: &str, all: impl Iterator<Item = &'a Obstacle>) -> Self {
-        // Worlds may have thousands; nobody reads more of them.
-        const LISTED: usize = 30;
         Self::Unknown {
             name: name.to_owned(),
-            valid: all.take(LISTED).map(|o| o.name.clone()).collect(),
+            valid: first_names(all),
         }
     }
+
+    pub(super) fn no_obstacle<'a>(
+        names: [&str; 2],
+        all: impl Iterator<Item = &'a Obstacle>,
+    ) -> Self {
+        Self::NoObstacle {
+            names: names.map(str::to_owned),
+            valid: first_names(all),
+        }
+    }
+}
+
+fn first_names<'a>(all: impl Iterator<Item = &'a Obstacle>) -> Vec<String> {
+    // Worlds may have thousands; nobody reads more of them.
+    const LISTED: usize = 30;
+    all.take(LISTED).map(|o| o.name.clone()).collect()
 }
 
 fn listed(names: &[String]) -> String {

@@ -32,6 +32,8 @@ macro_rules! kinds {
                 rotation: Option<[[f64; 3]; 3]>,
                 #[serde(default, skip_serializing_if = "Option::is_none")]
                 attached: Option<String>,
+                #[serde(default, skip_serializing_if = "Vec::is_empty")]
+                may_touch: Vec<String>,
             }
         )*
 
@@ -41,11 +43,15 @@ macro_rules! kinds {
             $(#[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "objects")] $list: Vec<$kind>,)*
             #[serde(skip_serializing_if = "Vec::is_empty")]
             order: Vec<String>,
+            /// Whether names in `may_touch` may be of what is not there.
+            #[serde(skip_serializing_if = "std::ops::Not::not")]
+            passes_over_unknown: bool,
         }
 
         /// All obstacles of a file, kind by kind.
         fn read_all(contents: Contents, reader: &Reader<'_>) -> FromFile<World> {
             let mut world = World::new();
+            world.passes_over_unknown = contents.passes_over_unknown;
             $(for (index, entry) in contents.$list.into_iter().enumerate() {
                 let place = || Place::Json(format!("{}[{index}]", stringify!($list)));
                 let pose = Pose {
@@ -63,7 +69,10 @@ macro_rules! kinds {
                     Some(frame) => world.attach(&entry.name, frame, placement),
                     None => Ok(()),
                 });
-                attached.map_err(|error| reader.invalid(place(), error))?;
+                let touches = attached.and_then(|()| {
+                    entry.may_touch.iter().try_for_each(|with| world.allow_touch(&entry.name, with))
+                });
+                touches.map_err(|error| reader.invalid(place(), error))?;
             })*
             Ok(world)
         }
@@ -261,7 +270,10 @@ impl<'de> Deserialize<'de> for World {
 }
 
 fn contents(world: &World) -> Contents {
-    let mut contents = Contents::default();
+    let mut contents = Contents {
+        passes_over_unknown: world.passes_over_unknown,
+        ..Contents::default()
+    };
     for obstacle in world.obstacles() {
         push(&mut contents, obstacle);
     }
@@ -284,6 +296,7 @@ fn push(contents: &mut Contents, obstacle: &Obstacle) {
                 quaternion,
                 rotation,
                 attached: obstacle.attached.clone(),
+                may_touch: obstacle.may_touch.clone(),
             });
         }};
     }

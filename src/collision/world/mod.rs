@@ -6,11 +6,13 @@ mod file;
 mod ground_height;
 mod json;
 mod moveit;
+mod moveit_allowed;
 mod moveit_frames;
 mod names;
 mod numbered;
 mod pose;
 mod scaled;
+mod touch;
 
 use std::sync::Arc;
 
@@ -19,7 +21,7 @@ pub(crate) use numbered::Change;
 
 use self::names::Names;
 use self::numbered::Numbered;
-use super::shape::Shape;
+use super::shape::{LARGEST, Shape};
 use crate::spatial::Placement;
 
 /// An obstacle of a [`World`].
@@ -34,6 +36,8 @@ pub struct Obstacle {
     pub placement: Placement<f64>,
     /// The frame of the robot that it moves with, as something grasped does.
     pub attached: Option<String>,
+    /// The links of the robot, and the obstacles, that it may touch ([`World::allow_touch`]).
+    pub may_touch: Vec<String>,
 }
 
 impl Obstacle {
@@ -50,6 +54,7 @@ impl Obstacle {
             shape,
             placement: placement.into(),
             attached,
+            may_touch: Vec::new(),
         }
     }
 }
@@ -62,11 +67,15 @@ pub struct World {
     names: Names,
     /// The numbers of those that are attached to frames, in order.
     attached: Vec<u64>,
+    /// The numbers of those that may touch something, in order.
+    touching: Vec<u64>,
     /// The next number.
     next: u64,
     revision: u64,
     /// What of its file was not taken.
     notes: Vec<String>,
+    /// Whether what obstacles may touch need not be there, as of a planning scene.
+    passes_over_unknown: bool,
 }
 
 impl World {
@@ -83,12 +92,21 @@ impl World {
         pub fn is_empty(&self) -> bool = self.len() == 0;
         /// A number that every change raises, so that what was made of a world knows whether it is still so.
         pub fn revision(&self) -> u64 = self.revision;
-        /// What the file that it was read from says and is not taken up, one text each.
-        pub fn notes(&self) -> &[String] = &self.notes;
         /// All obstacles in the order in which they were added.
         pub fn obstacles(&self) -> impl ExactSizeIterator<Item = &Obstacle> = self.obstacles.iter().map(|(_, o)| &**o);
         /// All with their numbers, by which they are in order.
         pub(crate) fn numbered(&self) -> impl ExactSizeIterator<Item = (u64, &Arc<Obstacle>)> = self.obstacles.iter();
+    }
+
+    /// What is to be known of it, one text each: what the file that it was read from says and is not taken up, and what was found about the
+    /// shapes of its obstacles and taken all the same ([`Shape::notes`]), as that a mesh is open and so has no inside.
+    #[must_use]
+    pub fn notes(&self) -> Vec<String> {
+        let of_shapes = self.obstacles().flat_map(|obstacle| {
+            let notes = obstacle.shape.notes().iter();
+            notes.map(|note| format!("obstacle {:?}: {note}", obstacle.name))
+        });
+        self.notes.iter().cloned().chain(of_shapes).collect()
     }
 
     /// Those that are attached to frames, in order.
@@ -110,6 +128,11 @@ impl World {
     fn find(&self, name: &str) -> Option<u64> {
         let has = |number| self.obstacles.get(number).is_some_and(|o| o.name == name);
         self.names.find(name, has)
+    }
+
+    /// The number of an obstacle, if there is one of the name.
+    pub(crate) fn number_of(&self, name: &str) -> Option<u64> {
+        self.find(name)
     }
 
     fn number(&self, name: &str) -> Result<u64, WorldError> {
@@ -134,6 +157,7 @@ impl World {
         let notes = std::mem::take(&mut self.notes);
         *self = Self {
             notes,
+            passes_over_unknown: self.passes_over_unknown,
             ..Self::default()
         };
         for obstacle in all {
@@ -148,6 +172,9 @@ impl World {
         self.names.insert(&obstacle.name, number);
         if obstacle.attached.is_some() {
             self.attached.push(number);
+        }
+        if !obstacle.may_touch.is_empty() {
+            self.touching.push(number);
         }
         self.obstacles.push(number, obstacle);
         self.next += 1;
@@ -167,7 +194,7 @@ impl World {
         self.edit(name, |obstacle| obstacle.placement = placement)
     }
 
-    /// Takes an obstacle out.
+    /// Takes an obstacle out, and with it what it may touch and what may touch it.
     ///
     /// # Errors
     /// There is none of that name; the error lists those there are.
@@ -176,6 +203,7 @@ impl World {
         self.names.remove(name, number);
         self.obstacles.remove(number);
         self.attached.retain(|attached| *attached != number);
+        self.forget_touch_of(name, number);
         self.revision += 1;
         Ok(())
     }
@@ -222,20 +250,32 @@ impl World {
         if let Some(own) = self.obstacles.get_mut(number) {
             let own = Arc::make_mut(own);
             change(own);
-            self.attached.retain(|attached| *attached != number);
-            if own.attached.is_some() {
-                let at = self.attached.partition_point(|attached| *attached < number);
-                self.attached.insert(at, number);
-            }
+            keep_number(&mut self.attached, number, own.attached.is_some());
+            keep_number(&mut self.touching, number, !own.may_touch.is_empty());
         }
         self.revision += 1;
         Ok(())
     }
 }
 
+/// Keeps a number among others in order, or takes it out.
+fn keep_number(numbers: &mut Vec<u64>, number: u64, keep: bool) {
+    match (numbers.binary_search(&number), keep) {
+        (Err(at), true) => numbers.insert(at, number),
+        (Ok(at), false) => {
+            numbers.remove(at);
+        }
+        _ => {}
+    }
+}
+
 /// A placement that is rigid to the bits that files leave.
 fn rigid(name: &str, placement: Placement<f64>) -> Result<Placement<f64>, WorldError> {
     match placement.check_rigid(1e-6) {
+        Ok(()) if placement.translation.norm() > LARGEST => Err(WorldError::TooFar {
+            name: name.to_owned(),
+            metres: placement.translation.norm(),
+        }),
         Ok(()) => Ok(placement.made_rigid()),
         Err(defect) => Err(WorldError::Placement {
             name: name.to_owned(),

@@ -11,10 +11,12 @@ use super::moveit_frames::{Frames, frame_of};
 use super::pose::unit_quaternion;
 
 /// What the reader of one file knows.
-struct Scene<'f> {
+pub(super) struct Scene<'f> {
     file: &'f str,
-    world: World,
+    pub(super) world: World,
     frames: Frames,
+    /// The obstacles of each object, by its `id`.
+    pub(super) objects: Vec<(String, Vec<String>)>,
 }
 
 /// A scene's obstacles. Of an object with several primitives each is an obstacle: `name/0`, `name/1`, ….
@@ -27,6 +29,7 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> FromFile<World> {
         file,
         world: World::new(),
         frames: Frames::default(),
+        objects: Vec::new(),
     };
     scene.frames = scene.frames(&root)?;
     let world = root.get("world").ok_or_else(|| {
@@ -36,7 +39,6 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> FromFile<World> {
         )
     })?;
     scene.no_octomap(world)?;
-    scene.note_allowed(&root);
     if let Some(objects) = world.get("collision_objects") {
         for object in scene.list(objects, "collision_objects")? {
             scene.object(object, None)?;
@@ -47,18 +49,30 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> FromFile<World> {
         for held in scene.list(held, "attached_collision_objects")? {
             let link = scene.named(held, "link_name")?;
             let link = scene.text(link, "link_name")?;
-            scene.object(scene.named(held, "object")?, Some(link))?;
+            let object = scene.named(held, "object")?;
+            scene.object(object, Some(link))?;
+            if let Some(links) = held.get("touch_links") {
+                let id = scene.text(scene.named(object, "id")?, "id")?;
+                for link in scene.list(links, "touch_links")? {
+                    scene.allow(link, id, scene.text(link, "touch_links")?)?;
+                }
+            }
         }
     }
+    if let Some(matrix) = root.get("allowed_collision_matrix") {
+        scene.allowed(matrix)?;
+    }
+    // Its names outlive what they were of, and are of another robot where that is exchanged.
+    scene.world.passes_over_unknown = true;
     Ok(scene.world)
 }
 
 impl Scene<'_> {
-    fn fail(&self, at: &Node<'_>, problem: &str) -> ReadError {
+    pub(super) fn fail(&self, at: &Node<'_>, problem: &str) -> ReadError {
         ReadError::malformed(self.file, Place::Line(at.line), problem)
     }
 
-    fn invalid(
+    pub(super) fn invalid(
         &self,
         at: &Node<'_>,
         error: impl std::error::Error + Send + Sync + 'static,
@@ -71,12 +85,12 @@ impl Scene<'_> {
             .ok_or_else(|| self.fail(node, &format!("has no `{key}`")))
     }
 
-    fn list<'n, 't>(&self, node: &'n Node<'t>, what: &str) -> FromFile<&'n [Node<'t>]> {
+    pub(super) fn list<'n, 't>(&self, node: &'n Node<'t>, what: &str) -> FromFile<&'n [Node<'t>]> {
         node.list()
             .ok_or_else(|| self.fail(node, &format!("`{what}` is not a list")))
     }
 
-    fn text<'n>(&self, node: &'n Node<'_>, what: &str) -> FromFile<&'n str> {
+    pub(super) fn text<'n>(&self, node: &'n Node<'_>, what: &str) -> FromFile<&'n str> {
         node.text()
             .ok_or_else(|| self.fail(node, &format!("`{what}` is not a text")))
     }
@@ -153,16 +167,6 @@ impl Scene<'_> {
         }
     }
 
-    fn note_allowed(&mut self, root: &Node<'_>) {
-        let allowed = root.get("allowed_collision_matrix");
-        let names = ["entry_names", "default_entry_names"].iter();
-        let mut names = names.filter_map(|key| allowed?.get(key)?.list());
-        if names.any(|names| !names.is_empty()) {
-            let note = "`allowed_collision_matrix` is not used: an SRDF file, or the robot's own pairs, say what may touch";
-            self.world.notes.push(note.to_owned());
-        }
-    }
-
     fn pose(&self, node: &Node<'_>) -> FromFile<Placement<f64>> {
         self.placed(node, ["position", "orientation"])
     }
@@ -216,6 +220,7 @@ impl Scene<'_> {
             );
             return Err(self.fail(object, &problem));
         }
+        let mut obstacles = Vec::new();
         for (i, (primitive, at)) in primitives.iter().zip(poses).enumerate() {
             let own = match primitives.len() {
                 1 => name.to_owned(),
@@ -229,7 +234,9 @@ impl Scene<'_> {
                 None => Ok(()),
             });
             placed.map_err(|error| self.invalid(primitive, error))?;
+            obstacles.push(own);
         }
+        self.objects.push((name.to_owned(), obstacles));
         Ok(())
     }
 

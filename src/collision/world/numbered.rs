@@ -34,6 +34,16 @@ impl Change<'_> {
         let mut both = [self.before, self.after].into_iter().flatten();
         both.any(|obstacle| obstacle.attached.is_some())
     }
+
+    /// Whether it is more than that one stands elsewhere: one came or went, or may touch something else.
+    pub(crate) fn is_of_names(&self) -> bool {
+        match (self.before, self.after) {
+            (Some(before), Some(after)) => {
+                before.may_touch != after.may_touch || before.name != after.name
+            }
+            _ => true,
+        }
+    }
 }
 
 impl Numbered {

@@ -16,6 +16,7 @@ impl World {
         BadOption::check("times", times, POSITIVE)?;
         let mut scaled = Self {
             notes: self.notes.clone(),
+            passes_over_unknown: self.passes_over_unknown,
             ..Self::new()
         };
         for obstacle in self.obstacles() {
@@ -31,8 +32,9 @@ impl World {
             let placement = Placement::new(rotation, translation * times);
             let placement = rigid(&obstacle.name, placement)?;
             let attached = obstacle.attached.clone();
-            let obstacle = Obstacle::new(&obstacle.name, shape, placement, attached);
-            scaled.push(Arc::new(obstacle));
+            let mut own = Obstacle::new(&obstacle.name, shape, placement, attached);
+            own.may_touch.clone_from(&obstacle.may_touch);
+            scaled.push(Arc::new(own));
         }
         Ok(scaled)
     }

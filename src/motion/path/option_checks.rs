@@ -69,7 +69,7 @@ impl PathSolver<'_> {
         let mut within = q.iter().zip(arm.limits());
         let within = within.all(|(q, limits)| limits.lower <= *q && *q <= limits.upper);
         #[cfg(feature = "collision")]
-        let within = within && arm.collisions(q)?.is_empty();
+        let within = within && arm.touching(q)?.is_empty();
         match reached && within {
             true => Ok(()),
             false => Err(PathError::End {

@@ -107,7 +107,7 @@ impl PathSolver<'_> {
         let q = way.row(knot, arm.joint_count());
         #[cfg(feature = "collision")]
         let touching = match touches {
-            true => arm.collisions(q)?.into_iter().next(),
+            true => arm.touching(q)?.into_iter().next(),
             false => None,
         };
         #[cfg(not(feature = "collision"))]

@@ -62,6 +62,7 @@ fn answer<'b>(
         answers,
         jumps,
         tasks: backend.tasks(),
+        keeps_clear: arguments.obstacles.given().is_some(),
         batch_micros,
     })
 }

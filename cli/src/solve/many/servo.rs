@@ -13,7 +13,7 @@ use super::super::arm_backend::ArmBackend;
 use super::super::backend::microseconds;
 use super::super::query::Query;
 use super::summary::{median, percentile};
-use crate::collision_document::CollisionDocument;
+use crate::collision_document::{CollisionDocument, depth};
 use crate::failure::Outcome;
 use crate::loaded_model::LoadedModel;
 use crate::number_format::{magnitude, six_digits, time};
@@ -150,7 +150,7 @@ impl Document<'_> {
             ));
         }
         for pair in self.ticks.last().iter().flat_map(|last| &last.collisions) {
-            text.push_str(&format!("          {pair}\n"));
+            text.push_str(&format!("          {pair}, {}\n", depth(pair)));
         }
         let joints = self.arm_joints.iter().zip(&self.velocity_limits);
         for ((joint, limit), top) in joints.zip(&summary.top_speeds) {

@@ -15,6 +15,8 @@ const EXPLAINED: usize = 3;
 pub(super) struct Outcomes<'b> {
     pub(super) answers: Vec<Answer>,
     pub(super) tasks: &'b [TaskName],
+    /// Whether anything was to be kept clear of.
+    pub(super) keeps_clear: bool,
     /// Of a path: the steps in which a joint moved far.
     pub(super) jumps: Option<Vec<LongStep>>,
     /// The time for all together, in microseconds, where they were solved together.
@@ -53,6 +55,7 @@ impl Outcomes<'_> {
                 answer,
                 tasks: self.tasks,
                 idle: &[],
+                keeps_clear: self.keeps_clear,
             };
             report.document()
         });

@@ -1,0 +1,68 @@
+//! What may touch an obstacle, by the names of both.
+
+use super::CheckerError;
+use crate::collision::{CollisionModel, World};
+use crate::model::{FrameId, FrameRef, UnknownName};
+
+/// Obstacles that may touch something, with their numbers and what that is.
+pub(super) struct Touches<'a> {
+    world: &'a World,
+    /// By their numbers: an obstacle, and what it may touch.
+    of: Vec<(u64, &'a str, &'a [String])>,
+}
+
+impl<'a> Touches<'a> {
+    /// # Errors
+    /// What neither the robot nor the world has.
+    pub(super) fn of(model: &CollisionModel, world: &'a World) -> Result<Self, CheckerError> {
+        let mut of = Vec::new();
+        for (number, obstacle) in world.touching() {
+            for name in &obstacle.may_touch {
+                let frame = FrameRef::from(name.as_str()).resolve(model.model());
+                let is_there = frame.is_ok() || world.number_of(name).is_some();
+                if !is_there && !world.passes_over_unknown() {
+                    let links = model.links().iter().map(|link| model.name_of(*link));
+                    let others = world.obstacles().map(|obstacle| obstacle.name.as_str());
+                    return Err(CheckerError::MayTouch {
+                        obstacle: obstacle.name.clone(),
+                        unknown: UnknownName::new("link or obstacle", name, links.chain(others)),
+                    });
+                }
+            }
+            of.push((number, &*obstacle.name, &*obstacle.may_touch));
+        }
+        Ok(Self { world, of })
+    }
+
+    /// The numbers of the obstacles that a link may touch, in order.
+    pub(super) fn passes_of(model: &CollisionModel, world: &World, link: FrameId) -> Vec<u64> {
+        let mut passes = Vec::new();
+        // Names were looked up when both came together.
+        if let Ok(touches) = Touches::of(model, world) {
+            touches.add_passes(model.name_of(link), &mut passes);
+        }
+        passes
+    }
+
+    /// Whether two things may touch, of which one is an obstacle.
+    pub(super) fn may(&self, one: &str, other: &str) -> bool {
+        !self.of.is_empty() && self.world.may_touch(one, other)
+    }
+
+    /// Adds the numbers of the obstacles that what bears a name may touch, in order; those that move with the robot have none that counts.
+    pub(super) fn add_passes(&self, name: &str, passes: &mut Vec<u64>) {
+        if self.of.is_empty() {
+            return;
+        }
+        for (number, own, with) in &self.of {
+            if with.iter().any(|with| with == name) {
+                passes.push(*number);
+            }
+            if *own == name {
+                passes.extend(with.iter().filter_map(|with| self.world.number_of(with)));
+            }
+        }
+        passes.sort_unstable();
+        passes.dedup();
+    }
+}

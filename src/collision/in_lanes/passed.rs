@@ -1,0 +1,32 @@
+//! What bodies of a chain may touch.
+
+/// Which solids each body may touch, by number and in order; none at all where there is none.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Passed {
+    of_body: Vec<Vec<u64>>,
+    /// Of all bodies.
+    all: Vec<u64>,
+}
+
+impl Passed {
+    pub(crate) fn new(of_bodies: impl IntoIterator<Item = Vec<u64>>) -> Self {
+        let of_body: Vec<Vec<u64>> = of_bodies.into_iter().collect();
+        let mut all: Vec<u64> = of_body.iter().flatten().copied().collect();
+        if all.is_empty() {
+            return Self::default();
+        }
+        all.sort_unstable();
+        all.dedup();
+        Self { of_body, all }
+    }
+
+    /// Whether some body may touch a solid.
+    pub(super) fn has(&self, number: u64) -> bool {
+        self.all.binary_search(&number).is_ok()
+    }
+
+    pub(super) fn is_passed(&self, body: usize, number: u64) -> bool {
+        let own = self.of_body.get(body);
+        own.is_some_and(|own| own.binary_search(&number).is_ok())
+    }
+}

@@ -1,0 +1,82 @@
+//! What may touch each other in a planning scene: pairs with an object; those of links are the robot's.
+
+use super::moveit::Scene;
+use crate::file::FromFile;
+use crate::yaml::Node;
+
+const MATRIX: &str = "allowed_collision_matrix";
+
+impl Scene<'_> {
+    /// Lets what the matrix allows touch.
+    pub(super) fn allowed(&mut self, matrix: &Node<'_>) -> FromFile<()> {
+        let none = [];
+        let part = |key: &str| matrix.get(key).map(|node| self.list(node, key)).transpose();
+        let names = part("entry_names")?.unwrap_or(&none);
+        let rows = part("entry_values")?.unwrap_or(&none);
+        let has_defaults = part("default_entry_names")?.is_some_and(|names| !names.is_empty());
+        if names.len() != rows.len() {
+            let (names, rows) = (names.len(), rows.len());
+            let problem =
+                format!("`{MATRIX}` has {names} `entry_names`, but {rows} rows of values");
+            return Err(self.fail(matrix, &problem));
+        }
+        let mut of_links = false;
+        for (at, (name, row)) in names.iter().zip(rows).enumerate() {
+            let first = self.text(name, "entry_names")?;
+            // As messages are written, or as lists.
+            let row = row.get("enabled").unwrap_or(row);
+            let values = self.list(row, "entry_values")?;
+            if values.len() != names.len() {
+                let (values, names) = (values.len(), names.len());
+                let problem = format!("`{MATRIX}` has a row of {values} values for {names} names");
+                return Err(self.fail(row, &problem));
+            }
+            // The matrix is symmetric, and MoveIt reads what is above its diagonal.
+            for (value, other) in values.iter().zip(names).skip(at + 1) {
+                let allowed = match value.text() {
+                    Some("true" | "True" | "1") => true,
+                    Some("false" | "False" | "0") => false,
+                    _ => {
+                        return Err(
+                            self.fail(value, "`entry_values` holds what is neither true nor false")
+                        );
+                    }
+                };
+                if allowed {
+                    let second = self.text(other, "entry_names")?;
+                    of_links |= !self.allow(value, first, second)?;
+                }
+            }
+        }
+        if of_links {
+            let note = "pairs of links are not taken from `allowed_collision_matrix`: an SRDF file, or the robot's own pairs, say which may touch";
+            self.world.notes.push(note.to_owned());
+        }
+        if has_defaults {
+            let note = "defaults are not taken from `allowed_collision_matrix`: `default_entry_names` may touch what its `entry_values` say";
+            self.world.notes.push(note.to_owned());
+        }
+        Ok(())
+    }
+
+    /// Lets all obstacles of an object touch a link, or those of another; whether one of both is an object.
+    pub(super) fn allow(&mut self, at: &Node<'_>, one: &str, other: &str) -> FromFile<bool> {
+        let of = |id: &str| {
+            let known = self.objects.iter().find(|(own, _)| own == id);
+            known.map(|(_, obstacles)| obstacles.clone())
+        };
+        let (first, second) = (of(one), of(other));
+        let is_of_object = first.is_some() || second.is_some();
+        let first = first.unwrap_or_else(|| vec![one.to_owned()]);
+        let second = second.unwrap_or_else(|| vec![other.to_owned()]);
+        if is_of_object {
+            for a in &first {
+                for b in &second {
+                    let allowed = self.world.allow_touch(a, b);
+                    allowed.map_err(|error| self.invalid(at, error))?;
+                }
+            }
+        }
+        Ok(is_of_object)
+    }
+}

@@ -1,0 +1,326 @@
+//! Promise: what the user lets touch is passed over by every check, by spheres, by shapes and on ways, and nothing else is; a name that is
+//! not there is told.
+
+use kinopt::arm::Arm;
+use kinopt::collision::{
+    Checker, CheckerError, Clearance, CollisionModel, Shape, SphereModel, World, WorldError,
+};
+use kinopt::ik::Drag;
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::robot::{BaseJoint, Robot};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::Point;
+use kinopt::{Problem, Solver};
+use support::arms::robot;
+use support::random::Random;
+use support::sample::cases;
+
+use crate::arms_keep_clear::drawn;
+
+/// Where the Panda's tool is over the table.
+const Q: [f64; 7] = [0.0, -0.3, 0.0, -2.0, 0.0, 1.9, 0.8];
+
+fn somewhere(random: &mut Random) -> Vector3<f64> {
+    loop {
+        let at = random.vector(0.8);
+        if at.norm() > 0.4 {
+            return Vector3::new(at.x, at.y, at.z.abs());
+        }
+    }
+}
+
+fn many(count: usize, random: &mut Random) -> World {
+    let mut world = World::new();
+    for index in 0..count {
+        let size = random.within(0.02, 0.1);
+        let shape = match index % 3 {
+            0 => Shape::sphere(size),
+            1 => Shape::cuboid([size, 0.05, size]),
+            _ => {
+                let at = |_| {
+                    let at = random.vector(0.1);
+                    Vector3::new(at.x, at.y, at.z)
+                };
+                Shape::points((0..60).map(at).collect(), 0.01)
+            }
+        };
+        let name = format!("thing {index}");
+        world.add(&name, shape.unwrap(), somewhere(random)).unwrap();
+    }
+    world
+}
+
+/// Of worlds of few and of many obstacles: pairs that were let touch are gone from what is told, and all others are as they were, to the bit.
+#[test]
+fn only_what_was_let_touch_is_passed_over() {
+    let robot = robot("franka_panda");
+    let plain = Checker::of(&robot).unwrap();
+    let rest = robot.model().neutral();
+    let bare = Arm::new(&robot, "base", "flange").unwrap();
+    let links: Vec<String> = ["link3", "link5", "link6", "link7", "hand", "finger_left"]
+        .map(str::to_owned)
+        .to_vec();
+    for (count, seed) in [(12, 1), (300, 2), (900, 3)] {
+        let mut random = Random::new(seed);
+        let world = many(count, &mut random);
+        let mut lenient = world.clone();
+        let mut allowed = Vec::new();
+        for index in 0..count {
+            let name = format!("thing {index}");
+            for link in &links {
+                if random.below(2) == 0 {
+                    match random.below(2) {
+                        0 => lenient.allow_touch(&name, link).unwrap(),
+                        _ => lenient.allow_touch(link, &name).unwrap(),
+                    }
+                    allowed.push((link.clone(), name.clone()));
+                }
+            }
+        }
+        let strict = plain.clone().with_world(&world).unwrap();
+        let lenient = strict.clone().with_world(&lenient).unwrap();
+        let arm = bare.clone().with_checker(&lenient, &rest).unwrap();
+        let (mut passed, mut clear_where_it_touches) = (0, 0);
+        for _ in 0..cases(60, 12) {
+            let q = drawn(&arm, &mut random);
+            let whole: Vec<f64> = q.iter().copied().chain([0.0, 0.0]).collect();
+            let mut expected = strict.collisions(&whole).unwrap();
+            let before = expected.len();
+            expected.retain(|pair| {
+                let pair = (pair.first.clone(), pair.second.clone());
+                !allowed.contains(&pair)
+            });
+            passed += before - expected.len();
+            assert_eq!(lenient.collisions(&whole).unwrap(), expected);
+            assert_eq!(arm.collisions(&q).unwrap(), expected);
+            let mut clear = [false];
+            arm.clear_by_spheres(&q, &mut clear).unwrap();
+            assert!(!clear[0] || expected.is_empty());
+            clear_where_it_touches += usize::from(clear[0] && before > 0);
+        }
+        assert!(passed > 0, "{count}");
+        // By the spheres alone: lanes pass over what exact checks do.
+        assert!(clear_where_it_touches > 0 || count > 12, "{count}");
+    }
+}
+
+/// The tool presses on a table: an arm reaches it, goes there along a path and from there away; without the permission it does neither.
+#[test]
+fn an_arm_reaches_into_what_it_may_touch() {
+    let robot = robot("franka_panda");
+    let rest = robot.model().neutral();
+    let bare = Arm::new(&robot, "base", "flange").unwrap();
+    let begin = bare.base_from_tool(&Q).unwrap();
+    let mut world = World::new();
+    let below = begin.translation - Vector3::new(0.0, 0.0, 0.30);
+    world.add_box("table", [0.3, 0.3, 0.2], below).unwrap();
+    let strict = Checker::of(&robot).unwrap().with_world(&world).unwrap();
+    for name in ["hand", "finger_left", "finger_right"] {
+        world.allow_touch("table", name).unwrap();
+    }
+    let lenient = strict.clone().with_world(&world).unwrap();
+    let down = |k: usize| {
+        let by = Vector3::new(0.0, 0.0, 0.1 * k as f64 / 20.0);
+        Placement::new(begin.rotation, begin.translation - by)
+    };
+    let path: Vec<_> = (0..=20).map(down).collect();
+    let with = |checker: &Checker| bare.clone().with_checker(checker, &rest).unwrap();
+    let (strict, lenient) = (with(&strict), with(&lenient));
+    assert!(!strict.solve(path[20], &Q).unwrap().reached);
+    let solution = lenient.solve(path[20], &Q).unwrap();
+    assert!(solution.reached, "{}", solution.explain());
+    assert!(!strict.collisions(&solution.q).unwrap().is_empty());
+    let reached = |arm: &Arm| {
+        let track = arm.track(&path, &Q).unwrap();
+        track.solutions.iter().filter(|s| s.reached).count()
+    };
+    assert_eq!(reached(&lenient), path.len());
+    assert!(reached(&strict) < path.len());
+    let mut servo = lenient.servo(&Q, 0.01).unwrap();
+    for _ in 0..400 {
+        servo.step(path[20]).unwrap();
+    }
+    assert!(lenient.base_from_tool(servo.q()).unwrap().translation.z < path[19].translation.z);
+}
+
+/// What a hand holds may stand in what it is taken from, by the names of both.
+#[test]
+fn what_is_held_may_touch_what_it_is_taken_from() {
+    let robot = robot("franka_panda");
+    let mut world = World::new();
+    let q = [0.0, -0.3, 0.0, -2.0, 0.0, 1.9, 0.8, 0.0, 0.0];
+    let hand = robot.model().frame("hand").unwrap();
+    let mut kinematics = ForwardKinematics::new(robot.model());
+    let hand = kinematics.place(&q).unwrap()[hand.index()];
+    let held = Vector3::new(0.0, 0.0, 0.2);
+    world.add_sphere("can", 0.04, Vector3::zero()).unwrap();
+    world.attach("can", "hand", held).unwrap();
+    let bin = Shape::cuboid([0.1, 0.1, 0.02]).unwrap();
+    world
+        .add("bin", bin, Placement::translation(hand.apply(held)))
+        .unwrap();
+    world.add_sphere("lid", 0.02, Vector3::zero()).unwrap();
+    world.attach("lid", "link3", Vector3::zero()).unwrap();
+    let checker = Checker::of(&robot).unwrap().with_world(&world).unwrap();
+    let told = |checker: &Checker| {
+        let found = checker.collisions(&q).unwrap();
+        found
+            .iter()
+            .any(|pair| pair.first == "can" && pair.second == "bin")
+    };
+    assert!(told(&checker));
+    let apart = |world: &World| told(&checker.clone().with_world(world).unwrap());
+    // By either order.
+    let mut other = world.clone();
+    world.allow_touch("bin", "can").unwrap();
+    other.allow_touch("can", "bin").unwrap();
+    assert!(!apart(&world) && !apart(&other));
+    other.forbid_touch("bin", "can").unwrap();
+    assert!(apart(&other));
+    // Moved, detached and attached again it may still; what is removed and added anew may not.
+    world.detach("can", Vector3::zero()).unwrap();
+    world.attach("can", "hand", held).unwrap();
+    assert!(!apart(&world) && world.may_touch("can", "bin"));
+    let shape = world.obstacle("can").unwrap().shape.clone();
+    world.remove("can").unwrap();
+    world.add("can", shape, Vector3::zero()).unwrap();
+    world.attach("can", "hand", held).unwrap();
+    assert!(apart(&world) && !world.may_touch("can", "bin"));
+}
+
+/// A body on its feet: its clearance, solver and drag pass over the floor under them.
+#[test]
+fn a_body_stands_deep_in_what_its_feet_may_touch() {
+    let robot = Robot::read("../models/aldebaran_nao.urdf").unwrap();
+    let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
+    let model = robot.model();
+    let rest = model.neutral();
+    let mut kinematics = ForwardKinematics::new(model);
+    let placed = kinematics.place(&rest).unwrap().to_vec();
+    let sole = placed[model.frame("left_sole").unwrap().index()].translation;
+    let mut world = World::new();
+    world
+        .add_plane("floor", Vector3::new(0.0, 0.0, sole.z + 0.01))
+        .unwrap();
+    let strict = Checker::of(&robot).unwrap().with_world(&world).unwrap();
+    let found = strict.collisions(&rest).unwrap();
+    let feet: Vec<&str> = found.iter().map(|pair| &*pair.first).collect();
+    assert!(!feet.is_empty() && found.iter().all(|pair| pair.second == "floor"));
+    for foot in feet {
+        world.allow_touch("floor", foot).unwrap();
+    }
+    let lenient = strict.clone().with_world(&world).unwrap();
+    assert!(lenient.collisions(&rest).unwrap().is_empty());
+    let nearest = lenient
+        .nearest(&mut lenient.workspace(), &rest, 1.0)
+        .unwrap();
+    assert!(nearest.is_none_or(|pair| pair.distance > 0.0));
+    let hand = model.frame("left_hand").unwrap();
+    let at = placed[hand.index()].translation;
+    let mut tasks = Problem::builder(model);
+    tasks.parameters(robot.map().clone());
+    tasks.add(Point::new(hand, at + Vector3::new(0.02, 0.0, 0.0)));
+    tasks.add(Point::new(model.frame("left_sole").unwrap(), sole));
+    tasks.add(Clearance::new(&lenient, 0.0));
+    tasks.keep_clear(&lenient);
+    let problem = tasks.build().unwrap();
+    let solution = Solver::default().solve_once(&problem, &rest).unwrap();
+    assert!(solution.reached, "{}", solution.explain());
+    let mut drag = Drag::new(problem, &rest).unwrap();
+    for _ in 0..20 {
+        drag.advance();
+    }
+    assert!(drag.solution().reached, "{}", drag.solution().explain());
+    assert!(!strict.collisions(drag.q()).unwrap().is_empty());
+}
+
+#[test]
+fn names_that_are_not_there_are_told() {
+    let mut world = World::new();
+    world.add_box("table", [0.1; 3], Vector3::zero()).unwrap();
+    let told = world.allow_touch("hand", "tabel").unwrap_err().to_string();
+    assert!(
+        ["hand", "tabel", "table"]
+            .iter()
+            .all(|name| told.contains(name)),
+        "{told}"
+    );
+    assert!(world.forbid_touch("hand", "tabel").is_err());
+    let told = world.forbid_touch("hand", "table").unwrap_err();
+    assert!(
+        matches!(&told, WorldError::KeptApart(names) if names[0] == "hand"),
+        "{told}"
+    );
+    world.allow_touch("haand", "table").unwrap();
+    world.allow_touch("table", "haand").unwrap();
+    assert_eq!(world.obstacle("table").unwrap().may_touch, ["haand"]);
+    let robot = robot("franka_panda");
+    let ignored = CollisionModel::of(&robot)
+        .unwrap()
+        .with_ignored("hand", "table");
+    let told = ignored.unwrap_err().to_string();
+    assert!(
+        told.contains("`table`") && told.contains("allow_touch"),
+        "{told}"
+    );
+    let checker = Checker::of(&robot).unwrap();
+    let error = checker.clone().with_world(&world).unwrap_err();
+    let told = error.to_string();
+    assert!(matches!(error, CheckerError::MayTouch { .. }), "{told}");
+    assert!(
+        told.contains("`table`") && told.contains("did you mean `hand`?"),
+        "{told}"
+    );
+    world.forbid_touch("table", "haand").unwrap();
+    checker.with_world(&world).unwrap();
+}
+
+#[test]
+fn files_and_scaled_worlds_keep_what_may_touch() {
+    let text = r#"{
+        "boxes": [{"name": "table", "size": [1, 1, 0.1], "may_touch": ["hand", "can"]}],
+        "cylinders": [{"name": "can", "radius": 0.03, "length": 0.1, "may_touch": ["table"]}]
+    }"#;
+    let world = World::from_json(text.as_bytes(), "w.json").unwrap();
+    assert_eq!(world.obstacle("table").unwrap().may_touch, ["hand", "can"]);
+    assert!(world.may_touch("can", "table") && !world.may_touch("can", "hand"));
+    let again = World::from_json(world.to_json().as_bytes(), "w.json").unwrap();
+    assert_eq!(again.to_json(), world.to_json());
+    assert!(again.may_touch("hand", "table"));
+    assert!(world.scaled(2.0).unwrap().may_touch("hand", "table"));
+    // Nothing is written of a world in which nothing may touch.
+    let mut plain = world.clone();
+    plain.forbid_touch("hand", "table").unwrap();
+    plain.forbid_touch("table", "can").unwrap();
+    assert!(!plain.to_json().contains("may_touch"));
+}
+
+/// A link that has spheres of a file alone, no shapes, may touch too.
+#[test]
+fn a_link_of_spheres_alone_may_touch() {
+    let robot = robot("franka_panda");
+    let rest = robot.model().neutral();
+    let bodies = CollisionModel::of(&robot).unwrap();
+    let finger = bodies
+        .objects()
+        .iter()
+        .filter(|object| object.name.starts_with("finger"));
+    let alone = CollisionModel::new(robot.model(), finger.cloned().collect()).unwrap();
+    let spheres = "collision_spheres:\n  link7:\n    - {center: [0, 0, 0], radius: 0.05}\n  finger_left:\n    - {center: [0, 0, 0.03], radius: 0.05}\n  finger_right:\n    - {center: [0, 0, 0.03], radius: 0.05}\n";
+    let spheres = SphereModel::parse(spheres.as_bytes(), "s.yml", &alone).unwrap();
+    let arm = Arm::new(&robot, "base", "link7").unwrap();
+    let mut world = World::new();
+    let at = arm.base_from_tool(&Q).unwrap().translation;
+    world.add_sphere("ball", 0.02, at).unwrap();
+    let checker = Checker::new(alone).with_spheres(spheres);
+    let is_clear = |world: &World| {
+        let checker = checker.clone().with_world(world).unwrap();
+        let arm = arm.clone().with_checker(&checker, &rest).unwrap();
+        let mut clear = [false];
+        arm.clear_by_spheres(&Q, &mut clear).unwrap();
+        clear[0]
+    };
+    assert!(!is_clear(&world));
+    world.allow_touch("ball", "link7").unwrap();
+    assert!(is_clear(&world));
+}
