@@ -62,7 +62,7 @@ def test_a_page_opens_plays_and_is_dragged(kind, tmp_path, open_tab):
         pytest.skip("SKIPPED: the fox is no part of the project; KINOPT_SHARED names a folder with it")
     page = open_page(model(kind, tmp_path), port=8320, world=WORLDS.get(kind), margin=0.01)
     try:
-        shown = open_tab(page, 1280, 800) if PICTURES else open_tab(page)
+        shown = open_tab(page, 1280, 800, sharp=True) if PICTURES else open_tab(page)
         before = shown.colors()
         frame, way, seconds = SCENES[kind]
         if seconds is not None:
