@@ -28,17 +28,6 @@ FLAGS = [
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
 ]
-#: A screen of ten pictures a second: each, drawn by software, takes as long as a core has.
-SLOW_SCREEN = """
-const next = window.requestAnimationFrame, asked = new Map();
-let last = 0;
-window.requestAnimationFrame = (draw) => {
-    const id = ++last;
-    asked.set(id, setTimeout(() => next((now) => asked.delete(id) && draw(now)), 100));
-    return id;
-};
-window.cancelAnimationFrame = (id) => { clearTimeout(asked.get(id)); asked.delete(id); };
-"""
 #: What viser's own page writes to its console when it starts.
 STARTING = (
     "Detected ",
@@ -133,15 +122,13 @@ class Tab:
 
 @pytest.fixture
 def open_tab(chromium):
-    """Opens a page of the viewer in the browser: `open_tab(page)`, on a coarse and slow screen unless it is to be `sharp`."""
+    """Opens a page of the viewer in the browser: `open_tab(page)`, on a coarse screen unless it is to be `sharp`."""
     opened = []
 
     def open_one(page, width=820, height=480, sharp=False):
         # What software draws takes as long as it has points.
         scale = 1.0 if sharp else 0.5
         tab = chromium.new_page(viewport={"width": width, "height": height}, device_scale_factor=scale)
-        if not sharp:
-            tab.add_init_script(SLOW_SCREEN)
         shown = Tab(tab, page)
         opened.append(shown)
         tab.on("console", lambda message: shown.console.append(f"{message.type}: {message.text}"))

@@ -16,7 +16,9 @@ export function visiting() {
         end: () => site?.close(),
         /** A page that opened the humanoid, and all that it said on the console. */
         async opened(options) {
-            const page = await site.browser.newPage({ viewport: { width: 900, height: 640 }, colorScheme: "light", ...options });
+            // What software draws takes as long as it has points.
+            const deviceScaleFactor = process.env.KINOPT_PICTURES ? 1 : 0.5;
+            const page = await site.browser.newPage({ viewport: { width: 900, height: 640 }, deviceScaleFactor, colorScheme: "light", ...options });
             // As a machine with much other work needs: no test is about time.
             page.setDefaultTimeout(300_000);
             const said = [];
