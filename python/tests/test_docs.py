@@ -32,6 +32,7 @@ CANNOT_RAISE = {
     "kinopt.TriangleMesh.vertex_normals",
     "kinopt.TriangleMesh.with_computed_normals",
     "kinopt.World",
+    "kinopt.World.may_touch",
     "kinopt.World.to_json",
     "kinopt.animation.Armature.of_skeleton",
     "kinopt.animation.BoneMask.all",
