@@ -48,8 +48,7 @@ impl Arm {
             }
             workspace.kept = kept;
         }
-        let stays = self.options.search != Search::First && !self.options.leaps_on_miss();
-        if !found.reached && stays && !query.is_late() {
+        if !found.reached && !self.options.leaps_on_miss() && !query.is_late() {
             self.stay_near(workspace, query, found);
         }
         found.termination = self.ended(found, query.is_late());
