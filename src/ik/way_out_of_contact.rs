@@ -2,7 +2,8 @@
 //!
 //! Each side of a plate looks like the way out to what is near it, so that an arm that pierces one may rest there. While it
 //! does, each frame makes one attempt to touch nothing, from places ever farther from where it rests; where one does, the next
-//! frames go there straight, through what the body is in, within the most that a joint may move in each.
+//! frames go there straight, through what the body is in, within the most that a joint may move in each. Ways through anything else
+//! are taken only after many attempts found no other.
 
 use super::Drag;
 use super::drag::solve;
@@ -10,11 +11,15 @@ use crate::problem::{AnyClearanceCheck, Fence, Question};
 use crate::random::RandomStream;
 
 /// Attempts for one place of rest.
-const TRIES: usize = 48;
+const TRIES: usize = 64;
+/// So many of them may meet nothing on their way but what is touched at rest.
+const TRIES_PAST_OTHERS: usize = 40;
 /// How much farther from it each begins than the one before, in radians.
 const FARTHER: f64 = 0.05;
 /// A frame after which the deepest pair is less deep by no more than this, metres, leads nowhere.
 const NO_LESS: f64 = 1e-6;
+/// How far a joint goes between two places of a way that are looked at, in radians.
+const LOOKED_AT_EVERY: f64 = 0.01;
 
 /// What is known of ways out of contact.
 #[derive(Clone, Debug, Default)]
@@ -87,8 +92,38 @@ impl Drag {
         self.workspace.solution.iterations += trial.iterations;
         self.workspace.solution.counts += trial.counts;
         let finite = trial.q.iter().all(|value| value.is_finite());
-        self.way_out_of_contact.known = finite && check.is_free(&trial.q);
+        let free = finite && check.is_free(&trial.q);
         map.gather(&trial.q, &mut self.way_out_of_contact.end);
+        self.way_out_of_contact.known =
+            free && (tries > TRIES_PAST_OTHERS || self.meets_nothing_else(check));
+    }
+
+    /// Whether the straight way from where this frame ends to the place that touches nothing meets only what is touched where it begins.
+    fn meets_nothing_else(&self, check: &mut dyn AnyClearanceCheck) -> bool {
+        let (map, space) = (
+            self.problem.parameters(),
+            Question::from(&self.problem).space(),
+        );
+        let mut q = self.solution().q.clone();
+        let touched = check.collisions(&q);
+        let end = &self.way_out_of_contact.end;
+        let mut from = self.x.clone();
+        map.gather(&q, &mut from);
+        let (mut way, mut x) = (from.clone(), from.clone());
+        space.difference(end, &from, &mut way);
+        let moves = way
+            .iter()
+            .zip(&self.unit)
+            .map(|(way, unit)| way.abs() / unit);
+        let looks = (moves.fold(0.0, f64::max) / LOOKED_AT_EVERY).ceil();
+        (1..looks as usize).all(|look| {
+            space.integrate_share(&from, look as f64 / looks, &way, &mut x);
+            space.project(&mut x);
+            map.scatter_within_limits(&x, &mut q);
+            let met = check.collisions(&q);
+            met.iter()
+                .all(|pair| touched.iter().any(|own| own.is_of_same_pair(pair)))
+        })
     }
 
     /// Goes on towards a place that touches nothing, if one is known: where that leads, by variable.

@@ -76,6 +76,12 @@ impl Collision {
         pub fn met_on_the_way(mut self) { self.on_the_way = true }
     }
 
+    /// Whether another one is of the same two things.
+    pub(crate) fn is_of_same_pair(&self, other: &Self) -> bool {
+        let of = |pair: &Self| (pair.first_kind, pair.second_kind);
+        of(self) == of(other) && self.first == other.first && self.second == other.second
+    }
+
     /// How deep one is in the other, metres; 0 where they are apart.
     #[must_use]
     pub fn depth(&self) -> f64 {
