@@ -12,6 +12,7 @@ mod point_cloud;
 mod scaled;
 mod signed_distance;
 mod triangle_mesh;
+mod triangle_sides;
 
 use std::sync::Arc;
 

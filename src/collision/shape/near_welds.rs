@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::triangle_mesh::{across, welded};
+use super::triangle_sides::{across, welded};
 use crate::collision::bounding_box::BoundingBox;
 use crate::spatial::Vector3;
 

@@ -1,8 +1,7 @@
 //! Triangle meshes, welded and with what is known of their inside.
 
-use std::collections::HashMap;
-
 use super::error::check_points;
+use super::triangle_sides::{across, welded};
 use super::{ShapeError, ShapeNote, near_welds};
 use crate::collision::bounding_box::BoundingBox;
 use crate::collision::box_tree::BoxTree;
@@ -143,58 +142,6 @@ impl TriangleMesh {
             }
             Feature::Face => unit_normal(self.triangle(triangle)),
         })
-    }
-}
-
-/// The vertices in use without copies, and the triangles with three of them.
-pub(super) fn welded(
-    vertices: &[Vector3<f64>],
-    triangles: &[[u32; 3]],
-) -> (Vec<Vector3<f64>>, Vec<[u32; 3]>) {
-    let mut names: HashMap<[u64; 3], u32> = HashMap::new();
-    let mut kept = Vec::new();
-    let mut weld = |vertex: u32| {
-        // Zeros of both signs are one.
-        let place = vertices[vertex as usize] + Vector3::zero();
-        let bits = place.to_array().map(f64::to_bits);
-        *names.entry(bits).or_insert_with(|| {
-            kept.push(place);
-            kept.len() as u32 - 1
-        })
-    };
-    let triangles = triangles.iter().map(|corners| corners.map(&mut weld));
-    let with_area = triangles.filter(|[a, b, c]| a != b && b != c && c != a);
-    let with_area = with_area.collect();
-    (kept, with_area)
-}
-
-/// The triangles beyond each side, if the mesh is closed and wound one way.
-pub(super) fn across(triangles: &[[u32; 3]]) -> Result<Vec<[u32; 3]>, ShapeNote> {
-    // Each side by its ends, then whether it goes from the greater to the lesser, its triangle and place there.
-    let mut sides = Vec::with_capacity(3 * triangles.len());
-    for (t, corners) in triangles.iter().enumerate() {
-        for side in 0..3 {
-            let (from, to) = (corners[side], corners[(side + 1) % 3]);
-            sides.push((from.min(to), from.max(to), from > to, t as u32, side));
-        }
-    }
-    sides.sort_unstable();
-    let mut beyond = vec![[0; 3]; triangles.len()];
-    let (mut open, mut wound) = (0, 0);
-    for edge in sides.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-        match edge {
-            [a, b] if a.2 != b.2 => {
-                beyond[a.3 as usize][a.4] = b.3;
-                beyond[b.3 as usize][b.4] = a.3;
-            }
-            [_, _] => wound += 1,
-            _ => open += 1,
-        }
-    }
-    match (open, wound) {
-        (0, 0) => Ok(beyond),
-        (0, edges) => Err(ShapeNote::Winding { edges }),
-        (edges, _) => Err(ShapeNote::Open { edges }),
     }
 }
 
