@@ -46,9 +46,10 @@ pub enum ServoStatus {
     Settling,
     /// At rest at the nearest place of its branch; the target is out of reach there.
     Nearest,
-    /// Stopped, as going on would touch something that the arm [keeps clear of](Arm::with_checker), or come nearer to what it touches.
+    /// Stopped, as going on would touch something that the arm [keeps clear of](Arm::with_checker); nothing is touched.
     Blocked,
-    /// Something still touches that did where the servo began: it comes no nearer, and parts where targets lead away.
+    /// Something still touches that did where the servo began: it comes no nearer, stopped where the target leads farther in, and parts
+    /// where targets lead away.
     Touching,
 }
 
@@ -290,10 +291,14 @@ impl Servo<'_> {
         if touches {
             self.collisions = kept.collisions(arm, room, &workspace.x)?;
         }
-        if self.collisions.is_empty() {
+        let status = match self.collisions.is_empty() {
+            true => ServoStatus::Blocked,
+            false => ServoStatus::Touching,
+        };
+        if !self.collisions.iter().any(|own| own.is_of_same_pair(&by)) {
             self.collisions.push(by);
         }
-        Ok(Some(ServoStatus::Blocked))
+        Ok(Some(status))
     }
 
     /// The box of a tick: joint limits and velocity limits.

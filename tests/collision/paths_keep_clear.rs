@@ -1,7 +1,7 @@
 //! Promise: a path of an arm that keeps clear touches nothing, at its points and between them; a step that would is cut
 //! short and says what is in the way, and the arm comes back as the path leaves.
 
-use kinopt::arm::Arm;
+use kinopt::arm::{Arm, ServoStatus};
 use kinopt::collision::{Checker, CollisionModel, World};
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::{distance, robot};
@@ -89,7 +89,7 @@ fn a_servo_stops_before_a_wall_and_leaves_it() {
     let (mut last, mut blocked) = (Q.to_vec(), 0);
     for target in path.iter().chain(std::iter::repeat_n(&path[0], 40)) {
         let step = servo.step(*target).unwrap();
-        blocked += usize::from(step.status == kinopt::arm::ServoStatus::Blocked);
+        blocked += usize::from(step.status == ServoStatus::Blocked);
         assert!(is_free_between(&arm, &last, step.q));
         last = step.q.to_vec();
     }
@@ -187,6 +187,7 @@ fn a_contact_is_left_and_made_no_deeper() {
                 let mut down = path[0];
                 down.translation.z -= 0.001 * f64::from(k);
                 let step = servo.step(down).unwrap();
+                assert_eq!(step.status, ServoStatus::Touching, "{told}, {k}");
                 assert!(nearest(&arm, step.q) > begins - 1e-7, "{told}, {k}");
             }
         }

@@ -254,6 +254,8 @@ fn names_that_are_not_there_are_told() {
     world.allow_touch("haand", "table").unwrap();
     world.allow_touch("table", "haand").unwrap();
     assert_eq!(world.obstacle("table").unwrap().may_touch, ["haand"]);
+    let told = world.allow_touch("table", " ").unwrap_err().to_string();
+    assert!(told.contains("\" \""), "{told}");
     let robot = robot("franka_panda");
     let ignored = CollisionModel::of(&robot)
         .unwrap()
@@ -273,6 +275,27 @@ fn names_that_are_not_there_are_told() {
     );
     world.forbid_touch("table", "haand").unwrap();
     checker.with_world(&world).unwrap();
+}
+
+/// Of two obstacles both say so, and forget it when either is no more.
+#[test]
+fn two_obstacles_know_each_other() {
+    let mut world = World::new();
+    for name in ["can", "table"] {
+        world.add_box(name, [0.1; 3], Vector3::zero()).unwrap();
+    }
+    let of = |world: &World, name: &str| world.obstacle(name).unwrap().may_touch.clone();
+    world.allow_touch("can", "table").unwrap();
+    world.allow_touch("table", "can").unwrap();
+    assert_eq!(
+        (of(&world, "can"), of(&world, "table")),
+        (vec!["table".to_owned()], vec!["can".to_owned()])
+    );
+    let mut without = world.clone();
+    without.remove("table").unwrap();
+    assert!(of(&without, "can").is_empty());
+    world.forbid_touch("table", "can").unwrap();
+    assert!(of(&world, "can").is_empty() && of(&world, "table").is_empty());
 }
 
 #[test]

@@ -392,7 +392,12 @@ fn a_planning_scene_lets_touch_what_it_says_of_its_objects() {
         for mut world in [world, again] {
             world.remove("pen").unwrap();
             let panda = support::arms::robot("franka_panda");
-            Checker::of(&panda).unwrap().with_world(&world).unwrap();
+            let checker = Checker::of(&panda).unwrap();
+            checker.clone().with_world(&world).unwrap();
+            // What somebody else lets touch has to be there.
+            world.allow_touch("Can1", "hnad").unwrap();
+            let told = checker.with_world(&world).unwrap_err().to_string();
+            assert!(told.contains("`hnad`") && told.contains("`hand`"), "{told}");
         }
     }
     let held = SCENE.replace(
@@ -407,10 +412,11 @@ fn a_planning_scene_lets_touch_what_it_says_of_its_objects() {
         "{entry_names: [a, b], entry_values: [[0, 1]]}",
         "{entry_names: [a, b], entry_values: [[0, 1], [1]]}",
         "{entry_names: [a, b], entry_values: [[0, maybe], [1, 0]]}",
+        "{entry_names: [a, a], entry_values: [[0, 1], [1, 0]]}",
     ] {
         let told = read(wrong).unwrap_err().to_string();
         assert!(
-            told.contains("line 1") && told.contains("entry_values")
+            told.contains("line 1") && told.contains("entry_")
                 || told.contains("allowed_collision_matrix"),
             "{told}"
         );

@@ -135,7 +135,7 @@ pub(crate) struct ServoStep {
     velocity: Vec<f64>,
     /// "on_target", "speed_limited" (on its way, as fast as a joint may), "settling" (on its way, held back
     /// by damping alone), "nearest" (at rest at the nearest place), "blocked" (stopped before it touches
-    /// something, or comes nearer to what it touches) or "touching" (something touches still that did where the servo began).
+    /// something) or "touching" (something touches still that did where the servo began, and comes no nearer).
     #[pyo3(get)]
     status: &'static str,
     /// Whether the tool is within the tolerances of its target, and nothing touches.

@@ -20,7 +20,7 @@ impl<'a> Touches<'a> {
             for name in &obstacle.may_touch {
                 let frame = FrameRef::from(name.as_str()).resolve(model.model());
                 let is_there = frame.is_ok() || world.number_of(name).is_some();
-                if !is_there && !world.passes_over_unknown() {
+                if !is_there && !world.may_be_missing(name) {
                     let links = model.links().iter().map(|link| model.name_of(*link));
                     let others = world.obstacles().map(|obstacle| obstacle.name.as_str());
                     return Err(CheckerError::MayTouch {

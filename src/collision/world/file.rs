@@ -26,7 +26,8 @@ impl World {
     /// ```
     ///
     /// A `position` left out is the origin, a `quaternion` left out no turn; `attached` names a frame of the robot,
-    /// in which the obstacle then stands, and `may_touch` lists the links and the obstacles that [may touch](Self::allow_touch) it. A mesh is a file beside this one (OBJ, STL, DAE or PLY) or has `vertices`
+    /// in which the obstacle then stands, and `may_touch` lists the links and the obstacles that [may touch](Self::allow_touch) it;
+    /// a list `may_be_missing` beside those of obstacles has those names among them that neither robot nor world needs to have. A mesh is a file beside this one (OBJ, STL, DAE or PLY) or has `vertices`
     /// and `triangles`; `convex` has `points`, and `height_fields` have `heights`, `columns` and `spacing`.
     /// Obstacles come in this order of kinds, or in that of a list `order` of all names.
     ///

@@ -1,6 +1,6 @@
 //! Our JSON of worlds.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::marker::PhantomData;
 use std::path::Path;
 
@@ -43,15 +43,15 @@ macro_rules! kinds {
             $(#[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "objects")] $list: Vec<$kind>,)*
             #[serde(skip_serializing_if = "Vec::is_empty")]
             order: Vec<String>,
-            /// Whether names in `may_touch` may be of what is not there.
-            #[serde(skip_serializing_if = "std::ops::Not::not")]
-            passes_over_unknown: bool,
+            /// Names in `may_touch` that neither the robot nor the world needs to have.
+            #[serde(skip_serializing_if = "BTreeSet::is_empty")]
+            may_be_missing: BTreeSet<String>,
         }
 
         /// All obstacles of a file, kind by kind.
         fn read_all(contents: Contents, reader: &Reader<'_>) -> FromFile<World> {
             let mut world = World::new();
-            world.passes_over_unknown = contents.passes_over_unknown;
+            world.may_be_missing = contents.may_be_missing;
             $(for (index, entry) in contents.$list.into_iter().enumerate() {
                 let place = || Place::Json(format!("{}[{index}]", stringify!($list)));
                 let pose = Pose {
@@ -271,7 +271,7 @@ impl<'de> Deserialize<'de> for World {
 
 fn contents(world: &World) -> Contents {
     let mut contents = Contents {
-        passes_over_unknown: world.passes_over_unknown,
+        may_be_missing: world.may_be_missing.clone(),
         ..Contents::default()
     };
     for obstacle in world.obstacles() {

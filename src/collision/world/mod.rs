@@ -14,6 +14,7 @@ mod pose;
 mod scaled;
 mod touch;
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 pub use error::WorldError;
@@ -74,8 +75,8 @@ pub struct World {
     revision: u64,
     /// What of its file was not taken.
     notes: Vec<String>,
-    /// Whether what obstacles may touch need not be there, as of a planning scene.
-    passes_over_unknown: bool,
+    /// Names of what obstacles may touch that need not be there, as a planning scene has them.
+    may_be_missing: BTreeSet<String>,
 }
 
 impl World {
@@ -155,9 +156,10 @@ impl World {
         all.sort_by_key(|obstacle| key(obstacle));
         let revision = self.revision;
         let notes = std::mem::take(&mut self.notes);
+        let may_be_missing = std::mem::take(&mut self.may_be_missing);
         *self = Self {
             notes,
-            passes_over_unknown: self.passes_over_unknown,
+            may_be_missing,
             ..Self::default()
         };
         for obstacle in all {

@@ -62,8 +62,6 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> FromFile<World> {
     if let Some(matrix) = root.get("allowed_collision_matrix") {
         scene.allowed(matrix)?;
     }
-    // Its names outlive what they were of, and are of another robot where that is exchanged.
-    scene.world.passes_over_unknown = true;
     Ok(scene.world)
 }
 

@@ -1,5 +1,7 @@
 //! What may touch each other in a planning scene: pairs with an object; those of links are the robot's.
 
+use std::collections::BTreeSet;
+
 use super::moveit::Scene;
 use crate::file::FromFile;
 use crate::yaml::Node;
@@ -19,6 +21,12 @@ impl Scene<'_> {
             let problem =
                 format!("`{MATRIX}` has {names} `entry_names`, but {rows} rows of values");
             return Err(self.fail(matrix, &problem));
+        }
+        let mut known = BTreeSet::new();
+        for name in names {
+            if !known.insert(self.text(name, "entry_names")?) {
+                return Err(self.fail(name, "`entry_names` has a name twice"));
+            }
         }
         let mut of_links = false;
         for (at, (name, row)) in names.iter().zip(rows).enumerate() {
@@ -70,6 +78,9 @@ impl Scene<'_> {
         let first = first.unwrap_or_else(|| vec![one.to_owned()]);
         let second = second.unwrap_or_else(|| vec![other.to_owned()]);
         if is_of_object {
+            // Its names outlive what they were of, and are of another robot where that is exchanged.
+            let names = first.iter().chain(&second).cloned();
+            self.world.may_be_missing.extend(names);
             for a in &first {
                 for b in &second {
                     let allowed = self.world.allow_touch(a, b);

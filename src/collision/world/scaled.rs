@@ -16,7 +16,7 @@ impl World {
         BadOption::check("times", times, POSITIVE)?;
         let mut scaled = Self {
             notes: self.notes.clone(),
-            passes_over_unknown: self.passes_over_unknown,
+            may_be_missing: self.may_be_missing.clone(),
             ..Self::new()
         };
         for obstacle in self.obstacles() {

@@ -24,19 +24,21 @@ impl World {
     /// ```
     ///
     /// # Errors
-    /// Neither is an obstacle; the error lists those there are.
+    /// Neither is an obstacle, and the error lists those there are; a name without a letter.
     pub fn allow_touch(&mut self, one: &str, other: &str) -> Result<(), WorldError> {
-        let (obstacle, with) = match (self.find(one), self.find(other)) {
-            (Some(_), _) => (one, other),
-            (None, Some(_)) => (other, one),
-            (None, None) => return Err(self.no_obstacle(one, other)),
-        };
-        match self.may_touch(one, other) {
-            true => Ok(()),
-            false => self.edit(obstacle, |obstacle| {
-                obstacle.may_touch.push(with.to_owned())
-            }),
+        if self.find(one).or(self.find(other)).is_none() {
+            return Err(self.no_obstacle(one, other));
         }
+        if let Some(name) = [one, other].iter().find(|name| name.trim().is_empty()) {
+            return Err(WorldError::Unnamed((*name).to_owned()));
+        }
+        for (own, with) in [(one, other), (other, one)] {
+            let lacks = |own: &Obstacle| own.may_touch.iter().all(|name| name != with);
+            if self.obstacle(own).is_ok_and(lacks) {
+                self.edit(own, |own| own.may_touch.push(with.to_owned()))?;
+            }
+        }
+        Ok(())
     }
 
     /// Keeps two things apart again that may touch.
@@ -76,9 +78,9 @@ impl World {
         touching.filter_map(|number| Some((*number, &**self.obstacles.get(*number)?)))
     }
 
-    /// Whether what obstacles may touch need not be there.
-    pub(crate) fn passes_over_unknown(&self) -> bool {
-        self.passes_over_unknown
+    /// Whether what bears a name need not be there, as a file said it.
+    pub(crate) fn may_be_missing(&self, name: &str) -> bool {
+        self.may_be_missing.contains(name)
     }
 
     /// Forgets what may touch an obstacle that is no more.
