@@ -41,7 +41,10 @@ impl Drag {
         // What it only stands on does not keep it from going on.
         let stays = room.engine.check.blocked(&self.q_before, &self.q_before);
         let free = stays.is_none();
-        let before = room.engine.least_distance(&self.q_before);
+        let before = match free {
+            true => f64::INFINITY,
+            false => room.engine.least_distance(&self.q_before),
+        };
         let mut found = Found::of(&self.workspace.solution);
         let out = self.go_out_of_contact().filter(|_| !free);
         let goes_out = out.is_some();
