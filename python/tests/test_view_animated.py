@@ -81,7 +81,9 @@ def test_a_capture_is_played_and_dragged(humanoid, opened, tmp_path):
     drag(page, hand, [0.0, 0.05, 0.0])
     assert page.answer.solution.reached
     page.call(page.time.play)
-    time.sleep(0.15)
+    deadline = time.perf_counter() + 10.0
+    while page.time.now <= 0.5 and time.perf_counter() < deadline:
+        time.sleep(0.02)
     page.call(page.time.pause)
     assert page.scene.loop.failure is None and page.time.now > 0.5
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import time
 import warnings
 from dataclasses import dataclass, field
 
@@ -113,6 +114,33 @@ class Tab:
         """Lets the browser draw what it was sent."""
         self.tab.wait_for_timeout(1000 * seconds)
 
+    def until(self, holds, seconds=120.0):
+        """Waits until `holds()`, which is then asserted by who waited: a busy machine takes its time."""
+        deadline = time.monotonic() + seconds
+        while not holds() and time.monotonic() < deadline:
+            self.settle(0.1)
+
+    def status(self):
+        """The status that the page shows, as text."""
+        return self.tab.locator(".kinopt-status").inner_text()
+
+    def come_to_rest(self, looks=5):
+        """Waits until several looks in a row find nothing that moves, and the page shows what there is to tell."""
+        before, same = None, 0
+
+        def rests():
+            nonlocal before, same
+            # Asked of the page first, which by then has sent what the mouse did.
+            told = self.status()
+            page = self.page
+            now = [target.placement.tobytes() for target in page.targets.values()]
+            idle = not page.scene.loop._tickers and told.split() == page.status.text.split()
+            same = same + 1 if idle and now == before else 0
+            before = now
+            return same >= looks
+
+        self.until(rests)
+
     def dismiss_notes(self):
         """Closes the browser's notes, on drawing by software."""
         for close in self.tab.locator(".mantine-Notification-closeButton").all():
@@ -141,10 +169,7 @@ def open_tab(chromium):
         tab.goto(page.scene.url)
         tab.wait_for_selector("canvas")
         tab.wait_for_selector(".kinopt-status")
-        deadline = 60
-        while not page.scene.server.get_clients() and deadline:
-            tab.wait_for_timeout(500)
-            deadline -= 1
+        shown.until(page.scene.server.get_clients)
         shown.settle(3.0)
         shown.dismiss_notes()
         return shown

@@ -31,7 +31,7 @@ def test_source_and_target_are_played_side_by_side(tmp_path, open_tab):
         assert orange.sum() > 50, "the person is not drawn"
         before = shown.colors()
         page.call(lambda: page.time.show(1.2))
-        shown.settle(2.0)
+        shown.come_to_rest()
         # The robot stands as it was found, and the person where the capture has them.
         frame = round(1.2 * movement.movement.fps)
         assert np.array_equal(page.body.q, movement.movement.q[frame])
@@ -42,7 +42,7 @@ def test_source_and_target_are_played_side_by_side(tmp_path, open_tab):
         assert (np.abs(shown.colors() - before).sum(axis=2) > 30).mean() > 0.001
         # Played by its button, time goes on.
         shown.tab.get_by_role("button", name="Play").click()
-        shown.settle(2.0)
+        shown.until(lambda: page.time.now != 1.2)
         assert page.time.now != 1.2
         assert page.scene.loop.failure is None and unexpected(shown.console) == []
     finally:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 
 import numpy as np
@@ -67,9 +66,8 @@ def drag(shown, frame, way, points=100, back=False):
     def go(first, last):
         for k in range(1, points + 1):
             mouse.move(*(first + (last - first) * k / points))
-        shown.settle(1.0)
-        come_to_rest(shown)
-        texts.append(shown.tab.locator(".kinopt-status").inner_text())
+        shown.come_to_rest()
+        texts.append(shown.status())
 
     mouse.move(*start)
     shown.settle(0.3)
@@ -79,16 +77,8 @@ def drag(shown, frame, way, points=100, back=False):
         texts[-1] += "".join(mark.text for mark in shown.page.status.marks.values())
         go(end, start)
     mouse.up()
-    shown.settle(1.0)
-    come_to_rest(shown)
+    shown.come_to_rest()
     return texts
-
-
-def come_to_rest(shown):
-    """Waits until a page has nothing left to move: a busy machine takes longer."""
-    deadline = time.monotonic() + 20.0
-    while shown.page.scene.loop._tickers and time.monotonic() < deadline:
-        shown.settle(0.1)
 
 
 def along_an_axis(place, way):
@@ -117,7 +107,7 @@ def test_the_pandas_tool_is_dragged_along_a_hundred_points(opened, open_tab):
     assert page.answer.solution.reached and error_of(page, "tool") < 1e-6
     assert len(watched.q) >= 10 and watched.hold_limits(page.body.model)
     assert page.status.text.startswith("Reached")
-    assert shown.tab.locator(".kinopt-status").inner_text().startswith("Reached")
+    assert shown.status().startswith("Reached")
     # The picture follows, and only transforms travel: nothing near the size of a mesh.
     assert (np.abs(shown.colors() - before).sum(axis=2) > 30).mean() > 0.01
     assert max(shown.received[sent:]) < 20_000 < max(shown.received[:sent])
@@ -182,17 +172,17 @@ def test_joints_pins_choices_and_time_are_steered_from_the_panel(opened, open_ta
     # Pins.
     assert "head/tip" in page.pinned
     tab.get_by_label("pin head/tip").click()
-    shown.settle()
+    shown.until(lambda: "head/tip" not in page.pinned)
     assert "head/tip" not in page.pinned
     # Play, and pause.
     tab.get_by_role("button", name="Play").click()
-    shown.settle(1.5)
+    shown.until(lambda: page.time.playing)
     assert page.time.playing
     q = page.body.q
-    shown.settle(0.5)
+    shown.until(lambda: not np.array_equal(page.body.q, q))
     assert not np.array_equal(page.body.q, q)
     tab.get_by_role("button", name="Pause").click()
-    shown.settle()
+    shown.until(lambda: not page.time.playing)
     assert not page.time.playing
     # Save.
     for kind in ("JSON", "OBJ", "GLB"):

@@ -78,7 +78,7 @@ def test_a_page_opens_plays_and_is_dragged(kind, tmp_path, open_tab):
             shown.settle(0.05)
         page.call(lambda: setattr(target, "placement", step))
         page.call(lambda: target._hear(step, "end"))
-        shown.settle(3.0)
+        shown.come_to_rest()
         assert page.scene.loop.failure is None
         assert (np.abs(shown.colors() - before).sum(axis=2) > 30).mean() > 0.003
         assert unexpected(shown.console) == []

@@ -12,7 +12,7 @@ test("an arm's tool follows among boxes and touches none", { skip }, async () =>
     const { page, said } = await opened();
     await page.locator('[data-open="panda"]').click();
     await page.waitForFunction(() => kinoptPage.opened?.kind === "robot", undefined, { timeout: 60_000 });
-    await page.waitForTimeout(200);
+    await settled(page);
     const tool = await seen(page, "flange");
     await page.mouse.move(tool.x, tool.y);
     await page.mouse.down();

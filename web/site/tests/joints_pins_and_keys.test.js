@@ -36,7 +36,7 @@ test("any joint, pins, keys, both skins, its clip", { skip }, async () => {
     const dual = await positions();
     assert.ok(dual.some((value, k) => Math.abs(value - linear[k]) > 1e-4));
     await page.locator("#play").click();
-    await page.waitForTimeout(400);
+    await page.waitForFunction(() => kinoptPage.playback.seconds > 0.3);
     const played = await positions();
     await page.locator("#play").click();
     assert.ok(played.some((value, k) => Math.abs(value - dual[k]) > 1e-3));

@@ -4,7 +4,7 @@ import { readFile } from "node:fs/promises";
 import { join } from "node:path";
 import test, { after, before } from "node:test";
 import { skip } from "./browser.js";
-import { file, models, pictured, status, visiting } from "./visit.js";
+import { file, models, pictured, settled, status, visiting } from "./visit.js";
 
 const { opened, begin, end } = visiting();
 before(begin);
@@ -19,15 +19,17 @@ test("a robot follows a captured person live, another one that is dropped, and a
         person: kinoptPage.view.person && [...kinoptPage.view.person],
     }));
     const before = await state();
+    const drawn = await page.evaluate(() => kinoptPage.frames.length);
     assert.ok(before.robot.every(Number.isFinite) && before.person.every(Number.isFinite));
-    await page.waitForTimeout(500);
+    await page.waitForFunction((drawn) => kinoptPage.frames.length > drawn + 30, drawn);
     if (process.env.KINOPT_PICTURES) await page.waitForFunction(() => Math.abs(kinoptPage.playback.seconds - 5.3) < 0.2);
     await pictured(page, "web-capture.png");
     const later = await state();
     const moved = (a, b) => Math.max(...a.map((value, k) => Math.abs(value - b[k])));
     assert.ok(moved(before.robot, later.robot) > 0.005 && moved(before.person, later.person) > 0.005);
     await page.locator("#play").click();
-    await page.waitForTimeout(200);
+    await page.waitForFunction(() => !kinoptPage.playback.running);
+    await settled(page);
     const still = await state();
     await page.waitForTimeout(300);
     assert.deepEqual(await state(), still);
