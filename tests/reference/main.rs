@@ -1,5 +1,6 @@
 //! Numbers of programs that share no code with kinopt.
 
+mod animated;
 mod digest;
 mod every_joint;
 mod interpolation;
@@ -10,8 +11,14 @@ mod robot_texts;
 mod same_arms;
 mod same_bits;
 mod same_bodies;
+mod same_clips;
 mod same_courses;
+mod same_crowds;
+mod same_curves;
+mod same_edits;
+mod same_events;
 mod same_following;
+mod same_machines;
 mod same_mjcf;
 mod same_model_refusals;
 mod same_models;
@@ -19,7 +26,10 @@ mod same_motions;
 mod same_numbers;
 mod same_on_the_web;
 mod same_placements;
+mod same_poses;
+mod same_reaching;
 mod same_robots;
+mod same_rotations;
 mod same_semantics;
 mod same_targets;
 mod same_tasks;
