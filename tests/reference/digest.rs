@@ -92,7 +92,8 @@ fn is_fused() -> bool {
 }
 
 /// What goes through glam, whose code for other architectures sums in another order.
-const SINGLE_PRECISION: [&str; 6] = [
+const SINGLE_PRECISION: [&str; 7] = [
+    "figures that are moved",
     "a capture on a robot, frame by frame",
     "a capture on a robot, as a whole",
     "rotations and Euler angles",

@@ -26,11 +26,12 @@ fn add(digest: &mut Digest, text: &str, file: &str) {
     }
 }
 
-fn each_change(text: &str, file: &str) -> u64 {
+/// The document and, of those with one thing changed, one of so many.
+fn each_change(text: &str, file: &str, of: usize) -> u64 {
     let mut digest = Digest::new();
     add(&mut digest, text, file);
-    for text in changed(text, &VALUES) {
-        add(&mut digest, &text, file);
+    for text in changed(text, &VALUES).iter().step_by(of) {
+        add(&mut digest, text, file);
     }
     digest.value()
 }
@@ -275,12 +276,12 @@ fn included() -> u64 {
 fn of_bodies_and_couplings() {
     check(&[
         (
-            "MJCF: a walker, each thing changed",
-            each_change(WALKER, "walker.xml"),
+            "MJCF: a walker, some things changed",
+            each_change(WALKER, "walker.xml", 3),
         ),
         (
             "MJCF: couplings and loops, each thing changed",
-            each_change(COUPLED, "coupled.xml"),
+            each_change(COUPLED, "coupled.xml", 1),
         ),
         ("MJCF: files that include others", included()),
     ]);
@@ -291,7 +292,7 @@ fn of_weights_and_contacts() {
     check(&[
         (
             "MJCF: weights and shapes, each thing changed",
-            each_change(WEIGHTS, "weights.xml"),
+            each_change(WEIGHTS, "weights.xml", 1),
         ),
         ("MJCF: what touches, each thing changed", contacts()),
         (
