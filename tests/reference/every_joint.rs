@@ -3,10 +3,12 @@
 
 use std::fmt::{Debug, Display};
 
+use kinopt::Solution;
 use kinopt::model::{
     BallLimits, FrameId, Limits, Loop, Masses, Model, ModelBuilder, ParameterMap, PointMass,
 };
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
+use kinopt::task::Quantity;
 use support::random::Random;
 
 use crate::digest::Digest;
@@ -23,6 +25,41 @@ impl Digest {
             Ok(_) => "taken\n".to_owned(),
             Err(error) => format!("{error}\n"),
         });
+    }
+
+    /// Everything that a solution says, in words and as it is written.
+    pub(crate) fn told(&mut self, solution: &Solution) {
+        self.solution(solution);
+        self.bytes(solution.explain());
+        let text = serde_json::to_string(solution).unwrap();
+        let words = text.as_bytes().chunks(8).map(|eight| {
+            let mut word = [0; 8];
+            word[..eight.len()].copy_from_slice(eight);
+            u64::from_le_bytes(word)
+        });
+        words.for_each(|word| self.word(word));
+        for task in solution.tasks() {
+            let errors = (task.position_error(), task.orientation_error());
+            self.noted(&(
+                task.name,
+                task.frame,
+                task.role,
+                task.is_loop,
+                task.level,
+                errors,
+            ));
+        }
+        let errors = (solution.position_error(), solution.orientation_error());
+        self.noted(&(
+            errors,
+            solution.error(Quantity::Ratio),
+            solution.loops_closed(),
+        ));
+        self.noted(&(solution.goals_reached(), solution.collisions()));
+        solution.open_loops().for_each(|open| self.noted(&open));
+        solution
+            .active_limits()
+            .for_each(|limit| self.noted(&limit));
     }
 
     /// A placement's rotation, by columns, and translation.

@@ -1,0 +1,241 @@
+//! Promise: so it is for how solutions change with every target, weight and place of a joint, and for whether they do.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::ik::{DerivativeWorkspace, Restarts, SolutionDerivative};
+use kinopt::model::{Limits, Model, ParameterMap};
+use kinopt::problem::{Preferences, Problem, ProblemBuilder, Question};
+use kinopt::solver::Stopping;
+use kinopt::spatial::{Matrix3, Placement, Vector3};
+use kinopt::task::{
+    Camera, CentreOfMass, Distance, FrameVelocity, Gaze, Goal, JointCoupling, LookAt, Orientation,
+    Pixel, Plane, Point, Pose, Posture, Quantity, Ray, Smoothness, SupportPolygon, Task, Within,
+};
+use kinopt::{Solver, Workspace};
+use support::random::Random;
+
+use crate::digest::{Digest, check};
+use crate::every_joint::{frames, map, masses, model, vector};
+use crate::same_searches::places;
+
+/// Goals, preferences and rooms of every kind that has a target.
+fn everything(
+    tasks: &mut ProblemBuilder<'_>,
+    model: &Model,
+    q: &[f64],
+    random: &mut Random,
+    part: usize,
+) {
+    let masses = masses(model, random);
+    let at = places(model, q);
+    let [foot, hand, back, head] = frames(model, &["foot", "hand", "back", "head"])[..] else {
+        unreachable!()
+    };
+    let [low, near, mid] = [foot, hand, back].map(|frame| at[frame.index()]);
+    let (aside, x) = (vector(random, 0.3), Vector3::UNITS[0]);
+    match part {
+        0 => {
+            tasks.add(Pose::new(foot, low));
+            tasks.add(
+                Point::new(hand, near.translation + aside)
+                    .at(aside)
+                    .relative_to(back),
+            );
+            tasks.add(
+                Task::new(Orientation::new(head, Matrix3::identity()).relative_to(hand)).times(0.3),
+            );
+        }
+        1 => {
+            let tool = Placement::new(near.rotation, aside);
+            tasks.add(Pose::new(hand, near).with_tool(tool).relative_to(foot));
+            let room = Goal::within([0.1, 0.0, 0.0, 0.3, 0.0, 3.2]);
+            tasks.add(Pose::new(foot, low).with_goal(room));
+            tasks.add(Task::new(Posture::new(model, q).by_range(model)).times(0.2));
+        }
+        2 => {
+            tasks.add(LookAt::new(head, x, near.translation + aside));
+            tasks.add(Gaze::at(hand, aside, mid.translation, 0.2));
+            tasks.add(Gaze::along(foot, aside, x, 0.4));
+            tasks.add(Within::new(Plane::new(back, aside, x), 0.05));
+            tasks.add(Ray::new(hand, aside, near.translation));
+            tasks.add(Posture::new(model, &model.neutral()));
+        }
+        3 => {
+            tasks.add(Distance::new(hand, foot, 0.3));
+            let eye = Placement::new(near.rotation, near.translation - near.rotation.z * 3.0);
+            let camera = Camera::pinhole(&eye, [50.0, 47.0], [32.0, 24.0]);
+            tasks.add(Task::new(Pixel::new(back, camera, [30.0, 20.0])).times(0.01));
+            tasks.add(Task::new(FrameVelocity::new(foot, low, 0.1, (aside, x))).times(0.1));
+            tasks.add(CentreOfMass::new(&masses, aside).relative_to(foot));
+            tasks.add(Smoothness::new(model, q, 0.2));
+            tasks.preferences(Preferences::Traded);
+        }
+        _ => {
+            tasks.add(Task::new(Point::new(foot, low.translation)));
+            tasks.add(Task::new(Point::new(hand, near.translation + aside)).at_level(1));
+            let joints = ["elbow", "slide"].map(|name| (model.joint(name).unwrap(), 1.0));
+            tasks.add(
+                Task::new(JointCoupling::new(model, joints, 0.9))
+                    .tolerance(Quantity::Radians, 1e-3)
+                    .at_level(1),
+            );
+            tasks.add(
+                Task::new(SupportPolygon::new(&masses).with_points([
+                    [0.1, 0.2, 0.0],
+                    [0.4, -0.2, 0.0],
+                    [-0.3, 0.0, 0.0],
+                ]))
+                .at_level(2),
+            );
+            tasks.add(Posture::new(model, q).upright(model));
+        }
+    }
+}
+
+fn derivatives() -> [u64; 2] {
+    let (mut found, mut existing, mut random) = (Digest::new(), Digest::new(), Random::new(182));
+    let mut memory = DerivativeWorkspace::default();
+    let mut workspace = Workspace::new();
+    for case in 0..15 {
+        let model = model(&mut random, case % 2 == 1);
+        let map = if case % 3 == 0 {
+            ParameterMap::free(&model)
+        } else {
+            map(&model)
+        };
+        let (mut x, mut q) = (
+            vec![0.0; map.variables()],
+            model.random_configuration(case as u64),
+        );
+        map.reduce(&q, &mut x).unwrap();
+        map.expand_within_limits(&x, &mut q).unwrap();
+        let mut tasks = Problem::builder(&model);
+        tasks.parameters(map);
+        everything(&mut tasks, &model, &q, &mut random, case % 5);
+        let problem = tasks.build().unwrap();
+        let solver = Solver::default().with_restarts(Restarts::default().with_attempts(2));
+        let solver = solver.with_stopping(Stopping::default().with_max_iterations(35));
+        let solution = solver.solve(&problem, &q, &mut workspace).unwrap();
+        let (question, q) = (Question::from(&problem), solution.q.clone());
+        let own = SolutionDerivative::new(question, &q, &mut memory).unwrap();
+        let mut own = if case % 2 == 0 {
+            own.with_joint_origins(&model).unwrap()
+        } else {
+            own
+        };
+        existing.bytes(format!(
+            "{} {} {:?}",
+            own.existence(),
+            own.existence().name(),
+            own.existence()
+        ));
+        existing.word(own.existence().is_unique().into());
+        let n = own.degrees_of_freedom();
+        let mut rates = own.parameters();
+        rates
+            .targets_mut()
+            .iter_mut()
+            .for_each(|v| *v = random.within(-1.0, 1.0));
+        rates
+            .weights_mut()
+            .iter_mut()
+            .for_each(|v| *v = random.within(-1.0, 1.0));
+        rates
+            .joint_origins_mut()
+            .iter_mut()
+            .for_each(|v| *v = vector(&mut random, 1.0));
+        let mut v = vec![0.0; n];
+        existing.refusal(own.velocity(&rates, &mut v));
+        found.doubles(v.iter().copied());
+        let slope: Vec<f64> = (0..n).map(|_| random.within(-1.0, 1.0)).collect();
+        let mut gradient = own.parameters();
+        existing.refusal(own.gradient(&slope, &mut gradient));
+        found.doubles(gradient.targets().iter().chain(gradient.weights()).copied());
+        gradient
+            .joint_origins()
+            .iter()
+            .for_each(|v| found.doubles(v.to_array()));
+        for task in 0..problem.tasks() {
+            found.noted(&gradient.target(task));
+            found.doubles(own.by_target(task).unwrap().iter().copied());
+        }
+        let by_q: Vec<f64> = q.iter().map(|_| random.within(-1.0, 1.0)).collect();
+        found.doubles(own.slope_by_velocity(&q, &by_q).unwrap());
+        existing.refusal(own.by_target(99));
+        existing.refusal(own.velocity(&rates, &mut v[1..]));
+        existing.refusal(own.gradient(&slope[1..], &mut gradient));
+        existing.refusal(own.slope_by_velocity(&q[1..], &by_q));
+        existing.refusal(own.slope_by_velocity(&q, &by_q[1..]));
+        gradient.clear();
+        existing.noted(&gradient);
+        let resumed = SolutionDerivative::resume(&problem, &mut memory);
+        existing.noted(&resumed.map(|own| own.existence().clone()));
+        existing.refusal(SolutionDerivative::new(question, &q[1..], &mut memory));
+    }
+    [found.value(), existing.value()]
+}
+
+/// Where there is no derivative: on limits that nothing pushes to, at the edge of a room, where it is not still.
+fn without() -> u64 {
+    let mut digest = Digest::new();
+    let planar = support::planar_arm(&[0.5, 0.4, 0.3], Some((-1.0, 1.5)));
+    let tip = planar.frame("tip").unwrap();
+    let solver = Solver::default().with_restarts(Restarts::none());
+    let mut memory = DerivativeWorkspace::default();
+    let ends: [[f64; 3]; 6] = [
+        [0.3, 0.4, 0.2],
+        [-1.0, 0.4, 0.2],
+        [0.3, 1.5, -1.0],
+        [0.0, 0.0, 0.0],
+        [0.3, 0.4, f64::NAN],
+        [1.5, 1.5, 1.5],
+    ];
+    for q in ends {
+        let at = match q[2].is_finite() {
+            true => places(&planar, &q)[tip.index()],
+            false => Placement::identity(),
+        };
+        for case in 0..5 {
+            let mut tasks = Problem::builder(&planar);
+            let to = at.translation;
+            match case {
+                0 => drop(tasks.add(Point::new(tip, to)).index()),
+                1 => drop(tasks.add(Point::new(tip, to * 3.0)).index()),
+                2 => {
+                    tasks.add(Within::at_most(Plane::new(tip, to, [0.0, 1.0, 0.0]), 0.0));
+                    tasks.add(Posture::new(&planar, &[0.3, 0.4, 0.2]));
+                }
+                3 => {
+                    tasks.add(Point::new(tip, to));
+                    tasks.add(Posture::new(&planar, &[0.1, 0.2, 0.3]));
+                }
+                _ => {
+                    tasks.add(Plane::new(tip, to, [0.0, 1.0, 0.0]));
+                    tasks.bound(planar.joint("joint 1").unwrap(), Limits::new(0.4, 1.5));
+                }
+            }
+            let problem = tasks.build().unwrap();
+            let solved = solver.solve_once(&problem, &q).map(|own| own.q);
+            for q in [Ok(q.to_vec()), solved].into_iter().flatten() {
+                let own = SolutionDerivative::new(&problem, &q, &mut memory);
+                match own {
+                    Ok(mut own) => {
+                        digest.bytes(format!("{} {:?}\n", own.existence(), own.existence()));
+                        digest.doubles(own.by_target(0).unwrap().iter().copied());
+                    }
+                    Err(error) => digest.refusal(Err::<(), _>(error)),
+                }
+            }
+        }
+    }
+    digest.value()
+}
+
+#[test]
+fn of_derivatives() {
+    let [found, existing] = derivatives();
+    check(&[
+        ("how solutions change with everything", found),
+        ("whether solutions have a derivative", existing),
+        ("where solutions have none", without()),
+    ]);
+}
