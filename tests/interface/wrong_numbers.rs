@@ -223,6 +223,8 @@ fn poses_and_masks() {
     let skeleton = skeleton();
     let bridge = PoseAngles::new(&skeleton);
     assert!(bridge.angles_of(other.rest(), &mut Vec::new()).is_err());
+    assert!(bridge.angles_of(&pose, &mut [7.0; 5]).is_err());
+    assert!(bridge.angles_of(&pose, &mut [7.0; 7]).is_err());
     assert!(
         bridge
             .pose_of(&[0.0; 6], &mut other.rest().clone())
@@ -246,6 +248,7 @@ fn poses_and_masks() {
             .is_err()
     );
     let mut q = balls.model().neutral();
+    assert!(turns.configuration_of(&pose, &mut q[1..]).is_err());
     assert!(turns.pose_of(&q, &mut other.rest().clone()).is_err());
     assert!(turns.pose_of(&q, &mut pose).is_ok());
     q[0] = f64::NAN;

@@ -54,6 +54,7 @@ fn between() -> u64 {
     }
     let small = armature(2, &mut random);
     digest.refused(angles.angles_of(small.rest(), &mut q));
+    digest.refused(angles.angles_of(body.rest(), &mut q[..4]));
     digest.refused(angles.pose_of(&q[..4], &mut body.rest().clone()));
     digest.refused(angles.pose_of(&q, &mut small.rest().clone()));
     q[3] = f64::NAN;
@@ -89,6 +90,7 @@ fn between() -> u64 {
             digest.pose(&again);
         }
         digest.refused(turns.configuration_of(small.rest(), &mut q));
+        digest.refused(turns.configuration_of(raised.rest(), &mut q[1..]));
         digest.refused(turns.pose_of(&q, &mut small.rest().clone()));
         digest.refused(turns.pose_of(&q[1..], &mut raised.rest().clone()));
         let end = q.len() - 4;

@@ -74,14 +74,16 @@ impl PoseAngles {
     /// room for all bones of the skeleton.
     ///
     /// # Errors
-    /// A pose of fewer bones.
+    /// A pose of fewer bones, a slice of another length.
     pub fn angles_of(
         &self,
         pose: &Pose,
         q: &mut (impl Buffer<f64> + ?Sized),
     ) -> Result<(), SizeMismatch> {
         has_bones(pose, self.rest.len())?;
-        let q = q.sized(ANGLES_PER_BONE * self.rest.len());
+        let angles = ANGLES_PER_BONE * self.rest.len();
+        let q = q.sized(angles);
+        SizeMismatch::check("angles", q.len(), angles)?;
         let bones = self.rest.iter().zip(&self.limits).zip(pose.rotations());
         for (angles, ((rest, limits), rotation)) in q.chunks_exact_mut(ANGLES_PER_BONE).zip(bones) {
             let turned = rest.conjugate() * rotation.as_dquat().normalize();

@@ -74,7 +74,7 @@ impl PoseTurns {
     /// free root is. A `Vec` gets room for all of it.
     ///
     /// # Errors
-    /// A pose of fewer bones.
+    /// A pose of fewer bones, a slice of another length.
     pub fn configuration_of(
         &self,
         pose: &Pose,
@@ -83,6 +83,7 @@ impl PoseTurns {
         has_bones(pose, self.rest.len())?;
         let model = self.figure.model();
         let q = q.sized(model.configuration_len());
+        SizeMismatch::check("numbers", q.len(), model.configuration_len())?;
         let bones = self.rest.iter().zip(pose.rotations()).enumerate();
         for (index, (rest, rotation)) in bones {
             let bone = BoneId::new(index);
