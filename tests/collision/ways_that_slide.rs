@@ -147,3 +147,42 @@ fn what_turns_about_its_own_middle_sweeps() {
         assert!(way.free < 0.5, "{}", way.free);
     }
 }
+
+/// A hub on its pin, that turns with an arm on it: where one is in the other it stays as deep, by rounding, and the arm sweeps far.
+#[test]
+fn what_turns_deep_in_something_comes_to_an_end_and_goes_on_a_little() {
+    let mut builder = Model::builder("hub");
+    let turns = Limits::new(-3.0, 3.0);
+    let (up, at) = (Vector3::UNITS[2], Placement::identity());
+    let pin = builder.frame("pin", None, at);
+    let first = builder.revolute("first", None, at, up, turns);
+    let second = builder.revolute("second", Some(first), at, up, turns);
+    let hub = builder.frame("hub", Some(second), at);
+    let model = builder.build().unwrap();
+    let ball = |link, x: f64, radius: f64| {
+        let at = Vector3::new(x, 0.0, 0.0);
+        CollisionObject::new(format!("{x}"), link, at, Shape::sphere(radius).unwrap())
+    };
+    let shapes = vec![
+        ball(pin, 0.0, 0.2),
+        ball(pin, -1.0, 0.1),
+        ball(hub, 0.0, 0.1),
+        ball(hub, 3.0, 0.1),
+    ];
+    let bodies = CollisionModel::new(&model, shapes).unwrap();
+    let checker = Checker::new(bodies.with_checked("pin", "hub").unwrap());
+    let mut workspace = checker.workspace();
+    let (from, to) = ([0.0, 0.0], [1.5, 1.5]);
+    assert!(checker.way(&mut workspace, &from, &to).unwrap().free == 0.0);
+    let way = checker
+        .way_from_contact(&mut workspace, &from, &to)
+        .unwrap();
+    assert!((way.begins_deep - 0.3).abs() < 1e-9, "{way:?}");
+    assert!(way.free > 1e-4 && way.blocked_by.is_some(), "{way:?}");
+    // As far as an arm goes in a tick it is free.
+    let near = [1e-4, 1e-4];
+    let way = checker
+        .way_from_contact(&mut workspace, &from, &near)
+        .unwrap();
+    assert!(way.free == 1.0 && way.blocked_by.is_none(), "{way:?}");
+}

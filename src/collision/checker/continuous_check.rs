@@ -17,6 +17,9 @@ const CONTACT: f64 = 1e-5;
 /// Steps of more than such a share of what is left are long enough.
 const LONG: f64 = 0.2;
 
+/// A way that takes more steps is not surely free: each may be no longer than a micrometre.
+const STEPS: usize = 10_000;
+
 /// How much of a way is free.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -69,6 +72,8 @@ pub(super) struct Watched {
     motion: f64,
     /// So far on the way it is surely apart.
     free: f64,
+    /// What of it was nearest when it was last measured, metres.
+    nearest: Option<(Pair, f64)>,
 }
 
 /// What comes no further in a step than its room over its motion, which is little, and the direction in which it is apart.
@@ -96,7 +101,8 @@ impl Checker {
     /// Conservative advancement (Mirtich 1996, "Impulse-based dynamic simulation", ch. 3), for each pair by itself: where it is d beyond the
     /// margin, it does not come to it before d of its motion is used up, and the motion of any place of a part is bounded by what
     /// the joints turn times how far they are from it; joints above both of a pair move neither against the other. A way that comes within a
-    /// micrometre of the margin counts as blocked.
+    /// micrometre of the margin counts as blocked, and so does one so close along something for so long that ten thousand steps do not
+    /// get past it.
     ///
     /// # Errors
     /// Configurations of the wrong length or not finite, or a quaternion of length zero.
@@ -138,7 +144,7 @@ impl Checker {
         self.watch(workspace, (from, to), &mut watched);
         between.resize(from.len(), 0.0);
         workspace.contacts.clear();
-        let mut free = 0.0;
+        let (mut free, mut steps) = (0.0, 0);
         let mut way = loop {
             let reached = self.model.model().interpolate(from, to, free, &mut between);
             debug_assert!(reached.is_ok(), "both ends were checked");
@@ -158,14 +164,23 @@ impl Checker {
                 Err(error) => break Err(error),
             }
             watched.retain(|one| one.free < 1.0);
-            let Some(next) = watched.iter().map(|one| one.free).reduce(f64::min) else {
+            let next = watched.iter().min_by(|a, b| a.free.total_cmp(&b.free));
+            let Some(next) = next else {
                 break Ok(Way {
                     free: 1.0,
                     blocked_by: None,
                     begins_deep: 0.0,
                 });
             };
-            free = next;
+            steps += 1;
+            if let (Some((pair, distance)), true) = (next.nearest, steps >= STEPS) {
+                break Ok(Way {
+                    free,
+                    blocked_by: Some(self.collision(pair, distance).met_on_the_way()),
+                    begins_deep: 0.0,
+                });
+            }
+            free = next.free;
         };
         if let Ok(way) = &mut way
             && !workspace.contacts.is_empty()
@@ -204,6 +219,7 @@ impl Checker {
             what,
             motion: if bounded { motion } else { f64::INFINITY },
             free: 0.0,
+            nearest: None,
         };
         watched.clear();
         let parts = 0..self.scene.frames().len();
@@ -292,6 +308,7 @@ impl Checker {
                 continue;
             }
             one.free = here + room / one.motion;
+            one.nearest = Some((pair, distance));
         }
         workspace.slow = slow;
         workspace.contacts = contacts;
