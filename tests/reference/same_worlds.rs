@@ -13,7 +13,7 @@ use support::trees::configuration_of;
 use crate::digest::{Digest, check};
 use crate::same_arms::turned;
 
-fn vector(random: &mut Random, size: f64) -> Vector3<f64> {
+pub(crate) fn vector(random: &mut Random, size: f64) -> Vector3<f64> {
     Vector3::from([(); 3].map(|()| random.within(-size, size)))
 }
 

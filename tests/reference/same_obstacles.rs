@@ -1,0 +1,610 @@
+//! Promise: so it is for worlds that are edited, written and read, and for what a checker tells of a robot in them: what
+//! touches, what is nearest, how far a way is free, which spheres stand for its shapes.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::collision::{
+    BodyKind, Checker, Collision, CollisionModel, Fineness, MeshUse, Shape, SphereModel, Way, World,
+};
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::robot::{Robot, Srdf};
+use kinopt::spatial::{Matrix3, Placement, Vector3};
+use support::random::Random;
+use support::trees::configuration_of;
+
+use crate::digest::{Digest, check};
+use crate::same_arms::turned;
+use crate::same_worlds::vector;
+
+/// An arm with a shape of every kind, several on one link, a slide, a follower, and two fingers.
+const ROBOT: &str = r#"<robot name="r">
+<link name="base"><collision name="foot"><geometry><box size="0.3 0.4 0.1"/></geometry></collision>
+  <collision><origin xyz="0 0 0.1"/><geometry><cylinder radius="0.05" length="0.2"/></geometry></collision></link>
+<link name="upper"><collision><origin xyz="0 0 0.2" rpy="0.1 0 0"/><geometry><cylinder radius="0.06" length="0.3"/></geometry></collision>
+  <collision><origin xyz="0 0 0.4"/><geometry><sphere radius="0.08"/></geometry></collision></link>
+<link name="lower"><collision><origin xyz="0.15 0 0"/><geometry><box size="0.3 0.06 0.04"/></geometry></collision></link>
+<link name="wrist"/>
+<link name="hand"><collision name="palm"><geometry><box size="0.04 0.12 0.08"/></geometry></collision></link>
+<link name="left"><collision><origin xyz="0.05 0 0"/><geometry><capsule radius="0.01" length="0.08"/></geometry></collision></link>
+<link name="right"><collision><origin xyz="0.05 0 0"/><geometry><sphere radius="0.015"/></geometry></collision></link>
+<joint name="a" type="revolute"><parent link="base"/><child link="upper"/><origin xyz="0 0 0.2"/><axis xyz="0 0 1"/><limit lower="-3" upper="3" effort="1" velocity="2"/></joint>
+<joint name="b" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="0 0 0.4"/><axis xyz="0 1 0"/><limit lower="-2.5" upper="2.5" effort="1" velocity="1"/></joint>
+<joint name="c" type="continuous"><parent link="lower"/><child link="wrist"/><origin xyz="0.3 0 0"/><axis xyz="0 1 0"/><limit effort="1" velocity="3"/></joint>
+<joint name="d" type="fixed"><parent link="wrist"/><child link="hand"/><origin xyz="0.06 0 0"/></joint>
+<joint name="e" type="prismatic"><parent link="hand"/><child link="left"/><origin xyz="0.03 0 0"/><axis xyz="0 1 0"/><limit lower="0" upper="0.05" effort="1" velocity="0.2"/></joint>
+<joint name="f" type="prismatic"><parent link="hand"/><child link="right"/><origin xyz="0.03 0 0"/><axis xyz="0 -1 0"/><limit lower="0" upper="0.05" effort="1" velocity="0.2"/><mimic joint="e" multiplier="0.9" offset="0.001"/></joint>
+</robot>"#;
+
+fn robot() -> Robot {
+    Robot::reader().parse(ROBOT, "r.urdf").unwrap()
+}
+
+fn obstacle(digest: &mut Digest, world: &World) {
+    digest.word(world.len() as u64);
+    for obstacle in world.obstacles() {
+        digest.bytes(&obstacle.name);
+        let Placement {
+            rotation,
+            translation,
+        } = obstacle.placement;
+        digest.doubles(
+            [rotation.x, rotation.y, rotation.z, translation]
+                .iter()
+                .flat_map(|v| v.to_array()),
+        );
+        digest.bytes(format!("{:?} {:?}", obstacle.attached, obstacle.may_touch));
+        let ball = obstacle.shape.bounding_sphere();
+        digest.doubles(ball.centre.to_array());
+        digest.doubles([ball.radius]);
+    }
+    digest.bytes(world.notes().join("\n"));
+}
+
+/// One of each kind, some held, some that may touch.
+pub(crate) fn full(random: &mut Random) -> World {
+    let mut world = World::new();
+    let mut place = || Placement::new(turned(|| random.unit()), vector(random, 0.7));
+    let tetrahedron = [
+        [0.0, 0.0, 0.0],
+        [0.2, 0.0, 0.0],
+        [0.0, 0.3, 0.0],
+        [0.0, 0.0, 0.25],
+    ]
+    .map(Vector3::from);
+    let faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    world.add_sphere("ball", 0.08, place()).unwrap();
+    world.add_box("box", [0.2, 0.1, 0.3], place()).unwrap();
+    world.add_cylinder("can", 0.05, 0.2, place()).unwrap();
+    world
+        .add_plane("floor", Vector3::new(0.0, 0.0, -0.06))
+        .unwrap();
+    world.add_capsule("bar", 0.03, 0.4, place()).unwrap();
+    world.add_convex("stone", &tetrahedron, place()).unwrap();
+    world
+        .add_mesh("roof", tetrahedron.to_vec(), faces[1..].to_vec(), place())
+        .unwrap();
+    world
+        .add_mesh("wedge", tetrahedron.to_vec(), faces, place())
+        .unwrap();
+    world
+        .add_points("cloud", tetrahedron.to_vec(), 0.04, place())
+        .unwrap();
+    let heights = vec![0.0, 0.1, 0.05, 0.0, 0.02, 0.1];
+    world
+        .add_height_field("hill", heights, 3, [0.1, 0.2], place())
+        .unwrap();
+    world.add_sphere("cup", 0.03, Vector3::zero()).unwrap();
+    world.add_box("lid", [0.02; 3], Vector3::zero()).unwrap();
+    world
+        .attach("cup", "hand", Vector3::new(0.08, 0.0, 0.02))
+        .unwrap();
+    world
+        .attach("lid", "left", Vector3::new(0.1, 0.0, 0.0))
+        .unwrap();
+    for (one, other) in [
+        ("cup", "left"),
+        ("cup", "right"),
+        ("base", "floor"),
+        ("lid", "cup"),
+        ("stone", "hand"),
+    ] {
+        world.allow_touch(one, other).unwrap();
+    }
+    world
+}
+
+fn told<T, E: ToString>(digest: &mut Digest, found: Result<T, E>) {
+    digest.bytes(found.map_or_else(|error| error.to_string(), |_| "taken".to_owned()));
+}
+
+fn edits() -> u64 {
+    let (mut digest, mut random) = (Digest::new(), Random::new(61));
+    let mut world = full(&mut random);
+    obstacle(&mut digest, &world);
+    obstacle(&mut digest, &world.scaled(0.5).unwrap());
+    let [x, y, z] = Vector3::UNITS;
+    let bent = Placement::new(Matrix3::from_columns(x, y * 1.1, z), Vector3::zero());
+    let far = Vector3::new(0.0, 2e9, 0.0);
+    told(&mut digest, world.scaled(0.0));
+    told(&mut digest, world.scaled(1e12));
+    told(&mut digest, world.add_sphere("ball", 0.1, Vector3::zero()));
+    told(&mut digest, world.add_sphere(" ", 0.1, Vector3::zero()));
+    told(&mut digest, world.add_sphere("new", -0.1, Vector3::zero()));
+    told(&mut digest, world.add_sphere("new", 0.1, bent));
+    told(&mut digest, world.add_sphere("new", 0.1, far));
+    told(&mut digest, world.move_to("bal", Vector3::zero()));
+    told(&mut digest, world.move_to("ball", far));
+    told(&mut digest, world.move_to("ball", bent));
+    told(&mut digest, world.attach("ball", "hand", bent));
+    told(
+        &mut digest,
+        world.attach("nothing", "hand", Vector3::zero()),
+    );
+    told(&mut digest, world.detach("ball", Vector3::zero()));
+    told(&mut digest, world.detach("cup", far));
+    told(&mut digest, world.remove("nothing"));
+    told(&mut digest, world.obstacle("nothing"));
+    told(&mut digest, world.allow_touch("hand", "base"));
+    told(&mut digest, world.allow_touch("ball", " "));
+    told(&mut digest, world.allow_touch("cup", "left"));
+    told(&mut digest, world.forbid_touch("box", "can"));
+    told(&mut digest, world.forbid_touch("hand", "base"));
+    told(&mut digest, World::new().remove("nothing"));
+    for (one, other) in [
+        ("left", "cup"),
+        ("cup", "lid"),
+        ("hand", "floor"),
+        ("stone", "hand"),
+    ] {
+        digest.word(world.may_touch(one, other).into());
+    }
+    digest.word(world.revision());
+    let before = world.clone();
+    world.forbid_touch("left", "cup").unwrap();
+    world.move_to("can", Vector3::new(0.1, 0.2, 0.3)).unwrap();
+    world.detach("cup", Vector3::new(0.4, 0.0, 0.0)).unwrap();
+    world.remove("stone").unwrap();
+    world.remove("cup").unwrap();
+    world
+        .add_sphere("stone", 0.1, Vector3::new(0.0, 0.5, 0.0))
+        .unwrap();
+    world
+        .attach("box", "wrist", Vector3::new(0.2, 0.0, 0.0))
+        .unwrap();
+    obstacle(&mut digest, &world);
+    digest.word(world.revision());
+    // The copy is as it was.
+    obstacle(&mut digest, &before);
+    digest.value()
+}
+
+const SCENE: &str = "name: scene
+fixed_frame_transforms:
+  - child_frame_id: base
+    transform: {translation: [0, 0, 0], rotation: [0, 0, 0, 1]}
+  - child_frame_id: base
+    header: {frame_id: shelf}
+    transform: {translation: {x: 1, y: 0.5, z: 0}, rotation: {x: 0, y: 0, z: 0.6, w: 0.8}}
+world:
+  collision_objects:
+    - id: shelf_1
+      header: {frame_id: /shelf}
+      pose: {position: [0.1, 0, 0], orientation: [0.6, 0, 0, 0.8]}
+      primitives:
+        - {type: box, dimensions: [0.1, 0.2, 0.3]}
+        - {type: cylinder, dimensions: [0.4, 0.05]}
+      primitive_poses:
+        - {position: [0, 0, 0.1], orientation: [0, 0, 0, 1]}
+        - {position: [0, 0.2, 0], orientation: [0, 0, 1, 0]}
+    - id: ball
+      primitives: [{type: 2, dimensions: [0.07]}]
+      primitive_poses: [{position: [1, 2, 3]}]
+robot_state:
+  attached_collision_objects:
+    - link_name: hand
+      object:
+        id: cup
+        primitives: [{type: sphere, dimensions: [0.02]}]
+        primitive_poses: [{position: [0.1, 0, 0]}]
+      touch_links: [left, right]
+allowed_collision_matrix:
+  entry_names: [hand, shelf_1, ball, left]
+  entry_values:
+    - [true, true, false, true]
+    - {enabled: [true, true, true, false]}
+    - [false, true, false, 1]
+    - [true, false, 1, true]
+  default_entry_names: [ball]
+  default_entry_values: [true]
+";
+
+fn files() -> u64 {
+    let (mut digest, mut random) = (Digest::new(), Random::new(62));
+    let text = full(&mut random).to_json();
+    digest.bytes(&text);
+    let read = World::from_json(text.as_bytes(), "world.json").unwrap();
+    obstacle(&mut digest, &read);
+    let scene = World::from_moveit(SCENE.as_bytes(), "scene.yaml").unwrap();
+    obstacle(&mut digest, &scene);
+    digest.bytes(scene.to_json());
+    for (from, to) in [
+        ("\"radius\": 0.08", "\"radius\": -0.08"),
+        ("\"ball\"", "\"box\""),
+        ("\"size\"", "\"sizes\""),
+        ("\"may_touch\"", "\"order\""),
+        ("\"order\"", "\"orders\""),
+        ("\"columns\": 3", "\"columns\": 4"),
+        ("\"position\"", "\"quaternion\""),
+        ("\"rotation\"", "\"file\""),
+        ("{", "["),
+    ] {
+        let changed = text.replacen(from, to, 1);
+        assert_ne!(changed, text, "{from}");
+        told(
+            &mut digest,
+            World::from_json(changed.as_bytes(), "world.json"),
+        );
+    }
+    for more in [
+        r#"{"boxes": [{"name": "b", "size": [1, 1, 1], "quaternion": [0.8, 0, 0, 0.6001]}]}"#,
+        r#"{"boxes": [{"name": "b", "size": [1, 1, 1], "quaternion": [0.8, 0, 0, 0.7]}]}"#,
+        r#"{"boxes": [{"name": "b", "size": [1, 1, 1], "quaternion": [1, 0, 0, 0], "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}]}"#,
+        r#"{"boxes": [{"name": "b", "size": [1, 1, 1], "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, -1]]}]}"#,
+        r#"{"meshes": [{"name": "m", "file": "m.obj"}]}"#,
+        r#"{"meshes": [{"name": "m", "file": "m.obj", "vertices": [[0, 0, 0]]}]}"#,
+        r#"{"meshes": [{"name": "m", "scale": [1, 2, -3], "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "triangles": [[0, 1, 2]]}]}"#,
+        r#"{"planes": [{"name": "p"}], "spheres": [{"name": "s", "radius": 1}, {"name": "r", "radius": 2}], "order": ["r", "p"]}"#,
+        r#"{"planes": [{"name": "p"}], "order": ["q"]}"#,
+        r#"{"spheres": [{"name": "s", "radius": 1, "may_touch": ["x"]}], "may_be_missing": ["x"]}"#,
+        r#"{"spheres": [["s", 1]]}"#,
+    ] {
+        match World::from_json(more.as_bytes(), "more.json") {
+            Ok(world) => obstacle(&mut digest, &world),
+            Err(error) => digest.bytes(error.to_string()),
+        }
+    }
+    for (from, to) in [
+        ("/shelf}", "table}"),
+        ("z: 0.6, w", "z: 0.7, w"),
+        (
+            "child_frame_id: base\n    header",
+            "child_frame_id: world\n    header",
+        ),
+        ("dimensions: [0.4, 0.05]", "dimensions: [0.4]"),
+        ("dimensions: [0.4, 0.05]", "dimensions: [0.4, -0.05]"),
+        ("type: cylinder", "type: cone"),
+        ("type: cylinder", "type: 3"),
+        (
+            "        - {position: [0, 0.2, 0], orientation: [0, 0, 1, 0]}\n",
+            "",
+        ),
+        ("id: ball", "id: shelf_1/0"),
+        ("id: ball", "name: ball"),
+        ("link_name: hand", "link: hand"),
+        (
+            "primitives: [{type: 2",
+            "planes: [{}]\n      primitives: [{type: 2",
+        ),
+        ("[true, true, false, true]", "[true, true, false]"),
+        (
+            "entry_names: [hand, shelf_1, ball, left]",
+            "entry_names: [hand, shelf_1, ball]",
+        ),
+        (
+            "entry_names: [hand, shelf_1, ball, left]",
+            "entry_names: [hand, ball, ball, left]",
+        ),
+        ("[true, true, false, true]", "[true, maybe, false, true]"),
+        ("  default_entry_names: [ball]\n", ""),
+        ("[0.1, 0, 0], orientation", "[0.1, 0], orientation"),
+        ("[0.1, 0, 0], orientation", "[0.1, 0, x], orientation"),
+        ("world:\n", "world:\n  octomap: {octomap: {data: [1]}}\n"),
+        ("world:", "worlds:"),
+        ("  collision_objects:", "  collision_objects: 1\n  others:"),
+    ] {
+        let changed = SCENE.replacen(from, to, 1);
+        assert_ne!(changed, SCENE, "{from}");
+        match World::from_moveit(changed.as_bytes(), "scene.yaml") {
+            Ok(world) => obstacle(&mut digest, &world),
+            Err(error) => digest.bytes(error.to_string()),
+        }
+    }
+    digest.value()
+}
+
+impl Digest {
+    pub(crate) fn collision(&mut self, pair: &Collision) {
+        self.bytes(&pair.first);
+        self.bytes(&pair.second);
+        let of_link = |kind: BodyKind| u64::from(kind == BodyKind::Link);
+        self.word(2 * of_link(pair.first_kind) + of_link(pair.second_kind));
+        self.doubles([pair.distance]);
+    }
+
+    fn way(&mut self, way: &Way) {
+        self.doubles([way.free, way.begins_deep]);
+        way.blocked_by.iter().for_each(|pair| self.collision(pair));
+    }
+}
+
+/// All that a checker says, with memory that is used again.
+fn checked(digest: &mut Digest, checker: &Checker, random: &mut Random, count: usize) {
+    let model = checker.model().model().clone();
+    let mut workspace = checker.workspace();
+    let mut last = model.neutral();
+    for _ in 0..count {
+        let q = configuration_of(&model, random);
+        for pair in checker.collisions_with(&mut workspace, &q).unwrap() {
+            digest.collision(&pair);
+        }
+        digest.word(checker.is_free(&mut workspace, &q).unwrap().into());
+        for within in [-0.02, 0.05, f64::INFINITY] {
+            match checker.nearest(&mut workspace, &q, within).unwrap() {
+                Some(pair) => digest.collision(&pair),
+                None => digest.word(7),
+            }
+        }
+        let near: Vec<f64> = last
+            .iter()
+            .zip(&q)
+            .map(|(a, b)| a + 0.1 * (b - a))
+            .collect();
+        for to in [&near, &q] {
+            digest.way(&checker.way(&mut workspace, &last, to).unwrap());
+            digest.way(&checker.way_from_contact(&mut workspace, to, &last).unwrap());
+        }
+        last = q;
+    }
+}
+
+fn checkers() -> u64 {
+    let (mut digest, mut random) = (Digest::new(), Random::new(63));
+    let bodies = CollisionModel::of(&robot()).unwrap();
+    let world = full(&mut random);
+    let plain = Checker::new(bodies.clone());
+    checked(&mut digest, &plain, &mut random, 4);
+    let spheres = SphereModel::of(&bodies, Fineness::PerLink(3)).unwrap();
+    for checker in [
+        plain.clone(),
+        plain.clone().with_spheres(spheres),
+        Checker::covered(bodies.clone()),
+    ] {
+        let checker = checker.with_world(&world).unwrap();
+        checked(&mut digest, &checker, &mut random, 6);
+        checked(
+            &mut digest,
+            &checker.clone().with_margin(0.04).unwrap(),
+            &mut random,
+            4,
+        );
+        // Changed a little, and a lot.
+        let mut other = world.clone();
+        other.move_to("can", Vector3::new(0.2, 0.1, 0.3)).unwrap();
+        other
+            .attach("bar", "lower", Vector3::new(0.2, 0.0, 0.3))
+            .unwrap();
+        other.remove("cup").unwrap();
+        other.allow_touch("lower", "box").unwrap();
+        let checker = checker.with_world(&other).unwrap();
+        checked(&mut digest, &checker, &mut random, 4);
+        for k in 0..20_u32 {
+            let place = vector(&mut random, 0.8);
+            other
+                .add_sphere(&format!("pebble {k}"), 0.02 + 0.001 * f64::from(k), place)
+                .unwrap();
+        }
+        let checker = checker.with_world(&other).unwrap();
+        checked(&mut digest, &checker, &mut random, 3);
+        checked(
+            &mut digest,
+            &checker.with_world(&World::new()).unwrap(),
+            &mut random,
+            2,
+        );
+    }
+    told(&mut digest, plain.clone().with_margin(-1.0));
+    told(&mut digest, plain.collisions(&[0.0; 3]));
+    told(&mut digest, plain.collisions(&[f64::NAN; 5]));
+    let mut wrong = World::new();
+    wrong.add_sphere("s", 0.1, Vector3::zero()).unwrap();
+    wrong.attach("s", "hands", Vector3::zero()).unwrap();
+    told(&mut digest, plain.clone().with_world(&wrong));
+    wrong.attach("s", "hand", Vector3::zero()).unwrap();
+    wrong.allow_touch("s", "lefts").unwrap();
+    told(&mut digest, plain.with_world(&wrong));
+    digest.value()
+}
+
+fn pairs_of(digest: &mut Digest, bodies: &CollisionModel) {
+    digest.bytes(format!(
+        "{:?} {:?} {:?}",
+        bodies.links(),
+        bodies.pairs(),
+        bodies.notes()
+    ));
+    digest.bytes(bodies.to_srdf());
+    for object in bodies.objects() {
+        digest.bytes(format!(
+            "{} {:?}",
+            object.name,
+            object.shape.bounding_sphere()
+        ));
+        digest.doubles(object.link_from_shape.translation.to_array());
+    }
+}
+
+fn bodies() -> u64 {
+    let (mut digest, robot) = (Digest::new(), robot());
+    let plain = CollisionModel::of(&robot).unwrap();
+    pairs_of(&mut digest, &plain);
+    for (samples, seed) in [(0, 1), (40, 1), (40, 2)] {
+        pairs_of(
+            &mut digest,
+            &plain.clone().with_pairs_sampled(samples, seed).unwrap(),
+        );
+    }
+    let edited = plain.clone().with_ignored("hand", "base").unwrap();
+    let edited = edited.with_checked("right", "left").unwrap();
+    let edited = edited.with_checked("upper", "base").unwrap();
+    pairs_of(&mut digest, &edited);
+    let neutral = robot.model().neutral();
+    pairs_of(
+        &mut digest,
+        &edited.clone().with_touching_ignored(&neutral).unwrap(),
+    );
+    let srdf = r#"<robot name="r"><disable_collisions link1="left" link2="base" reason="Never"/><disable_collisions link1="hand" link2="upper"/></robot>"#;
+    let srdf = Srdf::parse(srdf, "r.srdf", &robot);
+    pairs_of(&mut digest, &edited.clone().with_srdf(&srdf.unwrap()));
+    for (one, other) in [("hand", "wrist"), ("hand", "nothing"), ("left", "left")] {
+        digest.bytes(format!(
+            "{:?}",
+            plain.is_checked(one, other).map_err(|e| e.to_string())
+        ));
+        told(&mut digest, plain.clone().with_checked(one, other));
+        told(&mut digest, plain.clone().with_ignored(one, other));
+    }
+    for meshes in [MeshUse::Pieces(0), MeshUse::Pieces(2)] {
+        told(
+            &mut digest,
+            CollisionModel::builder(&robot).with_meshes(meshes).build(),
+        );
+    }
+    let text = serde_json::to_string(&edited).unwrap();
+    pairs_of(&mut digest, &serde_json::from_str(&text).unwrap());
+    let hand = robot.model().frame("hand").unwrap();
+    for shape in [Shape::half_space(), Shape::sphere(0.1).unwrap()] {
+        let object = kinopt::collision::CollisionObject::new("o", hand, Vector3::zero(), shape);
+        told(
+            &mut digest,
+            CollisionModel::new(robot.model(), vec![object]),
+        );
+    }
+    digest.value()
+}
+
+fn spheres_of(digest: &mut Digest, spheres: &SphereModel) {
+    for group in spheres.groups() {
+        digest.bytes(&group.name);
+        for ball in group.spheres.iter().chain([&group.bound]) {
+            digest.doubles(ball.centre.to_array());
+            digest.doubles([ball.radius]);
+        }
+        digest.doubles([group.gap]);
+    }
+    digest.doubles([spheres.overhang(), spheres.gap()]);
+    digest.bytes(format!(
+        "{} {:?} {:?}",
+        spheres.count(),
+        spheres.pairs(),
+        spheres.notes()
+    ));
+}
+
+fn sphere_models() -> u64 {
+    let mut digest = Digest::new();
+    let bodies = CollisionModel::of(&robot()).unwrap();
+    for fineness in [
+        Fineness::Overhang(0.06),
+        Fineness::PerLink(1),
+        Fineness::PerLink(3),
+    ] {
+        let spheres = SphereModel::of(&bodies, fineness).unwrap();
+        spheres_of(&mut digest, &spheres);
+        let [yaml, urdf] = [
+            spheres.to_yaml(),
+            spheres.spherised(ROBOT, "r.urdf").unwrap(),
+        ];
+        digest.bytes(&yaml);
+        digest.bytes(&urdf);
+        for (text, file) in [(&yaml, "r.yaml"), (&urdf, "r.urdf")] {
+            spheres_of(
+                &mut digest,
+                &SphereModel::parse(text.as_bytes(), file, &bodies).unwrap(),
+            );
+        }
+        let again = serde_json::to_string(&spheres).unwrap();
+        spheres_of(&mut digest, &serde_json::from_str(&again).unwrap());
+    }
+    for fineness in [Fineness::Overhang(0.0), Fineness::PerLink(0)] {
+        told(&mut digest, SphereModel::of(&bodies, fineness));
+    }
+    let short = "robot_cfg:\n  collision_spheres:\n    hand:\n      - center: [0, 0.01, 0]\n        radius: 0.05\n      - center: [0, 0, 0]\n        radius: -10\n    wrist:\n      - {center: [0, 0, 0], radius: 0.1}\n    base: []\n";
+    for (from, to) in [
+        ("", ""),
+        ("hand", "hands"),
+        ("wrist", "hand"),
+        ("0.01", "x"),
+        ("radius: 0.05", "r: 1"),
+        ("collision_s", "s"),
+        ("base: []", "base: 1"),
+        ("0.05", ".inf"),
+    ] {
+        match SphereModel::parse(short.replacen(from, to, 1).as_bytes(), "s.yml", &bodies) {
+            Ok(spheres) => spheres_of(&mut digest, &spheres),
+            Err(error) => digest.bytes(error.to_string()),
+        }
+    }
+    for (text, file) in [
+        (ROBOT, "r.urdf"),
+        (ROBOT, "r.txt"),
+        ("<a/>", "r.urdf"),
+        ("[", "r.yaml"),
+    ] {
+        told(
+            &mut digest,
+            SphereModel::parse(text.as_bytes(), file, &bodies),
+        );
+    }
+    let spheres = SphereModel::of(&bodies, Fineness::PerLink(2)).unwrap();
+    told(&mut digest, spheres.spherised("<a/>", "a.urdf"));
+    told(&mut digest, spheres.spherised("<robot>", "a.urdf"));
+    digest.value()
+}
+
+/// What is held is where the hand is.
+#[test]
+fn what_is_held_goes_along() {
+    let robot = robot();
+    let mut world = World::new();
+    world.add_sphere("cup", 0.03, Vector3::zero()).unwrap();
+    world
+        .attach("cup", "hand", Vector3::new(0.3, 0.0, 0.0))
+        .unwrap();
+    let mut q = robot.model().neutral();
+    q[1] = -1.0;
+    let mut kinematics = ForwardKinematics::new(robot.model());
+    let hand = kinematics.place(&q).unwrap()[robot.model().frame("hand").unwrap().index()];
+    let at = hand.apply(Vector3::new(0.3, 0.0, 0.0));
+    world.add_sphere("there", 0.01, at).unwrap();
+    let checker = Checker::new(CollisionModel::of(&robot).unwrap());
+    let found = checker.with_world(&world).unwrap().collisions(&q).unwrap();
+    let own = found
+        .iter()
+        .find(|pair| pair.second == "cup" || pair.first == "cup")
+        .unwrap();
+    assert!((own.distance + 0.04).abs() < 1e-12, "{found:?}");
+}
+
+#[test]
+fn of_edited_worlds() {
+    check(&[("worlds that are edited", edits())]);
+}
+
+#[test]
+fn of_files_of_worlds() {
+    check(&[("files of worlds", files())]);
+}
+
+#[test]
+fn of_checkers() {
+    check(&[("checks of a robot in worlds that change", checkers())]);
+}
+
+#[test]
+fn of_pairs_that_are_kept_apart() {
+    check(&[("pairs of links that are kept apart", bodies())]);
+}
+
+#[test]
+fn of_files_of_spheres() {
+    check(&[("spheres of every fineness and their files", sphere_models())]);
+}
