@@ -137,6 +137,17 @@ fn all_formats_say_the_same() {
     is_the_box(&MeshFile::parse(dae().as_bytes(), "box.dae").unwrap());
 }
 
+/// A backslash goes on in the next line; after the last one there is nothing, and what stands before it counts.
+#[test]
+fn a_file_that_ends_in_a_backslash_has_its_last_face() {
+    let whole = obj();
+    let file = format!("{} \\", whole.trim_end());
+    is_the_box(&MeshFile::parse(file.as_bytes(), "box.obj").unwrap());
+    let file = whole.replacen("f ", "f \\\n", 1);
+    assert_ne!(file, whole);
+    is_the_box(&MeshFile::parse(file.as_bytes(), "box.obj").unwrap());
+}
+
 #[test]
 fn mirrored_meshes_still_look_outside() {
     let mesh = MeshFile::parse(obj().as_bytes(), "box.obj").unwrap();

@@ -10,7 +10,8 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> FromFile<MeshFile> {
     let mut mesh = MeshFile::default();
     let mut corners = Vec::new();
     let mut joined = String::new();
-    for (number, line) in text.lines().enumerate() {
+    // One more, for a last one that would go on.
+    for (number, line) in text.lines().chain([""]).enumerate() {
         let fail = |problem: &str| ReadError::malformed(file, Place::Line(number + 1), problem);
         let line = line.split('#').next().unwrap_or_default().trim_end();
         // A backslash at the end goes on in the next line.
