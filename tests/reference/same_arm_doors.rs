@@ -33,17 +33,6 @@ fn mixed() -> Robot {
     Robot::reader().parse(MIXED, "m.urdf").unwrap()
 }
 
-impl Digest {
-    fn placement(&mut self, place: &Placement<f64>) {
-        let Placement {
-            rotation,
-            translation,
-        } = place;
-        let columns = [rotation.x, rotation.y, rotation.z, *translation];
-        self.doubles(columns.iter().flat_map(|v| v.to_array()));
-    }
-}
-
 /// What an arm tells of itself and of its answers at some of its configurations.
 fn told(digest: &mut Digest, robot: &Robot, arm: &Arm, random: &mut Random) {
     digest.bytes(format!(
