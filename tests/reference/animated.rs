@@ -5,6 +5,7 @@ use std::fmt::{Debug, Display};
 
 use glam::{Affine3A, Quat, Vec3A, Vec4};
 use kinopt::animation::{Armature, ArmatureBone, Clip, Cursor, LocalTransform, Playback, Pose};
+use kinopt::mesh::TriangleMesh;
 use kinopt::skeleton::BoneId;
 use support::random::Random;
 
@@ -134,4 +135,28 @@ pub(crate) fn bone(armature: &Armature, index: usize) -> BoneId {
 
 pub(crate) fn bone_named(armature: &Armature, name: &str) -> BoneId {
     armature.bone(name).unwrap()
+}
+
+/// Texts with one piece changed at a time, all of them: read as one, or refused in words.
+pub(crate) fn changed<T, E: Display>(
+    digest: &mut Digest,
+    text: &str,
+    changes: &[(&str, &str)],
+    read: impl Fn(&str) -> Result<T, E>,
+    add: impl Fn(&mut Digest, &T),
+) {
+    for (from, to) in changes {
+        assert!(text.contains(from), "{from}");
+        match read(&text.replacen(from, to, 1)) {
+            Ok(found) => add(digest, &found),
+            Err(error) => digest.bytes(format!("{error}\n")),
+        }
+    }
+}
+
+pub(crate) fn mesh(digest: &mut Digest, mesh: &TriangleMesh) {
+    digest.word(mesh.positions().len() as u64);
+    let vectors = mesh.positions().iter().chain(mesh.normals());
+    digest.singles(vectors.flat_map(|v| v.to_array()));
+    digest.debug(mesh.triangles());
 }
