@@ -3,6 +3,7 @@
 use super::keep_clear::ClearRoom;
 use super::levels::Extent;
 use super::solver::Run;
+use super::straight_way::furthest_move;
 use super::way_out::{WayOut, WayOutSolvers};
 use super::way_out_of_contact::WayOutOfContact;
 use super::{BoundKind, MoveLimits, Restarts, Solution, SolveError, Solver, Workspace};
@@ -320,20 +321,10 @@ impl Drag {
         done || (self.moved < REST && nudged && !seeks)
     }
 
-    /// The variable that has moved furthest for what it may since `before`, and how far, in radians: of a ball by
-    /// the angle that it has turned by.
-    pub(super) fn furthest_move(&mut self) -> Option<(usize, f64)> {
-        let problem = &self.problem;
-        let [from, step] = &mut self.before;
-        let space = Question::from(problem).space();
-        space.difference(&self.x, from, step);
-        for ball in problem.parameters().balls() {
-            let turned = ball.angle_between(from, &self.x);
-            step[ball.variable..ball.variable + 3].copy_from_slice(&[turned, 0.0, 0.0]);
-        }
-        let moves = step.iter().zip(&self.unit);
-        let moves = moves.map(|(step, unit)| step.abs() / unit);
-        moves.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
+    /// The variable that has moved furthest since `before`, and how far, in radians.
+    fn furthest_move(&mut self) -> Option<(usize, f64)> {
+        let [from, way] = &mut self.before;
+        furthest_move(&self.problem, &self.unit, [from, &self.x], way)
     }
 
     /// Sets off a little beside where the frame settled, and stays with what that leads to if it is

@@ -15,6 +15,7 @@ mod solution_derivative;
 mod solver;
 mod stance;
 mod step_guard;
+mod straight_way;
 mod way_out;
 mod way_out_of_contact;
 mod workspace;

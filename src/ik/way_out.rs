@@ -7,6 +7,7 @@
 
 use super::drag::{NUDGE_EVERY, REST, near, solve};
 use super::levels::Extent;
+use super::straight_way::{furthest_move, go_share};
 use super::{Drag, Restarts, Solver};
 use crate::problem::Question;
 use crate::random::RandomStream;
@@ -181,10 +182,8 @@ impl Drag {
         start.resize(self.x.len(), 0.0);
         let question = near(&self.problem, &self.targets, &self.moves);
         let [_, way] = &mut self.before;
-        let space = question.space();
-        space.difference(&self.way_out.end, &self.x, way);
-        space.integrate_share(&self.x, share, way, start);
-        space.project(start);
+        let ends = [self.x.as_slice(), &self.way_out.end];
+        go_share(question.space(), ends, share, way, start);
         let map = self.problem.parameters();
         map.scatter_within_limits(start, &mut self.q);
         let step = &self.way_out_solvers.step;
@@ -216,8 +215,8 @@ impl Drag {
 
     /// How far the joint that has the longest way to the known place must go, in radians.
     fn distance_to_end(&mut self) -> f64 {
-        let [from, _] = &mut self.before;
-        from.copy_from_slice(&self.way_out.end);
-        self.furthest_move().map_or(0.0, |(_, far)| far)
+        let [_, way] = &mut self.before;
+        let ends = [self.x.as_slice(), &self.way_out.end];
+        furthest_move(&self.problem, &self.unit, ends, way).map_or(0.0, |(_, far)| far)
     }
 }

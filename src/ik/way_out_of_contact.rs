@@ -7,6 +7,7 @@
 
 use super::Drag;
 use super::drag::solve;
+use super::straight_way::{furthest_move, go_share};
 use crate::problem::{AnyClearanceCheck, Fence, Question};
 use crate::random::RandomStream;
 
@@ -110,15 +111,11 @@ impl Drag {
         let mut from = self.x.clone();
         map.gather(&q, &mut from);
         let (mut way, mut x) = (from.clone(), from.clone());
-        space.difference(end, &from, &mut way);
-        let moves = way
-            .iter()
-            .zip(&self.unit)
-            .map(|(way, unit)| way.abs() / unit);
-        let looks = (moves.fold(0.0, f64::max) / LOOKED_AT_EVERY).ceil();
+        let far = furthest_move(&self.problem, &self.unit, [&from, end], &mut way);
+        let looks = (far.map_or(0.0, |(_, far)| far) / LOOKED_AT_EVERY).ceil();
         (1..looks as usize).all(|look| {
-            space.integrate_share(&from, look as f64 / looks, &way, &mut x);
-            space.project(&mut x);
+            let share = look as f64 / looks;
+            go_share(space, [&from, end], share, &mut way, &mut x);
             map.scatter_within_limits(&x, &mut q);
             let met = check.collisions(&q);
             met.iter()
@@ -131,16 +128,18 @@ impl Drag {
         if !self.way_out_of_contact.known {
             return None;
         }
-        let [from, _] = &mut self.before;
-        from.copy_from_slice(&self.way_out_of_contact.end);
-        let far = self.furthest_move().map_or(0.0, |(_, far)| far);
-        let share = (self.max_move / far).min(1.0);
-        let space = Question::from(&self.problem).space();
         let [_, way] = &mut self.before;
-        space.difference(&self.way_out_of_contact.end, &self.x, way);
+        let ends = [self.x.as_slice(), &self.way_out_of_contact.end];
+        let far = furthest_move(&self.problem, &self.unit, ends, way).map_or(0.0, |(_, far)| far);
+        let share = (self.max_move / far).min(1.0);
         let mut to = self.x.clone();
-        space.integrate_share(&self.x, share, way, &mut to);
-        space.project(&mut to);
+        go_share(
+            Question::from(&self.problem).space(),
+            ends,
+            share,
+            way,
+            &mut to,
+        );
         Some(to)
     }
 }
