@@ -141,7 +141,7 @@ impl Srdf {
     }
 
     /// A state as a whole configuration, shape (nq,): its values, and those of `at` (neutral's without it) for all
-    /// other joints; radians and metres.
+    /// other joints; radians and metres. A name that several groups have is all of them, `group/name` one's alone.
     ///
     /// Raises `UnknownNameError` for a state that there is not, `InvalidValueError` for an `at` of another shape.
     #[pyo3(signature = (name, at = None))]

@@ -133,6 +133,27 @@ fn states_are_configurations_also_of_a_free_base() {
     assert_eq!(ready[8], -0.5);
 }
 
+/// An arm and its hand are at home together where each has a `home`.
+#[test]
+fn a_state_of_several_groups_is_all_of_them_and_one_groups_by_its_name() {
+    let robot = panda();
+    let more = r#"<group_state name="home" group="arm"><joint name="joint2" value="0.3"/><joint name="joint4" value="-1"/></group_state>
+        <group_state name="home" group="hand"><joint name="finger_left_slide" value="0.02"/></group_state></robot>"#;
+    let srdf = Srdf::parse(&PANDA.replace("</robot>", more), "panda.srdf", &robot).unwrap();
+    let q = robot.model().neutral();
+    let of = |name: &str| srdf.state(name, &q).map(|home| [home[1], home[3], home[7]]);
+    assert_eq!(of("home").unwrap(), [0.3, -1.0, 0.02]);
+    assert_eq!(of("arm/home").unwrap(), [0.3, -1.0, q[7]]);
+    assert_eq!(of("hand/home").unwrap(), [q[1], q[3], 0.02]);
+    for unknown in ["leg/home", "/home", "armhome", "hand/ready"] {
+        let told = of(unknown).unwrap_err().to_string();
+        assert!(
+            told.contains(unknown) && told.contains("ready, home"),
+            "{told}"
+        );
+    }
+}
+
 /// A mark before the text and a parent that is left empty are nothing.
 #[test]
 fn what_is_empty_is_not_there() {

@@ -97,7 +97,8 @@ impl Srdf {
         states.map(|state| state.name.clone()).collect()
     }
 
-    /// A state as a whole configuration: its values, and those of `at` (the neutral ones without it) for all other joints.
+    /// A state as a whole configuration: its values, and those of `at` (the neutral ones without it) for all other joints. A name
+    /// that several groups have is all of them, `group/name` one's alone.
     pub fn state(
         &self,
         name: &str,

@@ -1,5 +1,7 @@
 //! `<group_state>`: named values of joints.
 
+use std::collections::BTreeSet;
+
 use super::Srdf;
 use crate::model::{JointId, JointKind, Model, UnknownName};
 use crate::robot::Robot;
@@ -21,17 +23,28 @@ pub struct GroupState {
 }
 
 impl Srdf {
-    /// A state as a whole configuration: its values, and those of `q` for all other joints. Followers are not
-    /// looked at.
+    /// A state as a whole configuration: its values, and those of `q` for all other joints. A name that several groups
+    /// have, as `home` of an arm and of its hand, is all of them, in the order of the file; `hand/home` is one group's
+    /// alone. Followers are not looked at.
     ///
     /// # Errors
     /// An unknown state; the error lists the valid ones.
     pub fn state(&self, name: &str, q: &[f64]) -> Result<Vec<f64>, UnknownName> {
-        let names = self.states.iter().map(|state| state.name.as_str());
-        let found = self.states.iter().find(|state| state.name == name);
-        let state = found.ok_or_else(|| UnknownName::new("group state", name, names))?;
+        let is_of = |state: &&GroupState| {
+            let of_group = name.strip_suffix(state.name.as_str());
+            of_group.is_some_and(|group| {
+                group.is_empty() || group.strip_suffix('/') == Some(&*state.group)
+            })
+        };
+        let mut found = self.states.iter().filter(is_of).peekable();
+        if found.peek().is_none() {
+            let mut told = BTreeSet::new();
+            let names = self.states.iter().map(|state| state.name.as_str());
+            let names = names.filter(|name| told.insert(*name));
+            return Err(UnknownName::new("group state", name, names));
+        }
         let mut configuration = q.to_vec();
-        for &(coordinate, value) in &state.values {
+        for &(coordinate, value) in found.flat_map(|state| &state.values) {
             if let Some(slot) = configuration.get_mut(coordinate) {
                 *slot = value;
             }
