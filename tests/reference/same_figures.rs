@@ -102,7 +102,7 @@ fn figures() -> u64 {
     let mut digest = Digest::new();
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let read = kinopt::io::bvh::read("../models/captures/steps.bvh").unwrap();
-    let steps = Capture::of_clip(&read.armature, &read.clip, 4.0).unwrap();
+    let steps = Capture::of_clip(&read.armature, &read.clip, 2.0).unwrap();
     for rate in [0.3, 0.0] {
         match Capture::of_clip(&read.armature, &read.clip, rate) {
             Ok(few) => add_text(&mut digest, &format!("{few:?}")),

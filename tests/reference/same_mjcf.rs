@@ -125,6 +125,9 @@ fn compilers() -> u64 {
                 file,
             );
         }
+        if !(option.contains("inertia") || option.contains("total")) {
+            continue;
+        }
         // All of what weighs stated, so that a total scales it.
         let known = WEIGHTS.replace(
             "type=\"mesh\" mesh=\"flat\"",

@@ -74,7 +74,7 @@ fn by_options() -> [u64; 2] {
         let found = retargeting.per_frame().unwrap();
         add(&mut one_by_one, &retargeting, &found);
     }
-    let short = capture(18, false);
+    let short = capture(12, false);
     for options in [
         options().with_acceleration(0.0),
         options().with_acceleration(1e-2).with_tolerance(1e-4),
