@@ -213,3 +213,33 @@ fn times_that_bind_nothing_change_nothing() {
     }
     assert!(broken > 3, "{broken}");
 }
+
+/// Where points are far apart, steps may be long as the tool goes far: but no faster for that.
+#[test]
+fn a_step_between_far_points_that_is_too_fast_is_told() {
+    let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
+    let point = |k: u32| {
+        let turned = 0.04 * f64::from(k);
+        let q = [0.3 + turned, -1.2, 1.4, -1.6 - 0.5 * turned, -1.5, 0.0];
+        arm.base_from_tool(&q).unwrap()
+    };
+    let points: Vec<_> = (0..15).map(point).collect();
+    for (step, whole) in [(0.2, true), (0.012, false), (1e-3, false)] {
+        let times: Vec<f64> = (0..15).map(|k| step * f64::from(k)).collect();
+        let path = CartesianPath::new(points.clone()).unwrap();
+        let path = path.with_times(times).unwrap();
+        let solver = PathSolver::new(&arm).with_times_kept(true);
+        let solution = solver.solve(&path).unwrap();
+        let told: Vec<usize> = (solution.reconfigurations.iter())
+            .map(|told| told.index)
+            .collect();
+        let rows: Vec<&[f64]> = solution.rows().collect();
+        let too_fast = (1..15).filter(|&row| {
+            let moves = rows[row - 1].iter().zip(rows[row]);
+            let mut moves = moves.zip(arm.velocity_limits());
+            moves.any(|((a, b), speed)| (a - b).abs() > step * speed * (1.0 + 1e-6))
+        });
+        assert_eq!(told, too_fast.collect::<Vec<_>>(), "{step} s");
+        assert_eq!(solution.is_whole(), whole, "{step} s");
+    }
+}

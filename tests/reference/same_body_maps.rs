@@ -23,6 +23,27 @@ fn add_guess(digest: &mut Digest, guess: Result<MapGuess, RetargetError>) {
     }
 }
 
+const KNOWN_BODIES: [&str; 4] = [
+    include_str!("../../maps/bodies/g1.json"),
+    include_str!("../../maps/bodies/h1.json"),
+    include_str!("../../maps/bodies/humanoid.json"),
+    include_str!("../../maps/bodies/nao.json"),
+];
+
+/// The frames that a known body has.
+fn frames_in(text: &str) -> Vec<String> {
+    let read: serde_json::Value = serde_json::from_str(text).unwrap();
+    let parts = read["parts"].as_object().unwrap().values();
+    let frames = parts.map(|part| part.as_str().or_else(|| part["frame"].as_str()));
+    let mut names: Vec<String> = Vec::new();
+    for frame in frames.map(Option::unwrap) {
+        if !names.iter().any(|name| name == frame) {
+            names.push(frame.to_owned());
+        }
+    }
+    names
+}
+
 /// Frames of these names, apart.
 fn model(names: &[String]) -> Model {
     let mut builder = Model::builder("named");
@@ -108,6 +129,9 @@ fn spelt() -> Vec<Vec<String>> {
     ] {
         all.push(own(&|word| word.replace(from, to)));
     }
+    let more = ["l_hand", "Head01", "hip", "L Foot", "Chest2", "skull"].map(str::to_owned);
+    all.push([&all[0][..], &more].concat());
+    all.push([&more, &all[0][..]].concat());
     all.push(["a", "b", "c"].map(str::to_owned).to_vec());
     all.push((0..20).map(|k| format!("bone{k}")).collect());
     all.push(["hips", "head", "tail"].map(str::to_owned).to_vec());
@@ -145,6 +169,12 @@ fn guesses() -> u64 {
     }
     let walker = capture(12, true);
     add_guess(&mut digest, BodyMap::guess(&walker, &bodies[0]));
+    for text in KNOWN_BODIES {
+        let frames = frames_in(text);
+        add_guess(&mut digest, BodyMap::guess(&walker, &model(&frames)));
+        // One of them is missing, so names tell.
+        add_guess(&mut digest, BodyMap::guess(&walker, &model(&frames[1..])));
+    }
     for name in KnownSkeleton::names().chain(["smp", "nobody"]) {
         let known = match KnownSkeleton::named(name) {
             Ok(known) => known,

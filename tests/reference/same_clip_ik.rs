@@ -46,7 +46,7 @@ fn add(digest: &mut Digest, armature: &Armature, edited: Result<EditedClip, Clip
 
 fn planted(armature: &Armature) -> ClipIk<'_> {
     let feet = ["foot.l", "foot.r"].map(|name| armature.bone(name).unwrap());
-    let ik = ClipIk::new(armature).with_keys_per_second(14.0);
+    let ik = ClipIk::new(armature).with_keys_per_second(11.0);
     ik.with_planted(feet[0]).with_planted(feet[1])
 }
 
@@ -82,7 +82,7 @@ fn feet() -> u64 {
         planted(&armature).with_root(id("world")),
         planted(&armature).with_up([0.0, 0.0, 3.0]),
         ClipIk::new(&armature)
-            .with_keys_per_second(14.0)
+            .with_keys_per_second(11.0)
             .with_planted(id("foot.l")),
     ];
     for ik in asked {
@@ -119,7 +119,7 @@ fn hands() -> u64 {
         ],
     );
     let along = Reach::along(hand, way.unwrap());
-    let ik = || ClipIk::new(&armature).with_keys_per_second(12.0);
+    let ik = || ClipIk::new(&armature).with_keys_per_second(9.0);
     let asked = [
         ik().with_reach(to([0.5, 1.2, 0.6])),
         ik().with_reach(to([0.5, 1.2, 0.6]).with_span(0.3..=0.9)),
@@ -144,6 +144,12 @@ fn hands() -> u64 {
             .with_reach(along.with_span(0.3..=1.0))
             .with_keys_per_second(9.0),
     ];
+    let asked = asked.into_iter().chain([
+        ik().with_reach(to([0.4, 1.3, 0.2]).with_span(0.1..=0.5).with_fade(0.0))
+            .with_reach(to([0.6, 1.2, 1.0]).with_span(0.5..=0.8).with_fade(0.0)),
+        // The shin alone turns.
+        ik().with_planted(id("foot.l")).with_root(id("thigh.l")),
+    ]);
     for ik in asked {
         add(&mut digest, &armature, ik.solve(&walks));
     }
@@ -186,14 +192,22 @@ fn spliced() -> u64 {
         let clip = builder.build();
         for at in [[0.5, 1.3, 0.3], [1.5, 1.3, 0.3]] {
             let reach = Reach::to(id("hand"), at).unwrap();
-            let ik = ClipIk::new(&armature).with_keys_per_second(12.0);
+            let ik = ClipIk::new(&armature).with_keys_per_second(9.0);
             let ik = ik.with_reach(reach.with_span(0.4..=1.0).with_fade(0.1));
             add(&mut digest, &armature, ik.solve(&clip));
         }
     }
     let joints = skeleton();
     let own = Armature::of_skeleton(&joints);
-    let mut builder = Clip::builder("still", &own);
+    let mut builder = Clip::builder("bent", &own);
+    for (bone, angle) in own.bone_ids().skip(1).zip([0.2, 0.4, 0.1]) {
+        let rest = own.rest().local(bone).unwrap().rotation;
+        let turns = [0.5, 1.0]
+            .map(|share| rest * turn(Vec3::Z, angle * share))
+            .to_vec();
+        let turns = RotationCurve::slerp(vec![0.0, 0.4], turns).unwrap();
+        builder.channel(bone, Channel::Rotation(turns)).unwrap();
+    }
     builder.span(0.0, 0.4).unwrap();
     let clip = builder.build();
     let hand = own.bone("hand").unwrap();

@@ -182,9 +182,9 @@ fn beyond() -> u64 {
         &|k| if k < 3 { -1.2 } else { 0.4 },
         &|k| if k > 5 { 1.3 } else { 0.0 },
     ];
-    for own in all {
+    for (case, own) in all.into_iter().enumerate() {
         let clip = keys(&skeleton, own);
-        for span in [0.0..=2.0, 0.6..=1.4] {
+        for span in [0.6..=1.4, 0.0..=2.0].into_iter().take(1 + (case % 3) / 2) {
             let reach = Reach::to(hand, [0.8, 0.4, 0.2]).unwrap().with_span(span);
             let ik = KeyframeIk::new(&skeleton).with_moments_per_second(8.0);
             add(&mut digest, ik.with_reach(reach).solve(&clip));

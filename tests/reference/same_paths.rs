@@ -10,6 +10,7 @@ use kinopt::motion::path::{CartesianPath, PathSolution, PathSolver, Traversal};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::{planar_with_hand, robot};
+use support::follower_chains::follower_chain;
 use support::random::Random;
 
 use crate::digest::{Digest, check};
@@ -67,6 +68,9 @@ fn circle(begin: &Placement<f64>, radius: f64, count: u32, turns: f64) -> Vec<Pl
 }
 
 fn add(digest: &mut Digest, found: &PathSolution) {
+    let text = serde_json::to_string(found).unwrap();
+    assert_eq!(&serde_json::from_str::<PathSolution>(&text).unwrap(), found);
+    add_text(digest, &text);
     add_text(
         digest,
         &format!("{found:?} {} {}", found.is_whole(), found.rows().len()),
@@ -98,6 +102,8 @@ fn options() -> [u64; 2] {
         let weights: Vec<f64> = (1..=n).map(|k| 1.0 / k as f64).collect();
         let times: Vec<f64> = (0..path.points().len()).map(|k| 0.02 * k as f64).collect();
         let timed = path.clone().with_times(times).unwrap();
+        let times: Vec<f64> = (0..path.points().len()).map(|k| 0.006 * k as f64).collect();
+        let hurried = path.clone().with_times(times).unwrap();
         for (solver, path) in [
             (solver().with_joint_weights(&weights), &path),
             (solver().with_start(&ends[0]).with_end(&ends[1]), &path),
@@ -110,6 +116,7 @@ fn options() -> [u64; 2] {
             ),
             (solver().with_samples(4), &path),
             (solver().with_times_kept(true), &timed),
+            (solver().with_times_kept(true), &hurried),
         ] {
             add(&mut asked, &solver.solve(path).unwrap());
         }
@@ -156,20 +163,30 @@ fn rings() -> u64 {
         &mut digest,
         &PathSolver::new(&arm).with_start(&q).solve(&path).unwrap(),
     );
-    // Twice round, which the last joint does nowhere: another entry saves a reconfiguration.
+    // Twice round and more, which the last joint does nowhere: another entry saves a reconfiguration, or makes it shorter.
     let panda = bare_arm(&robot("franka_panda"), "base", "flange");
     let wound = panda
         .base_from_tool(&[0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8])
         .unwrap();
-    let path = CartesianPath::new(circle(&wound, 0.0, 16, 2.0)).unwrap();
-    let path = path.with_traversal(Traversal::AnyStart);
-    let found = PathSolver::new(&panda)
-        .with_samples(12)
-        .with_max_step(0.9)
-        .solve(&path)
-        .unwrap();
-    assert_ne!(found.entry, 0);
-    add(&mut digest, &found);
+    for (count, turns, step) in [(16, 2.0, 0.9), (20, 3.0, 1.0)] {
+        let path = CartesianPath::new(circle(&wound, 0.0, count, turns)).unwrap();
+        let path = path.with_traversal(Traversal::AnyStart);
+        let solver = PathSolver::new(&panda).with_samples(12).with_max_step(step);
+        let found = solver.solve(&path).unwrap();
+        assert_ne!(found.entry, 0);
+        add(&mut digest, &found);
+    }
+    // Ends whose elbows are apart, so that it goes round on the way.
+    let ends = [
+        [0.3, -0.4, 0.5, -2.0, 0.2, 1.6, 0.8],
+        [1.0, -0.4, -0.6, -1.9, 0.1, 1.7, 0.6],
+    ];
+    let keys = ends.map(|q| panda.base_from_tool(&q).unwrap()).to_vec();
+    let path = CartesianPath::spline(keys, None, 18).unwrap();
+    let solver = PathSolver::new(&panda)
+        .with_start(&ends[0])
+        .with_end(&ends[1]);
+    add(&mut digest, &solver.with_samples(12).solve(&path).unwrap());
     let one = CartesianPath::new(vec![begin]).unwrap();
     for way in [Traversal::Open, Traversal::Cyclic, Traversal::AnyStart] {
         let path = one.clone().with_traversal(way);
@@ -241,6 +258,27 @@ fn goals() -> u64 {
         .solve(&waits)
         .unwrap();
     digest.doubles([found.length, found.q[3008]]);
+    digest.value()
+}
+
+/// Chains whose joints follow others.
+fn followers() -> u64 {
+    let (mut digest, mut random) = (Digest::new(), Random::new(44));
+    for number in [5, 11] {
+        let (text, tip) = follower_chain(number);
+        let robot = Robot::parse(&text, "chain.urdf").unwrap();
+        let Ok(arm) = Arm::builder(&robot, "l0", tip.as_str())
+            .with_atlas(false)
+            .build()
+        else {
+            continue;
+        };
+        let first = some(&arm, &mut random, None);
+        let ends = [first.clone(), some(&arm, &mut random, Some(&first))];
+        let path = CartesianPath::new(through(&arm, &ends, 8)).unwrap();
+        let solver = PathSolver::new(&arm).with_samples(16).with_start(&first);
+        add(&mut digest, &solver.solve(&path).unwrap());
+    }
     digest.value()
 }
 
@@ -331,6 +369,7 @@ fn of_rings_goals_and_misses() {
     check(&[
         ("paths round and round", rings()),
         ("paths of several tools, and with room", goals()),
+        ("paths of joints that follow others", followers()),
         ("paths that are missed or in the way", misses()),
     ]);
 }

@@ -2,14 +2,14 @@
 //! whole and live, clear of what is in the way, with what is reported and what is refused.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::collision::{Checker, CollisionModel};
+use kinopt::collision::{Checker, CollisionModel, CollisionObject, Shape};
 use kinopt::motion::clip::Windows;
 use kinopt::motion::retarget::{
     BodyMap, BodyPart, Capture, ContactDetection, Drive, FootShapes, RetargetOptions, Retargeted,
     Retargeting, UpAxis,
 };
 use kinopt::robot::Robot;
-use kinopt::spatial::Vector3;
+use kinopt::spatial::{Placement, Vector3, rotation_exp};
 
 use crate::digest::{Digest, check};
 use crate::robot_texts::{add_error, add_text};
@@ -61,6 +61,7 @@ fn by_options() -> [u64; 2] {
         options().with_contacts(contacts.with_shortest(0.7)),
         options().with_contacts(contacts.with_lead(0.0)),
         options().with_contacts(contacts.with_lead(0.4)),
+        options().with_contacts(contacts.with_lead(0.9)),
         options().with_contacts(contacts.with_speed(0.0)),
         options().with_shapes(FootShapes::default()),
         options().with_shapes(shapes),
@@ -126,6 +127,65 @@ fn by_feet() -> u64 {
         add(&mut digest, &retargeting, &retargeting.per_frame().unwrap());
         let shapes = [FootShapes::of(&robot), FootShapes::of_files(&robot)];
         add_text(&mut digest, &format!("{shapes:?}"));
+    }
+    digest.value()
+}
+
+/// The shapes of a foot that only a collision model has, and what is written of options and answers.
+fn shapes_and_files() -> u64 {
+    let mut digest = Digest::new();
+    let robot = biped("", "");
+    let toe = robot.model().frame("left_toe").unwrap();
+    let at = Placement::new(
+        rotation_exp(Vector3::new(0.1, 0.2, 0.0)),
+        Vector3::new(0.01, 0.0, -0.02),
+    );
+    let corners = [
+        [0.02, 0.0, 0.0],
+        [0.0, 0.03, 0.0],
+        [-0.02, 0.0, 0.01],
+        [0.0, 0.0, 0.03],
+        [0.0, -0.02, -0.01],
+    ];
+    let corners = corners.map(Vector3::from).to_vec();
+    let faces = vec![[0, 1, 3], [1, 2, 3], [2, 4, 3], [4, 0, 3]];
+    for shape in [
+        Shape::convex(&corners),
+        Shape::mesh(corners.clone(), faces),
+        Shape::points(corners, 0.01),
+        Shape::sphere(0.02),
+        Shape::capsule(0.02, 0.05),
+        Shape::cylinder(0.02, 0.05),
+        Shape::cuboid([0.02, 0.05, 0.01]),
+    ] {
+        let own = CollisionObject::new("own", toe, at, shape.unwrap());
+        let model = CollisionModel::new(robot.model(), vec![own]).unwrap();
+        add_text(
+            &mut digest,
+            &format!("{:?}", FootShapes::of_collision_model(&model)),
+        );
+    }
+    let captured = capture(6, false);
+    let map = guessed(&robot, &captured);
+    let low = options().contacts.with_height(0.2);
+    for options in [
+        options(),
+        options()
+            .with_contacts(low)
+            .with_up(UpAxis::Y)
+            .with_shapes(FootShapes::of(&robot)),
+    ] {
+        let text = serde_json::to_string(&options).unwrap();
+        assert_eq!(
+            serde_json::from_str::<RetargetOptions>(&text).unwrap(),
+            options
+        );
+        add_text(&mut digest, &text);
+        let retargeting = Retargeting::new(&robot, &map, &captured, options).unwrap();
+        let found = retargeting.per_frame().unwrap();
+        let text = serde_json::to_string(&found).unwrap();
+        assert_eq!(serde_json::from_str::<Retargeted>(&text).unwrap(), found);
+        add_text(&mut digest, &text);
     }
     digest.value()
 }
@@ -274,7 +334,9 @@ fn given_up() -> u64 {
         let stood = places(0);
         for ((place, stood), (part, _)) in own.iter_mut().zip(stood).zip(BodyPart::ALL) {
             match part.stands() {
-                true => *place = stood,
+                true => {
+                    *place = stood - Vector3::new(1.0, 0.2, 0.0) * (4.0 - frame as f64).max(0.0)
+                }
                 false => *place += Vector3::new(0.0, 0.3 * away, away),
             }
         }
@@ -287,6 +349,86 @@ fn given_up() -> u64 {
     let found = retargeting.whole().unwrap();
     assert!(!found.given_up.is_empty());
     add(&mut digest, &retargeting, &found);
+    digest.value()
+}
+
+/// A body that crouches over standing feet until ankles end, stands up, steps and crouches again; and feet whose ankles are pressed into
+/// the ground while they slide.
+fn pressed() -> u64 {
+    let mut digest = Digest::new();
+    let robot = biped(BOXES[0], BOXES[1]);
+    let crouched = changed_capture(30, |frame, own| {
+        let deep = [0.0, 0.5, 1.0, 1.0, 0.5, 0.0][frame / 2 % 6];
+        let stood = places(if frame < 14 { 0 } else { 11 });
+        for ((place, stood), (part, _)) in own.iter_mut().zip(stood).zip(BodyPart::ALL) {
+            let down = Vector3::new(2.5, 0.0, -3.5) * deep;
+            *place = match part {
+                part if part.stands() => stood,
+                BodyPart::LeftKnee | BodyPart::RightKnee => {
+                    stood + Vector3::new(3.0, 0.0, 0.0) * deep
+                }
+                _ => stood + down,
+            };
+        }
+    });
+    let sliding = changed_capture(10, |frame, own| {
+        let by = Vector3::new(1.2 * frame as f64, 0.0, 0.0);
+        for (place, stood) in own.iter_mut().zip(places(0)) {
+            *place = stood + by;
+        }
+        let dip = if (2..7).contains(&frame) { 2.5 } else { 0.0 };
+        (own[5].z, own[12].z) = (own[5].z - dip, own[12].z - 0.5 * dip);
+    });
+    for (captured, ankles) in [(crouched, true), (sliding, false)] {
+        let mut map = guessed(&robot, &captured);
+        if !ankles {
+            map.contacts = Some(vec!["left_toe".to_owned(), "right_toe".to_owned()]);
+        }
+        let retargeting = Retargeting::new(&robot, &map, &captured, options()).unwrap();
+        add(&mut digest, &retargeting, &retargeting.per_frame().unwrap());
+    }
+    digest.value()
+}
+
+/// Values at limits of position and speed, and just beside them.
+fn limits_met() -> u64 {
+    let mut digest = Digest::new();
+    let robot = biped("", "");
+    let captured = capture(9, false);
+    let map = guessed(&robot, &captured);
+    let retargeting = Retargeting::new(&robot, &map, &captured, options()).unwrap();
+    let mut found = retargeting.per_frame().unwrap();
+    let model = robot.model();
+    let (width, moves) = (found.configuration_len, robot.moves_within(0.1));
+    for (coordinate, limits) in model.limits().enumerate() {
+        if limits.lower.is_infinite() {
+            continue;
+        }
+        let most = if moves[coordinate].is_finite() {
+            moves[coordinate]
+        } else {
+            0.1
+        };
+        let middle = 0.5 * (limits.lower + limits.upper);
+        let all = [
+            limits.lower + 0.5e-9,
+            limits.lower + 1.5e-9,
+            limits.upper - 0.5e-9,
+            limits.upper - 1.5e-9,
+            middle,
+            middle + most * (1.0 - 0.5e-9),
+            middle + most * 1e-9,
+            middle + most,
+            middle,
+        ];
+        for (frame, value) in all.into_iter().enumerate() {
+            found.q[frame * width + coordinate] = value;
+        }
+    }
+    add_text(
+        &mut digest,
+        &format!("{:?}", retargeting.limits_met(&found)),
+    );
     digest.value()
 }
 
@@ -303,6 +445,10 @@ fn of_movements_by_options() {
 fn of_movements_by_feet_and_maps() {
     check(&[
         ("retargeting: feet of each shape", by_feet()),
+        (
+            "retargeting: shapes, and what is written",
+            shapes_and_files(),
+        ),
         ("retargeting: maps that say more", by_maps()),
     ]);
 }
@@ -313,5 +459,7 @@ fn of_movements_live_and_clear() {
         ("retargeting: live, step by step", live()),
         ("retargeting: clear of oneself", clear()),
         ("retargeting: what is given up", given_up()),
+        ("retargeting: feet that are pressed", pressed()),
+        ("retargeting: limits that are met", limits_met()),
     ]);
 }

@@ -103,8 +103,8 @@ fn span(
 fn is_short(growth: &Growth<'_>, way: &Way, knots: Range<usize>, pair: &[f64]) -> bool {
     let (from, to) = pair.split_at(growth.width());
     let in_time = || {
-        let excess = growth.bounds.excess(growth.knots, knots.end, from, to);
-        excess <= way.allowance[knots.end] + 1e-9
+        let allowance = way.allowance[knots.end];
+        (growth.bounds).allow_times(allowance, growth.knots, knots.end, from, to)
     };
     let short = growth.bounds.least_excess(from, to) <= knots.len() as f64 + 1e-9;
     short && (knots.len() > 1 || in_time())

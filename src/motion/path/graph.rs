@@ -99,6 +99,9 @@ fn best(
             .iter()
             .map(|limit| *limit as f32 * 1.000_01)
             .collect();
+        let in_time = growth.bounds.in_time(growth.knots, knots.0, knots.1);
+        let in_time = in_time.into_iter().flatten();
+        let in_time: Vec<f32> = in_time.map(|most| most as f32 * 1.000_01).collect();
         let apart: Vec<FalseEdge> = (apart.iter())
             .filter(|edge| edge.station == to)
             .copied()
@@ -117,6 +120,7 @@ fn best(
             padded_limits: pad(&limits, f32::INFINITY),
             costs: &costs,
             limits: &limits,
+            in_time: &in_time,
             weights: &weights,
             turns: &growth.turns,
             turns_left_out: growth.turns.are_left_out(),
@@ -199,6 +203,8 @@ struct Step<'a> {
     padded_limits: [f32; PADDED],
     costs: &'a [Cost],
     limits: &'a [f32],
+    /// How far joints may move by the path's times alone; empty where these do not count.
+    in_time: &'a [f32],
     weights: &'a [f32],
     turns: &'a Turns,
     turns_left_out: bool,
@@ -221,7 +227,8 @@ impl Step<'_> {
     /// What the best way to a configuration costs, and where it comes from: perhaps from the one guessed.
     fn best_to(&self, own: usize, q: &[f32], guess: usize) -> (Cost, u16) {
         let mut best = (NEVER, 0);
-        if let Some(place) = self.layer.linked_to(own) {
+        let link = self.layer.linked_to(own);
+        if let Some(place) = link.filter(|place| self.is_in_time(*place, q)) {
             self.consider(&mut best, (place, own), q, true);
         }
         let padded = pad(q, 0.0);
@@ -293,6 +300,13 @@ impl Step<'_> {
     fn are_apart(&self, from: usize, to: usize) -> bool {
         let same = |edge: &FalseEdge| edge.from as usize == from && edge.to as usize == to;
         self.apart.iter().any(same)
+    }
+
+    /// Whether a step from there, which small parts lead along, is none that a joint has no time for.
+    fn is_in_time(&self, place: usize, q: &[f32]) -> bool {
+        let moves = self.row(place).iter().zip(q).enumerate();
+        let mut moves = moves.zip(self.in_time);
+        moves.all(|((joint, (a, b)), most)| self.turns.difference(joint, *a, *b).abs() <= *most)
     }
 
     /// Whether a step from there is short enough to be on one branch.

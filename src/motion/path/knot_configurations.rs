@@ -65,7 +65,7 @@ pub(super) fn fill(
         let (place, before) = (chosen.places[station], chosen.places[station - 1]);
         if alone && layer.linked_to(place as usize) == Some(before as usize) {
             let (from, to) = (way.row(knot - 1, n), way.row(knot, n));
-            let excess = growth.bounds.excess(knots, knot, from, to);
+            let excess = growth.bounds.least_excess(from, to);
             way.allowance[knot] = (1.05 * excess).max(1.0);
         }
     }
@@ -157,8 +157,8 @@ fn mend(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
     for knot in 1..knots.len() {
         let (before, after) = way.q.split_at_mut(knot * n);
         let (from, to) = (&before[(knot - 1) * n..], &mut after[..n]);
-        let excess = growth.bounds.excess(knots, knot, from, to);
-        let allowed = excess <= way.allowance[knot] + 1e-9;
+        let allowance = way.allowance[knot];
+        let allowed = (growth.bounds).allow_times(allowance, knots, knot, from, to);
         if allowed && way.reached[knot] {
             way.joined[knot] = true;
             continue;
@@ -177,8 +177,7 @@ fn mend(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
                 way.reached[knot] = true;
             }
         }
-        let excess = growth.bounds.excess(knots, knot, from, to);
-        way.joined[knot] = excess <= way.allowance[knot] + 1e-9;
+        way.joined[knot] = (growth.bounds).allow_times(allowance, knots, knot, from, to);
     }
     Ok(())
 }
@@ -237,8 +236,8 @@ fn note_joined(growth: &Growth<'_>, way: &mut Way, knot: usize) {
     for to in [knot, knot + 1] {
         if to > 0 && to < knots.len() {
             let (from, there) = (way.row(to - 1, n), way.row(to, n));
-            let excess = growth.bounds.excess(knots, to, from, there);
-            way.joined[to] = excess <= way.allowance[to] + 1e-9;
+            let allowance = way.allowance[to];
+            way.joined[to] = (growth.bounds).allow_times(allowance, knots, to, from, there);
         }
     }
 }

@@ -179,8 +179,8 @@ impl Shortening<'_, '_> {
                     &ends.q[(knot - 1) * n..knot * n],
                     &ends.q[knot * n..(knot + 1) * n],
                 );
-                let excess = self.growth.bounds.excess(knots, knot, from, to);
-                if way.joined[knot] && excess > way.allowance[knot] + 1e-9 {
+                let (bounds, allowance) = (self.growth.bounds, way.allowance[knot]);
+                if way.joined[knot] && !bounds.allow_times(allowance, knots, knot, from, to) {
                     settled = false;
                     let both = (knot - 1) * n..(knot + 1) * n;
                     if ends.q[both.clone()] == way.q[both.clone()] {

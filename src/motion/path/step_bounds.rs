@@ -7,6 +7,8 @@ use crate::arm::Arm;
 const STATION_STEP: f64 = 0.3;
 /// The longest move in a part of a long step, as a share of a step's.
 const PART: f64 = 0.5;
+/// A bound may be exceeded by this share.
+const ROUNDING: f64 = 1e-9;
 
 /// Bounds of the moves of joints.
 #[derive(Debug)]
@@ -36,37 +38,47 @@ impl StepBounds {
         let steps = (to - from) as f64;
         let joints = self.max_step.iter().zip(&self.station_step);
         limits.extend(joints.map(|(step, station)| (steps * step).min(*station)));
-        if let (false, Some(time)) = (self.speeds.is_empty(), time(knots, from, to)) {
-            for (limit, speed) in limits.iter_mut().zip(&self.speeds) {
-                *limit = limit.min(time * speed);
-            }
+        let in_time = self.in_time(knots, from, to).into_iter().flatten();
+        for (limit, most) in limits.iter_mut().zip(in_time) {
+            *limit = limit.min(most);
         }
     }
 
     /// Whether no joint moves further from one knot to the next than it may.
     pub(super) fn allow(&self, knots: &Knots, to: usize, q_from: &[f64], q_to: &[f64]) -> bool {
-        self.excess(knots, to, q_from, q_to) <= 1.0 + 1e-9
+        self.allow_times(1.0, knots, to, q_from, q_to)
     }
 
-    /// How far the joints move from one knot to the next, as a multiple of what they may.
-    pub(super) fn excess(&self, knots: &Knots, to: usize, q_from: &[f64], q_to: &[f64]) -> f64 {
+    /// The same of a step that may be so many times as long, as small parts of it lead: not faster for that.
+    pub(super) fn allow_times(
+        &self,
+        allowance: f64,
+        knots: &Knots,
+        to: usize,
+        q_from: &[f64],
+        q_to: &[f64],
+    ) -> bool {
+        let limits = self.in_time(knots, to - 1, to);
+        let mut moves = q_from.iter().zip(q_to).zip(limits.into_iter().flatten());
+        self.least_excess(q_from, q_to) <= allowance + ROUNDING
+            && moves.all(|((a, b), most)| (a - b).abs() / most <= 1.0 + ROUNDING)
+    }
+
+    /// How far each joint may move from one knot to a later one by their times, where these count.
+    pub(super) fn in_time(
+        &self,
+        knots: &Knots,
+        from: usize,
+        to: usize,
+    ) -> Option<impl Iterator<Item = f64>> {
         let time = match self.speeds.is_empty() {
             true => None,
-            false => time(knots, to - 1, to),
+            false => time(knots, from, to),
         };
-        let mut excess = 0.0_f64;
-        let moves = q_from.iter().zip(q_to).zip(&self.max_step).enumerate();
-        for (joint, ((a, b), most)) in moves {
-            let most = match time {
-                Some(time) => most.min(time * self.speeds[joint]),
-                None => *most,
-            };
-            excess = excess.max((a - b).abs() / most);
-        }
-        excess
+        time.map(|time| self.speeds.iter().map(move |speed| time * speed))
     }
 
-    /// The same whatever time there is: less is not possible.
+    /// How far the joints move, as a multiple of what they may in a step, whatever time there is.
     pub(super) fn least_excess(&self, q_from: &[f64], q_to: &[f64]) -> f64 {
         let moves = q_from.iter().zip(q_to).zip(&self.max_step);
         moves.fold(0.0, |excess, ((a, b), most)| {
