@@ -129,8 +129,7 @@ fn hands() -> u64 {
         ik().with_reach(along.clone()),
         ik().with_reach(along.clone().with_span(0.2..=1.0))
             .with_root(id("chest")),
-        ik().with_reach(to([3.0, 1.2, 0.6]).with_span(0.4..=1.0)),
-        ik().with_reach(to([3.0, 1.2, 0.6])).with_root(id("chest")),
+        ik().with_reach(to([3.0, 1.2, 0.6]).with_span(0.6..=0.9)),
         ik().with_reach(to([0.4, 1.3, 0.2]).with_span(0.1..=0.5))
             .with_reach(to([0.6, 1.2, 1.0]).with_span(0.5..=1.05)),
         planted(&armature).with_reach(to([1.2, 1.2, 0.6]).with_span(0.3..=0.9)),

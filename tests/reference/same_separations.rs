@@ -416,5 +416,5 @@ fn of_refused_shapes() {
 
 #[test]
 fn of_mesh_files() {
-    check(&[("files of meshes", files())]);
+    check(&[("shapes of meshes' files", files())]);
 }
