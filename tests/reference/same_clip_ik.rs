@@ -70,7 +70,6 @@ fn feet() -> u64 {
     let asked = [
         planted(&armature),
         planted(&armature).with_keys_per_second(7.0),
-        planted(&armature).with_detection(detection),
         planted(&armature).with_detection(detection.with_lead(0.4)),
         planted(&armature).with_detection(detection.with_shortest(0.5)),
         planted(&armature).with_detection(detection.with_height(0.0)),
@@ -78,7 +77,6 @@ fn feet() -> u64 {
         planted(&armature)
             .with_ground(down)
             .with_detection(detection),
-        planted(&armature).with_root(id("hips")),
         planted(&armature).with_root(id("world")),
         planted(&armature).with_up([0.0, 0.0, 3.0]),
         ClipIk::new(&armature)
@@ -94,7 +92,7 @@ fn feet() -> u64 {
             let speed = ground_speed(&armature, &steps, &feet, up, 30.0).unwrap();
             digest.singles(speed.to_array());
             let travel = planted(&armature).with_travel(speed).with_up(up);
-            if both == [0, 1] {
+            if both == [0, 1] && up != Vec3::Y {
                 add(&mut digest, &armature, travel.solve(&steps));
             }
         }
@@ -122,11 +120,9 @@ fn hands() -> u64 {
     let ik = || ClipIk::new(&armature).with_keys_per_second(9.0);
     let asked = [
         ik().with_reach(to([0.5, 1.2, 0.6])),
-        ik().with_reach(to([0.5, 1.2, 0.6]).with_span(0.3..=0.9)),
         ik().with_reach(to([0.5, 1.2, 0.6]).with_span(0.33..=0.91).with_fade(0.0)),
         ik().with_reach(to([0.5, 1.2, 0.6]).with_span(-1.0..=0.5).with_fade(0.1)),
         ik().with_reach(to([0.5, 1.2, 0.6]).with_span(0.7..=4.0)),
-        ik().with_reach(along.clone()),
         ik().with_reach(along.clone().with_span(0.2..=1.0))
             .with_root(id("chest")),
         ik().with_reach(to([3.0, 1.2, 0.6]).with_span(0.6..=0.9)),

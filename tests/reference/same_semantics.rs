@@ -32,6 +32,8 @@ fn srdf() -> u64 {
                     add_text(&mut digest, &format!("{srdf:?}"));
                     for state in &srdf.states {
                         digest.doubles(srdf.state(&state.name, &q).unwrap());
+                        let of_group = format!("{}/{}", state.group, state.name);
+                        digest.doubles(srdf.state(&of_group, &q).unwrap());
                     }
                     if !whole {
                         continue;
@@ -60,6 +62,14 @@ fn srdf() -> u64 {
     add(LEG_SRDF, &free, true);
     add(LEG_SRDF, &leg, true);
     add(&planar_text, &planar, true);
+    // One name in several groups, of which one names another's state by its own.
+    let shared = LEG_SRDF.replace("\"apart\"", "\"crouch\"");
+    add(&shared, &free, true);
+    add(
+        &shared.replace("\"crouch\" group=\"all\"", "\"leg/crouch\" group=\"all\""),
+        &free,
+        true,
+    );
     add("<mujoco/>", &leg, false);
     add("\u{feff}<robot/>", &leg, false);
     for text in changed(LEG_SRDF, &values) {
