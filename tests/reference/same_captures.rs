@@ -202,7 +202,7 @@ fn written() -> u64 {
         );
         let times = [0.5, 0.75, 1.0, 2.0, 2.125];
         let clip = Clip::through_poses("c", &body, &times, &all).unwrap();
-        for rate in [4.0, 30.0, 0.25] {
+        for rate in [4.0, 8.0, 30.0, 0.25] {
             digest.bytes(bvh::to_text(&body, &clip, rate).unwrap());
         }
         for rate in [0.0, f64::NAN, 1e40, -3.0, 1e-50, 2e7] {

@@ -69,7 +69,22 @@ fn between() -> u64 {
     raised
         .set_scale(bone(&body, "hips"), Vec3A::splat(1.5))
         .unwrap();
+    for name in ["spine", "upper", "lower", "hand"] {
+        raised
+            .set_rotation(bone(&body, name), turn(&mut random, 1.0))
+            .unwrap();
+    }
     let raised = body.clone().at_rest_in(&raised).unwrap();
+    digest.json(&raised.turning_skeleton("raised", &turning).unwrap());
+    let angles = PoseAngles::new(&skeleton(&raised));
+    for _ in 0..4 {
+        let pose = bent(&raised, &mut random, 0.5);
+        angles.angles_of(&pose, &mut q).unwrap();
+        digest.doubles(q.iter().copied());
+        let mut again = raised.rest().clone();
+        angles.pose_of(&q, &mut again).unwrap();
+        digest.pose(&again);
+    }
     for root in [SkeletonRoot::Fixed, SkeletonRoot::FREE] {
         // The hips stand still, so that a free root has a parent.
         let skeleton = raised.turning_skeleton("balls", &turning).unwrap();

@@ -53,6 +53,20 @@ fn edited() -> u64 {
             &still.with_root_motion(&body, bone, &motion, 3.0).unwrap(),
         );
     }
+    // Ends that single precision puts a hair behind a sample, or before it.
+    for [start, end] in [
+        [0.0, 3.3],
+        [0.1, 3.4],
+        [-100.3, -97.0],
+        [-0.7, 0.2],
+        [1000.1, 1001.2],
+    ] {
+        let poses = [(); 2].map(|()| pose(&small, &mut random));
+        let clip = Clip::through_poses("ends", &small, &[start, end], &poses).unwrap();
+        for rate in [10.0, 30.0, 60.0] {
+            digest.clip(&small, &clip.baked(&small, rate).unwrap());
+        }
+    }
     let moment = clip.span()[0];
     let one = [body.rest().clone()];
     let one = Clip::through_poses("one", &body, &[moment], &one).unwrap();

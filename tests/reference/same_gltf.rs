@@ -320,16 +320,25 @@ fn varied() -> u64 {
         }
     }
     // Memory out of proportion, more than can be counted, and a curve that is none.
+    let (mut last, mut beyond) = ([0; 64], [0; 64]);
+    last[..2].copy_from_slice(&[1, 2]);
+    beyond[..2].copy_from_slice(&[1, 3]);
     for accessor in [
         r#"{"componentType":5126,"type":"VEC3","count":4000000000}"#,
         r#"{"componentType":5126,"type":"VEC3","count":18446744073709551615}"#,
         r#"{"bufferView":0,"byteOffset":18446744073709551615,"componentType":5126,"type":"VEC3","count":1}"#,
         r#"{"componentType":5126,"type":"VEC3","count":3,"sparse":{"count":2,"indices":{"bufferView":0,"componentType":5121},"values":{"bufferView":0}}}"#,
     ] {
-        let mut own = Numbers::default();
-        own.view(&[0; 64]);
-        let at = own.accessor(accessor.to_owned());
-        digest.bytes(own.refused(&format!(r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":{at}}}}}]}}]"#)));
+        for places in [[0; 64], last, beyond] {
+            let mut own = Numbers::default();
+            own.view(&places);
+            let at = own.accessor(accessor.to_owned());
+            let text = own.document(&format!(r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":{at}}}}}]}}]"#));
+            match read(text.as_bytes()) {
+                Ok(scene) => add(&mut digest, &scene),
+                Err(error) => digest.bytes(error.to_string()),
+            }
+        }
     }
     digest.value()
 }

@@ -101,6 +101,31 @@ fn odd_ways() -> u64 {
         run.set_flag("go", go).unwrap();
         update(&mut digest, &mut run, seconds);
     }
+    // More events than are told, a state that stands still and is entered afresh, and a way back.
+    let fast = r#"{"parameters": {"go": "trigger"}, "initial": "frozen",
+      "states": [{"name": "frozen", "clip": "walk", "speed": 0}, {"name": "fast", "clip": "run", "speed": 3000},
+       {"name": "back", "clip": "walk", "speed": -1.5, "playback": "hold"}],
+      "transitions": [
+       {"from": "frozen", "to": "fast", "when": [{"parameter": "go"}]},
+       {"from": "fast", "to": "back", "seconds": 0.5, "after": 4500, "when": [{"parameter": "go"}]},
+       {"from": "back", "to": "frozen", "seconds": 0.25, "after": 0.75}]}"#;
+    let mut run = run_of(fast);
+    note(&mut digest, &run);
+    for (go, seconds) in [
+        (false, 0.3),
+        (true, 0.1),
+        (false, 0.9),
+        (true, 0.75),
+        (false, 0.3),
+        (false, 0.4),
+        (false, 0.5),
+        (false, 0.1),
+    ] {
+        if go {
+            run.trigger("go").unwrap();
+        }
+        update(&mut digest, &mut run, seconds);
+    }
     for interruption in ["never", "source", "target", "either"] {
         let text = format!(
             r#"{{"parameters": {{"x": 0, "y": 0}}, "initial": "a",
@@ -160,6 +185,7 @@ fn refused() -> u64 {
             r#"{"at": 0, "clip": "walk"}"#,
         ),
         (r#""at": 3"#, r#""at": 1e39"#),
+        (r#""at": 3"#, r#""at": 0.5"#),
         (r#""at": 3"#, r#""to": 3"#),
         (r#""speed": -0.75"#, r#""speed": 1e999"#),
         (r#""playback": "hold""#, r#""playback": "held""#),

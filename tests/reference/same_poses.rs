@@ -58,6 +58,9 @@ fn faded() -> u64 {
     let mut own = from.clone();
     let (none, other) = (BoneMask::none(&small), small.rest());
     digest.refused(own.cross_fade(other, 0.5));
+    let fewer = body.clone().with_morph_targets(vec!["a".into()]).unwrap();
+    digest.refused(own.cross_fade(fewer.rest(), 0.5));
+    digest.refused(own.cross_fade_masked(&to, 0.5, &BoneMask::all(&fewer)));
     digest.refused(own.cross_fade_masked(&to, 0.5, &none));
     digest.refused(own.cross_fade_masked(other, 0.5, &masks[0]));
     let layer = |reference: &Pose, mask: &BoneMask| Layer {

@@ -34,7 +34,8 @@ fn written() -> u64 {
         axis_angle(&mut digest, AxisAngle::from_matrix(&DMat3::from_quat(q)));
     }
     digest.debug(AxisAngle::about(DVec3::ZERO, 1.0));
-    for q in [DQuat::IDENTITY, -DQuat::IDENTITY] {
+    let half = DQuat::from_xyzw(0.6, -0.8, 0.0, 0.0);
+    for q in [DQuat::IDENTITY, -DQuat::IDENTITY, half, -half] {
         axis_angle(&mut digest, AxisAngle::from_quaternion(q));
     }
     axis_angle(&mut digest, AxisAngle::from_rotation_vector(DVec3::ZERO));

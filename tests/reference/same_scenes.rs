@@ -148,6 +148,17 @@ fn written() -> u64 {
         file(&mut digest, &bytes);
         add(&mut digest, &read(&bytes));
     }
+    // A delta of every vertex, one of which is nothing, and of every one.
+    for zero in [Vec3::ZERO, Vec3::X] {
+        let mut deltas = points(&mut random, 4);
+        deltas[2] = zero;
+        let shrug = MorphTarget::new("c", vec![0, 1, 2, 3], deltas, vec![], vec![]).unwrap();
+        let mut own = scene.clone();
+        own.meshes[2].morph_targets = MorphTargets::new(4, vec![shrug]).unwrap();
+        own.meshes.drain(..2);
+        own.clips.clear();
+        file(&mut digest, &gltf::to_bytes(&own, &options).unwrap());
+    }
     let triangle = &scene.meshes[2].mesh;
     file(&mut digest, &gltf::mesh_to_bytes(triangle).unwrap());
     let rig = SmallRig::with_json(JSON).parse().unwrap();
@@ -307,7 +318,7 @@ fn amended() -> u64 {
     others.extend(b"ACMEfurs");
     let length = others.len() as u32;
     others[8..12].copy_from_slice(&length.to_le_bytes());
-    let bare = br#"{"asset":{"version":"2.0"},"nodes":[{"name":"a"},{"children":[0],"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,1,2,3,1]}]}"#;
+    let bare = br#"{"asset":{"version":"2.0"},"nodes":[{"name" : "a"},{"children":[0],"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,1,2,3,1]}]}"#;
     let empty = Numbers::default().glb(r#""nodes":[{"name":"a"}]"#);
     for bytes in [
         numbers.document(&rest).into_bytes(),

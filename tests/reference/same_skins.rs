@@ -314,6 +314,23 @@ fn parts() -> u64 {
             .linear_blend(&own.rigid[..1])
             .unwrap(),
     );
+    // Equal weights, where the first bone leads.
+    let mut builder = SkinWeights::builder(1, 4);
+    (0..4).for_each(|bone| builder.add(0, bone, 0.25).unwrap());
+    let equal = builder.build().unwrap();
+    let packed = PackedWeights::new(&equal).unwrap();
+    for _ in 0..20 {
+        let transforms: Vec<Affine3A> = (0..4).map(|_| rigid(&mut random)).collect();
+        let any = DualQuaternionBlend::new(&equal, &transforms).unwrap();
+        let packed = PackedDualQuaternionBlend::new(&packed, &transforms).unwrap();
+        let mut out = [Vec3::ZERO];
+        any.positions(&own.rest.positions[..1], &mut out).unwrap();
+        digest.vector(out[0]);
+        packed
+            .positions(&own.rest.positions[..1], &mut out)
+            .unwrap();
+        digest.vector(out[0]);
+    }
     for _ in 0..5 {
         let [p, v, at] = [(); 3].map(|()| Vec3::from(vector(&mut random, 2.0)));
         let turned = rotation(&mut random) * 3.0;
