@@ -154,6 +154,7 @@ pub(crate) fn builder(random: &mut Random, free: bool) -> ModelBuilder {
     for (name, joint) in [
         ("middle", waist),
         ("hand", wrist),
+        ("arm", elbow),
         ("forearm", plate),
         ("foot", ankle),
         ("head", neck),

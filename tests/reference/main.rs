@@ -59,6 +59,7 @@ mod same_separations;
 mod same_shapes;
 mod same_skeletons;
 mod same_skins;
+mod same_small_drags;
 mod same_tables;
 mod same_targets;
 mod same_tasks;

@@ -69,6 +69,15 @@ fn everything(
             tasks.add(Smoothness::new(model, q, 0.2));
             tasks.preferences(Preferences::Traded);
         }
+        4 => {
+            // Every number of a posture is a goal.
+            tasks.add(
+                Task::new(Posture::new(model, q))
+                    .goal()
+                    .tolerance(Quantity::JointUnits, 1e-3),
+            );
+            tasks.add(Task::new(Point::new(hand, near.translation)).times(0.1));
+        }
         _ => {
             tasks.add(Task::new(Point::new(foot, low.translation)));
             tasks.add(Task::new(Point::new(hand, near.translation + aside)).at_level(1));
@@ -95,7 +104,7 @@ fn derivatives() -> [u64; 2] {
     let (mut found, mut existing, mut random) = (Digest::new(), Digest::new(), Random::new(182));
     let mut memory = DerivativeWorkspace::default();
     let mut workspace = Workspace::new();
-    for case in 0..15 {
+    for case in 0..18 {
         let model = model(&mut random, case % 2 == 1);
         let map = if case % 3 == 0 {
             ParameterMap::free(&model)
@@ -110,7 +119,7 @@ fn derivatives() -> [u64; 2] {
         map.expand_within_limits(&x, &mut q).unwrap();
         let mut tasks = Problem::builder(&model);
         tasks.parameters(map);
-        everything(&mut tasks, &model, &q, &mut random, case % 5);
+        everything(&mut tasks, &model, &q, &mut random, case % 6);
         let problem = tasks.build().unwrap();
         let solver = Solver::default().with_restarts(Restarts::default().with_attempts(2));
         let solver = solver.with_stopping(Stopping::default().with_max_iterations(35));
@@ -220,7 +229,18 @@ fn without() -> u64 {
                 match own {
                     Ok(mut own) => {
                         digest.bytes(format!("{} {:?}\n", own.existence(), own.existence()));
-                        digest.doubles(own.by_target(0).unwrap().iter().copied());
+                        for task in 0..problem.tasks() {
+                            digest.doubles(own.by_target(task).unwrap().iter().copied());
+                        }
+                        let rates = own.parameters();
+                        let mut rates = rates;
+                        rates.targets_mut().fill(0.3);
+                        rates.weights_mut().fill(-0.4);
+                        let mut v = [0.0; 3];
+                        own.velocity(&rates, &mut v).unwrap();
+                        digest.doubles(v);
+                        own.gradient(&[0.5, -1.0, 2.0], &mut rates).unwrap();
+                        digest.noted(&rates);
                     }
                     Err(error) => digest.refusal(Err::<(), _>(error)),
                 }

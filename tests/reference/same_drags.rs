@@ -18,7 +18,7 @@ use crate::every_joint::{frames, model, vector};
 use crate::same_searches::places;
 
 /// What a drag says after a frame.
-fn told(digest: &mut Digest, drag: &Drag) {
+pub(crate) fn told(digest: &mut Digest, drag: &Drag) {
     digest.told(drag.solution());
     digest.doubles(drag.q().iter().copied());
     digest.noted(&(drag.catching_up(), drag.rests(), drag.leap()));
@@ -129,7 +129,7 @@ fn refused() -> u64 {
 
 /// How deep frames are under a floor across z.
 #[derive(Clone, Debug)]
-struct Depths(Vec<FrameId>, f64);
+pub(crate) struct Depths(Vec<FrameId>, f64);
 
 impl Residual for Depths {
     fn kind(&self) -> &'static str {
@@ -153,10 +153,10 @@ impl Residual for Depths {
 
 /// The floor, and whose frames stay over it.
 #[derive(Clone, Debug)]
-struct Floor {
-    kinematics: ForwardKinematics,
-    frames: Vec<FrameId>,
-    height: f64,
+pub(crate) struct Floor {
+    pub(crate) kinematics: ForwardKinematics,
+    pub(crate) frames: Vec<FrameId>,
+    pub(crate) height: f64,
 }
 
 impl ClearanceCheck for Floor {
