@@ -240,6 +240,7 @@ fn names() -> u64 {
         for valid in [
             &[][..],
             &["hand"],
+            &["b"],
             &["left_hand", "right_hand", "hand_left"],
             &["ab", "ba", "aa"],
         ] {

@@ -31,7 +31,7 @@ fn moves() -> u64 {
                 _ => {
                     let own = |k: usize| {
                         if balls[k] {
-                            0.2
+                            [0.2, 0.0][number / 3 % 2]
                         } else {
                             [0.1, 0.0, 0.4][k % 3]
                         }

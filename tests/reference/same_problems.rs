@@ -1,8 +1,11 @@
 //! Promise: so it is for problems with bounds, weights and origins of their own, and for what is refused of them.
 #![allow(clippy::unwrap_used)]
 
+use kinopt::Solver;
+use kinopt::ik::Restarts;
 use kinopt::model::{Limits, Model, ParameterMap};
 use kinopt::problem::{Derivatives, Preferences, Problem, ProblemBuilder};
+use kinopt::solver::Stopping;
 use kinopt::spatial::Vector3;
 use kinopt::task::{Point, Pose, Posture, Quantity, Task};
 use support::random::Random;
@@ -92,6 +95,9 @@ fn restated() -> u64 {
     for own in [&problem, &weighted, &moved, &both] {
         digest.doubles(own.weights());
         digest.doubles(own.lower().iter().chain(own.upper()).copied());
+        let solver = Solver::default().with_restarts(Restarts::default().with_attempts(6));
+        let solver = solver.with_stopping(Stopping::default().with_max_iterations(5));
+        digest.told(&solver.solve_once(own, &q).unwrap());
         for route in Derivatives::ALL {
             evaluate(&mut digest, &own.clone().with_derivatives(route), &x);
         }
