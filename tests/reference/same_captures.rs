@@ -176,6 +176,16 @@ fn poses(body: &Armature, random: &mut Random, moves: bool) -> Vec<Pose> {
             let now = pose.rotations()[index] * by;
             pose.set_rotation(bone(body, index), now).unwrap();
         }
+        if frame > 2 {
+            // The middle of its three angles a quarter turn, or one back.
+            let [about_z, about_y] = [0.3, 0.7].map(|size| 0.1 * frame as f32 + size);
+            let way = if frame == 3 { 1.0 } else { -1.0 };
+            let quarter = Quat::from_xyzw(way, 0.0, 0.0, 1.0).normalize();
+            let first = Quat::from_xyzw(0.0, 0.0, about_z, 1.0).normalize();
+            let last = Quat::from_xyzw(0.0, about_y, 0.0, 1.0).normalize();
+            let locked = first * quarter * last;
+            pose.set_rotation(bone(body, 5), locked).unwrap();
+        }
         pose.set_translation(bone(body, 0), vector(random, 3.0))
             .unwrap();
         if moves {

@@ -122,6 +122,7 @@ fn changes() -> u64 {
         (r#","interpolation":"STEP""#, ""),
         (r#""name":"bend""#, r#""name":"""#),
         (r#""byteLength":48"#, r#""byteLength":47"#),
+        (r#""byteOffset":48,"byteLength":48"#, r#""byteOffset":48,"byteLength":4800"#),
         (r#""bufferView":0"#, r#""bufferView":70"#),
         (r#""bufferView":0"#, r#""byteOffset":4,"bufferView":0"#),
         (r#""buffer":0"#, r#""buffer":3"#),

@@ -191,6 +191,11 @@ fn placed() -> u64 {
     digest.refused(small.set_model_from_bone(&mut little, second, Affine3A::ZERO));
     little.set_scale(first, Vec3A::new(1.0, 1.0, 1e-9)).unwrap();
     digest.refused(small.set_model_translation(&mut little, second, Vec3A::X));
+    let thin = 1e-4;
+    for scale in [[1.0, thin, thin], [thin, 1.0, thin], [thin, thin, 1.0]] {
+        little.set_scale(first, scale.into()).unwrap();
+        digest.refused(small.set_model_translation(&mut little, second, Vec3A::X));
+    }
     digest.refused(body.local_to_model(&little, &mut model));
     digest.refused(body.local_to_model(&own, &mut model[..3]));
     digest.refused(body.skinning_transforms(&model[..2], &mut skin));

@@ -106,7 +106,9 @@ fn more_clips(body: &Armature, random: &mut Random) -> Vec<Clip> {
     let linear = KeyedCurve::linear(times(), values(3)).unwrap();
     let other = KeyedCurve::linear(vec![0.0, 1.0], values(2)).unwrap();
     let cubic = KeyedCurve::catmull_rom(times(), values(3)).unwrap();
-    let eased = KeyedCurve::eased(times(), values(3), vec![Easing::CubicIn; 3]).unwrap();
+    // A sample all but falls on a key.
+    let near = vec![0.5, 1.00001, 2.0];
+    let eased = KeyedCurve::eased(near, values(3), vec![Easing::CubicIn; 3]).unwrap();
     let one = KeyedCurve::step(vec![0.75], values(1)).unwrap();
     let curves = [
         [Some(linear.clone()), Some(linear.clone())],

@@ -233,6 +233,7 @@ fn figures() -> u64 {
         add,
     );
     digest.refused(read("{}"));
+    digest.refused(read(r#"{"": {"swing": 90}, "a\"b": {"swung": 3}}"#));
     digest.refused(read("[]"));
     digest.debug(cones::read("../models/humanoid/cones.json").unwrap());
     digest.value()

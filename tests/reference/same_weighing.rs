@@ -110,6 +110,20 @@ fn made() -> [u64; 2] {
             &HeatWeights::default().for_segments(&mesh, one).unwrap(),
         );
     }
+    // A piece of skin that sees no bone, as the tube around them hides it.
+    let hidden = tube.mesh().unwrap();
+    let mut positions = hidden.positions().to_vec();
+    let mut triangles = hidden.triangles().to_vec();
+    let count = positions.len() as u32;
+    positions.extend([[3.0, 2.0, 0.1], [3.5, 2.0, 0.3], [5.0, 2.5, 0.2]].map(Vec3::from));
+    triangles.push([count, count + 1, count + 2]);
+    let hidden = TriangleMesh::new(positions, Vec::new(), triangles).unwrap();
+    let inside = [[1.0, 3.0], [4.5, 7.0]].map(|x| x.map(|x| DVec3::new(x, 0.05, 0.02)));
+    for warm in [1.0, 0.01] {
+        let mut by = HeatWeights::default();
+        by.heat = warm;
+        add(&mut heat, &by.for_segments(&hidden, &inside).unwrap());
+    }
     let mesh = sheet(2, 0.0);
     let mut some = bones(&mut random, 4);
     let mut by = AutomaticWeights::default();
