@@ -113,7 +113,8 @@ pub(crate) fn check(found: &[(&str, u64)]) {
     let mut known: BTreeMap<&str, [String; 2]> = BTreeMap::new();
     for line in text.lines().filter(|line| !line.starts_with('#')) {
         let [name, fused, portable] = line.split('\t').collect::<Vec<_>>().try_into().unwrap();
-        known.insert(name, [fused, portable].map(str::to_owned));
+        let twice = known.insert(name, [fused, portable].map(str::to_owned));
+        assert!(twice.is_none(), "`{name}` stands twice in `same_bits.tsv`");
     }
     let column = usize::from(!is_fused());
     let found = found
