@@ -94,6 +94,8 @@ fn limits() -> u64 {
         "joint_limits:\n  turn: {max_acceleration: -1}\n",
         "joint_limits:\n  turn: {max_position: .inf}\n",
         "joint_limits:\n  turn: {min_position: 3}\n",
+        "joint_limits:\n  turn: {max_position: 1e400}\n",
+        "joint_limits:\n  turn: {max_velocity: 1e400}\n",
         "joint_limits:\n  first: {min_position: 2.9}\n  turn: {max_position: 0}\n",
         "joint_limits:\n  nobody: {max_velocity: 1}\n",
         "joint_limits:\n",

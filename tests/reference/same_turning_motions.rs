@@ -70,6 +70,14 @@ fn turning() -> u64 {
             let motion = led(&model, 14, ways, ask).unwrap();
             solve(&mut digest, &motion, &q, &solver);
         }
+        // From one end to another that few frames lead to.
+        for (frames, speed) in [(6, 3.0), (9, 1.0), (4, 1.0)] {
+            let turned = [0.98, 0.05, 0.1, -0.12];
+            let motion = led(&model, frames, ways, &|motion| {
+                motion.first(&q).last(&turned).max_speed("ball", speed);
+            });
+            solve(&mut digest, &motion.unwrap(), &q, &solver);
+        }
         for turned in [
             [0.7, 0.7, 0.1, 0.1],
             [0.9, 0.0, 0.4, 0.0],
@@ -97,7 +105,15 @@ fn turning() -> u64 {
             Limits::new(-0.5, 0.5),
         )
     });
-    let asks: [Ask<'_>; 4] = [
+    let there = [0.2, 0.3, -0.1, 0.98, 0.05, 0.1, -0.12];
+    let still = free.neutral();
+    let asks: [Ask<'_>; 5] = [
+        &|motion| {
+            _ = motion
+                .max_free_speed("base", 0.8, 1.5)
+                .first(&still)
+                .last(&there)
+        },
         &|motion| _ = motion.max_free_speed("base", 0.8, 1.5),
         &|motion| {
             _ = motion
