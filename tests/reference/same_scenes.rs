@@ -115,6 +115,7 @@ fn more_clips(body: &Armature, random: &mut Random) -> Vec<Clip> {
         [Some(linear.clone()), Some(other)],
         [Some(cubic.clone()), Some(one)],
         [None, Some(cubic)],
+        [Some(eased.clone()), Some(linear.clone())],
         [Some(eased), None],
         [None, None],
     ];

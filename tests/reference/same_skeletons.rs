@@ -51,7 +51,7 @@ fn body(random: &mut Random) -> Skeleton {
     let back = add("back", Some(hips), |_| {});
     let chest = add("chest", Some(back), |own| own.length = 0.0);
     let neck = add("neck", Some(chest), |_| {});
-    add("head", Some(neck), |own| own.length = 0.1);
+    add("head", Some(neck), |own| own.length = 0.0);
     let mut limb = |names: [&str; 4], on: BoneId| {
         let [a, b, c, d] = names;
         let first = add(a, Some(on), |own| own.length = 0.9);
