@@ -1,4 +1,4 @@
-// Double precision has the bits of the native library's portable path: tests/reference/same_on_the_web.rs asks the same.
+// Double precision has the bits of the native library's portable path: tests/same_bits/on_the_web.rs asks the same.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import test from "node:test";
@@ -6,7 +6,7 @@ import { Drag, Problem } from "kinopt";
 import { humanoid, pinned } from "./humanoid.js";
 import { configuration, pandaArm, random } from "./panda.js";
 
-const table = readFileSync(new URL("../../tests/reference/same_bits.tsv", import.meta.url), "utf8");
+const table = readFileSync(new URL("../../tests/same_bits/digests.tsv", import.meta.url), "utf8");
 const portable = new Map(table.split("\n").map((line) => line.split("\t")).map(([what, , digest]) => [what, digest]));
 
 /** FNV-1a over the bits of numbers. */

@@ -199,7 +199,9 @@ impl Mesh {
             }
             (Some(file), true) => {
                 let Some(folder) = reader.folder else {
-                    let problem = format!("names the file {file:?}, which is not opened from here");
+                    let problem = format!(
+                        "names the file {file:?}, which is opened only where the world is read from a file of its own"
+                    );
                     return Err(reader.fail(place, problem));
                 };
                 let path = folder.join(file);

@@ -14,7 +14,7 @@ use support::random::Random;
 
 use crate::digest::{Digest, check};
 use crate::every_joint::{configuration, frames, masses, model, place, vector};
-use crate::same_tasks::{Own, camera};
+use crate::tasks::{Own, camera};
 
 /// Targets set anew, in the problem's own and in a copy's.
 fn targets() -> u64 {

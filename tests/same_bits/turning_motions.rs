@@ -9,7 +9,7 @@ use kinopt::task::{Point, Pose};
 
 use crate::digest::{Digest, check};
 use crate::robot_texts::add_error;
-use crate::same_whole_motions::{Ask, STEP, solve};
+use crate::whole_motions::{Ask, STEP, solve};
 
 /// A body that is led by two frames of it, along turns and ways.
 fn led(

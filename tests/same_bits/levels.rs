@@ -15,7 +15,7 @@ use support::random::Random;
 
 use crate::digest::{Digest, check};
 use crate::every_joint::{configuration, frames, map, masses, model, vector};
-use crate::same_searches::places;
+use crate::searches::places;
 
 /// What is asked first, with or without room: reached at a configuration or not.
 fn first(

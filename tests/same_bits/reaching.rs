@@ -10,8 +10,8 @@ use support::limbs::{END, arm};
 use support::random::Random;
 
 use crate::animated::{armature, bone_named as bone, check_single, number, rotation, turn, vector};
+use crate::crowds::skeleton;
 use crate::digest::Digest;
-use crate::same_crowds::skeleton;
 
 /// The limb's armature in a pose with its elbow bent about z, more or less, and scaled alike.
 pub(crate) fn bent(body: &Armature, random: &mut Random, off: f64) -> Pose {

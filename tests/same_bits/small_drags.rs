@@ -13,9 +13,9 @@ use kinopt::task::{LimitCentring, Point, Posture, Quantity, Task};
 use support::random::Random;
 
 use crate::digest::{Digest, check};
+use crate::drags::{Floor, told};
 use crate::every_joint::vector;
-use crate::same_drags::{Floor, told};
-use crate::same_searches::places;
+use crate::searches::places;
 
 /// A chain of hinges, in a plane or not, one of which may be a slide.
 fn chain(random: &mut Random, links: usize, planar: bool, limits: Option<f64>) -> Model {

@@ -12,8 +12,8 @@ use support::random::Random;
 
 use crate::digest::{Digest, check};
 use crate::every_joint::{configuration, frames, map, model, place, vector};
-use crate::same_maps::joints;
-use crate::same_tasks::evaluate;
+use crate::maps::joints;
+use crate::tasks::evaluate;
 
 /// Problems restated: weights, origins, bounds, tolerances.
 fn restated() -> u64 {

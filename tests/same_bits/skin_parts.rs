@@ -13,7 +13,7 @@ use support::random::Random;
 
 use crate::animated::{check_single, number, rotation, vector};
 use crate::digest::Digest;
-use crate::same_skins::{BONES, Skins, rigid};
+use crate::skins::{BONES, Skins, rigid};
 
 fn refused() -> u64 {
     let mut digest = Digest::new();

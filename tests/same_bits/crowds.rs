@@ -14,9 +14,9 @@ use support::limbs::arm;
 use support::random::Random;
 
 use crate::animated::{armature, bone_named as bone, check_single, turn, vector};
+use crate::clips::varied;
 use crate::digest::Digest;
-use crate::same_clips::varied;
-use crate::same_reaching::bent;
+use crate::reaching::bent;
 
 /// A skeleton of the limb's armature whose joints have limits.
 pub(crate) fn skeleton(body: &Armature) -> Skeleton {

@@ -15,7 +15,7 @@ use support::random::Random;
 
 use crate::digest::{Digest, check};
 use crate::every_joint::{frames, model, vector};
-use crate::same_searches::places;
+use crate::searches::places;
 
 /// What a drag says after a frame.
 pub(crate) fn told(digest: &mut Digest, drag: &Drag) {

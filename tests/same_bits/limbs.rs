@@ -15,7 +15,7 @@ use support::random::Random;
 
 use crate::digest::{Digest, check};
 use crate::every_joint::{configuration, place, vector};
-use crate::same_searches::places;
+use crate::searches::places;
 
 /// Two arms on a trunk: hinges about skew axes, some at one point, some with an end near, a fixed link; slides if asked for.
 fn tree(random: &mut Random, slides: bool) -> Model {

@@ -15,7 +15,7 @@ use support::random::Random;
 
 use crate::digest::{Digest, check};
 use crate::every_joint::{frames, map, masses, model, vector};
-use crate::same_searches::places;
+use crate::searches::places;
 
 /// Goals, preferences and rooms of every kind that has a target.
 fn everything(

@@ -1,7 +1,7 @@
 //! Digests of answers, and the file of those that every machine should find.
 //!
-//! `same_bits.tsv` holds them for processors with AVX2 and FMA and for the portable paths. A change of an
-//! algorithm changes some: `KINOPT_BLESS=1 cargo test --test reference same_`, once as it is and once with
+//! `digests.tsv` holds them for processors with AVX2 and FMA and for the portable paths. A change of an
+//! algorithm changes some: `KINOPT_BLESS=1 cargo test --test same_bits`, once as it is and once with
 //! KINOPT_PORTABLE=1, writes the file anew. What is digested is the bits, and what was counted on the way:
 //! a change that should change no answer changes no line.
 
@@ -108,13 +108,13 @@ static FILE: Mutex<()> = Mutex::new(());
 /// Compares digests with those of the file, or puts them there where that is asked for.
 pub(crate) fn check(found: &[(&str, u64)]) {
     let _turn = FILE.lock().unwrap_or_else(PoisonError::into_inner);
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("reference/same_bits.tsv");
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("same_bits/digests.tsv");
     let text = std::fs::read_to_string(&file).unwrap();
     let mut known: BTreeMap<&str, [String; 2]> = BTreeMap::new();
     for line in text.lines().filter(|line| !line.starts_with('#')) {
         let [name, fused, portable] = line.split('\t').collect::<Vec<_>>().try_into().unwrap();
         let twice = known.insert(name, [fused, portable].map(str::to_owned));
-        assert!(twice.is_none(), "`{name}` stands twice in `same_bits.tsv`");
+        assert!(twice.is_none(), "`{name}` stands twice in `digests.tsv`");
     }
     let column = usize::from(!is_fused());
     let found = found
@@ -142,7 +142,7 @@ pub(crate) fn check(found: &[(&str, u64)]) {
     let differ: Vec<&str> = differ.map(|(name, _)| *name).collect();
     assert_eq!(
         differ, [""; 0],
-        "answers, or what is counted on the way to them, are no longer those of `same_bits.tsv`: \
-         if that is meant, write it anew (tests/reference/digest.rs says how). {found:?}"
+        "answers, or what is counted on the way to them, are no longer those of `digests.tsv`: \
+         if that is meant, write it anew (tests/same_bits/digest.rs says how). {found:?}"
     );
 }

@@ -5,7 +5,7 @@ use support::gltf_text::{Numbers, read};
 
 use crate::animated::check_single;
 use crate::digest::Digest;
-use crate::same_gltf::add;
+use crate::gltf::add;
 
 /// Primitives of every mode, numbers of every size, weights that are put right, and names that are shared.
 fn varied() -> u64 {

@@ -13,9 +13,9 @@ use support::skins::weights;
 use support::small_rig::{JSON, SmallRig};
 
 use crate::animated::{armature, bone, check_single, local, mesh, pose, vector};
+use crate::clips::varied;
 use crate::digest::Digest;
-use crate::same_clips::varied;
-use crate::same_gltf::add;
+use crate::gltf::add;
 
 /// A GLB file but for the library's version, and whether its lengths are right.
 pub(crate) fn file(digest: &mut Digest, bytes: &[u8]) {

@@ -8,8 +8,8 @@ use support::random::Random;
 
 use crate::animated::{armature, bone, check_single, pose};
 use crate::digest::Digest;
-use crate::same_gltf::add;
-use crate::same_scenes::file;
+use crate::gltf::add;
+use crate::scenes::file;
 
 fn read(bytes: &[u8]) -> Scene {
     support::gltf_text::read(bytes).unwrap()

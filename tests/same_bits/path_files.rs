@@ -10,8 +10,8 @@ use support::arms::robot;
 use support::random::Random;
 
 use crate::digest::{Digest, check};
+use crate::paths::{bare_arm, placement};
 use crate::robot_texts::{add_error, add_text};
-use crate::same_paths::{bare_arm, placement};
 
 const HEADERS: [&str; 14] = [
     "x,y,z",

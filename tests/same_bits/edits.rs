@@ -6,8 +6,8 @@ use kinopt::animation::{Clip, KeyTolerance, Playback, Pose};
 use support::random::Random;
 
 use crate::animated::{armature, bone, check_single, pose};
+use crate::clips::varied;
 use crate::digest::Digest;
-use crate::same_clips::varied;
 
 fn edited() -> u64 {
     let (mut digest, mut random) = (Digest::new(), Random::new(115));

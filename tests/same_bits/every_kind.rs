@@ -1,7 +1,7 @@
 //! Promise: the same question has the same answer to the bit on every x86-64 processor, of whatever
 //! maker, with every system's mathematical library, in debug and in release (docs/same-bits.md).
 //!
-//! The other `same_` files go on with what is counted and reported on the way, among obstacles and of whole bodies.
+//! The other files go on with what is counted and reported on the way, among obstacles and of whole bodies.
 #![allow(clippy::unwrap_used)]
 
 use std::path::Path;

@@ -9,7 +9,7 @@ use kinopt::{Solver, Workspace};
 use support::random::Random;
 
 use crate::digest::{Digest, check};
-use crate::same_searches::problems;
+use crate::searches::problems;
 
 /// Searches that may go only so far from where they start.
 fn moves() -> u64 {

@@ -7,9 +7,9 @@ use kinopt::robot::Geometry;
 use kinopt::spatial::{Placement, Vector3};
 use support::random::Random;
 
+use crate::arms::turned;
 use crate::digest::{Digest, check};
-use crate::same_arms::turned;
-use crate::same_worlds::vector;
+use crate::worlds::vector;
 
 /// Corners of a block from `low` to `high`, and its sides wound outwards.
 fn block(low: [f64; 3], high: [f64; 3]) -> (Vec<Vector3<f64>>, Vec<[u32; 3]>) {

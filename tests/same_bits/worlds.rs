@@ -10,8 +10,8 @@ use support::arms::robot;
 use support::random::Random;
 use support::trees::configuration_of;
 
+use crate::arms::turned;
 use crate::digest::{Digest, check};
-use crate::same_arms::turned;
 
 pub(crate) fn vector(random: &mut Random, size: f64) -> Vector3<f64> {
     Vector3::from([(); 3].map(|()| random.within(-size, size)))
