@@ -136,7 +136,15 @@ fn without_clips_limbs_reach_from_rest() {
     for _ in 0..3 {
         crowd.advance(0.1).unwrap();
     }
-    let mut pose = crowd.armature().rest().clone();
-    limb.reach(crowd.armature(), &mut pose, &wanted).unwrap();
-    assert_eq!(crowd.characters()[CHARACTERS].pose(), &pose);
+    // In part, and no more: not from where it was.
+    for weight in [1.0, 0.5, 0.0] {
+        let wanted = LimbGoal { weight, ..wanted };
+        crowd.characters_mut()[CHARACTERS].goals_mut()[0] = wanted;
+        for _ in 0..2 {
+            crowd.advance(0.1).unwrap();
+        }
+        let mut pose = crowd.armature().rest().clone();
+        limb.reach(crowd.armature(), &mut pose, &wanted).unwrap();
+        assert_eq!(crowd.characters()[CHARACTERS].pose(), &pose, "{weight}");
+    }
 }

@@ -476,3 +476,30 @@ fn a_posture_is_clamped_into_the_limits() {
     let [one, other] = [arm, posed(&within)].map(|arm| arm.solve(target, &[0.0; 7]).unwrap());
     assert!(one.reached && one.q == other.q);
 }
+
+/// Followers and tracks go no further in a step than a question may.
+#[test]
+fn a_bound_on_moves_is_kept_step_by_step() {
+    let arm = builder().with_max_move(&[0.02; 7]).build().unwrap();
+    let mut random = Random(46);
+    for _ in 0..6 {
+        let [start, there] = [(); 2].map(|()| random.configuration(&arm));
+        let target = arm.base_from_tool(&there).unwrap();
+        let mut follower = arm.follower(&start).unwrap();
+        let (mut last, mut solution) = (start.clone(), kinopt::Solution::default());
+        let kept = |last: &mut Vec<f64>, q: &[f64]| {
+            for (value, from) in q.iter().zip(&*last) {
+                assert!((value - from).abs() <= 0.02 + 1e-15, "{value} {from}");
+            }
+            last.copy_from_slice(q);
+        };
+        for _ in 0..20 {
+            follower.advance(target, &mut solution).unwrap();
+            kept(&mut last, &solution.q);
+        }
+        last.copy_from_slice(&start);
+        for solution in arm.track(&[target; 20], &start).unwrap().solutions {
+            kept(&mut last, &solution.q);
+        }
+    }
+}

@@ -451,3 +451,15 @@ fn poses_are_written_as_they_are_told() {
     let again = kinopt::io::bvh::from_bytes(told.as_bytes(), "three.bvh").unwrap();
     assert_eq!((again.frames, again.frame_time), (3, 0.05));
 }
+
+/// In single precision 0.7 s are a hair less than seven frames of a tenth.
+#[test]
+fn a_clip_that_ends_with_a_frame_has_it() {
+    let armature = armature(false);
+    for (seconds, rate, frames) in [(0.7, 10.0, 8), (0.69, 10.0, 7), (1.1, 30.0, 34)] {
+        let mut builder = Clip::builder("ends", &armature);
+        builder.span(0.0, seconds).unwrap();
+        let text = bvh::to_text(&armature, &builder.build(), rate).unwrap();
+        assert_eq!(read(&text).frames, frames, "{seconds}");
+    }
+}

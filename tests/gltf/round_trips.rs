@@ -446,21 +446,22 @@ fn a_clip_lasts_as_long_as_it_did_wherever_its_keys_are() {
         builder.span(span[0], span[1]).unwrap();
         builder.build()
     };
-    let (early, short) = (
+    let (early, short, late) = (
         turning([-1.0, 1.5], [0.0, 1.0]),
         turning([0.0, 1.0], [0.0, 4.0]),
+        turning([1.0, 2.0], [1.0, 2.0]),
     );
-    scene.clips = vec![early, short];
+    scene.clips = vec![early, short, late];
     let read = again(&scene, &WriteOptions::default());
     let spans: Vec<_> = read.clips.iter().map(Clip::span).collect();
-    assert_eq!(spans, [[0.0, 2.5], [0.0, 4.0]]);
-    for (clip, last) in read.clips.iter().zip([2.5, 1.0]) {
+    assert_eq!(spans, [[0.0, 2.5], [0.0, 4.0], [1.0, 2.0]]);
+    for (clip, keys) in read.clips.iter().zip([[0.0, 2.5], [0.0, 1.0], [1.0, 2.0]]) {
         let channels = clip.channels(&read.armature).unwrap();
         let turns = channels.iter().filter_map(|(_, channel)| match channel {
             Channel::Rotation(curve) => Some(curve.times()),
             _ => None,
         });
         let turns: Vec<_> = turns.collect();
-        assert_eq!(turns, [&[0.0, last][..]; BONES]);
+        assert_eq!(turns, [&keys[..]; BONES]);
     }
 }

@@ -256,3 +256,31 @@ fn a_residual_without_rows_is_no_panic() {
             .reached
     );
 }
+
+/// What is told of several tasks is the largest, and of one that is no number that it is none.
+#[test]
+fn an_error_that_is_no_number_is_not_passed_over() {
+    let (model, tip) = arm();
+    for nan_first in [false, true] {
+        let mut builder = Problem::builder(&model);
+        // Wherever the tip stands it is NaN.
+        let nowhere = Cliff {
+            tip,
+            x: 0.1,
+            y: f64::NAN,
+        };
+        if nan_first {
+            builder.add(nowhere.clone());
+        }
+        builder.add(Point::new(tip, [0.5, 0.2, 0.0]));
+        if !nan_first {
+            builder.add(nowhere);
+        }
+        let problem = builder.build().unwrap();
+        let solution = Solver::default()
+            .solve_once(&problem, &[-0.2, 0.1, 0.1])
+            .unwrap();
+        let error = solution.error(Quantity::Metres).unwrap();
+        assert!(error.is_nan() && !solution.reached, "{error}");
+    }
+}

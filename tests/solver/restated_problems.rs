@@ -146,3 +146,40 @@ fn numbers_that_make_no_problem_are_refused() {
     );
     assert!(other.with_joint_origins([(joints[3], [0.0; 3])]).is_err());
 }
+
+/// A weight or tolerance that is said twice is the one said last.
+#[test]
+fn what_is_said_twice_is_what_was_said_last() {
+    let (model, _, tip) = arm(PLACES);
+    let start = model.neutral();
+    let solved = |said: &dyn Fn(Task<Pose>) -> Task<Pose>| {
+        let mut tasks = Problem::builder(&model);
+        tasks.add(said(Task::new(Pose::new(tip, at([0.5, 0.3, 0.2])))));
+        tasks.add(Posture::new(&model, &start));
+        tasks.preferences(kinopt::problem::Preferences::Traded);
+        Solver::default()
+            .solve_once(&tasks.build().unwrap(), &start)
+            .unwrap()
+    };
+    let once = solved(&|task| {
+        task.weight(Quantity::Metres, 3.0)
+            .tolerance(Quantity::Metres, 0.4)
+    });
+    let twice = solved(&|task| {
+        let task = task
+            .weight(Quantity::Metres, 0.2)
+            .weight(Quantity::Metres, 3.0);
+        task.tolerance(Quantity::Metres, 1e-9)
+            .tolerance(Quantity::Metres, 0.4)
+    });
+    let first = solved(&|task| {
+        task.weight(Quantity::Metres, 0.2)
+            .tolerance(Quantity::Metres, 1e-9)
+    });
+    assert_eq!(twice.q, once.q);
+    assert_eq!(
+        format!("{:?}", twice.tasks().next()),
+        format!("{:?}", once.tasks().next())
+    );
+    assert_ne!(first.q, once.q);
+}

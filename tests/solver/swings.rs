@@ -4,8 +4,8 @@
 use kinopt::model::{BallLimits, Limits, Model};
 use kinopt::problem::Evaluation;
 use kinopt::solver::{LeastSquares, Termination};
-use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Point, Posture};
+use kinopt::spatial::{Matrix3, Placement, Vector3};
+use kinopt::task::{Orientation, Point, Posture};
 use kinopt::{Problem, Solver};
 use support::random::Random;
 
@@ -75,5 +75,42 @@ fn a_miss_at_an_edge_and_at_limits_is_at_rest() {
         );
         let left = solution.projected_gradient.unwrap();
         assert!(left < 1e-6, "{left} {}", solution.explain());
+    }
+}
+
+/// A ball that swings anywhere is held by either end of its twist alone.
+#[test]
+fn one_end_of_a_twist_holds() {
+    use std::f64::consts::PI;
+    for (twist, beyond, end) in [
+        (Limits::new(-0.5, PI), -1.2, -0.5),
+        (Limits::new(-PI, 0.5), 1.2, 0.5),
+    ] {
+        let mut builder = Model::builder("joint");
+        let axis = Vector3::UNITS[2];
+        let cone = BallLimits::cone(PI, twist);
+        let ball = builder.ball("ball", None, Placement::identity(), axis, Some(cone));
+        let tip = builder.frame("tip", Some(ball), Placement::identity());
+        let model = builder.build().unwrap();
+        let mut tasks = Problem::builder(&model);
+        tasks.add(Orientation::new(
+            tip,
+            Matrix3::rotation(axis, f64::sin_cos(beyond)),
+        ));
+        let problem = tasks.build().unwrap();
+        let solution = Solver::default()
+            .solve_once(&problem, &model.neutral())
+            .unwrap();
+        let twisted = 2.0 * f64::atan2(solution.q[3], solution.q[0]);
+        let within = (twisted + PI).rem_euclid(2.0 * PI) - PI;
+        assert!(
+            !solution.reached && (within - end).abs() < 1e-6,
+            "{within} {:?}",
+            solution.q
+        );
+        assert!(
+            twist.lower - 1e-9 <= within && within <= twist.upper + 1e-9,
+            "{within}"
+        );
     }
 }
