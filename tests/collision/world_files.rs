@@ -193,7 +193,7 @@ fn what_is_wrong_in_json_is_named_with_its_place() {
         (
             r#"{"meshes": [{"name": "a", "file": "b.obj"}]}"#,
             "meshes[0]",
-            "not opened",
+            "opened only where",
         ),
         (
             r#"{"convex": [{"name": "a", "points": [[0,0,0],[1,0,0],[0,1,0],[1,1,0]]}]}"#,
