@@ -503,3 +503,31 @@ fn a_bound_on_moves_is_kept_step_by_step() {
         }
     }
 }
+
+/// Six joints whose tool may turn as it likes have three to spare, which a posture takes.
+#[test]
+fn a_posture_has_what_a_position_leaves_of_six_joints() {
+    let robot = support::arms::robot("universal_ur5e");
+    let builder = || Arm::builder(&robot, "base", "flange").with_goal(Goal::position());
+    let posture = [0.1, -1.0, 0.9, -1.2, -0.7, 0.3];
+    let plain = builder().build().unwrap();
+    let led = builder().with_posture(&posture).build().unwrap();
+    let mut random = Random(47);
+    let (mut led_by, mut not_led) = (0.0, 0.0);
+    for _ in 0..10 {
+        let mut beside = |by: f64| -> Vec<f64> {
+            let near = posture.iter();
+            near.map(|value| value + by * (2.0 * random.unit() - 1.0))
+                .collect()
+        };
+        let (there, start) = (beside(0.3), beside(0.8));
+        let target = plain.base_from_tool(&there).unwrap();
+        let found = [&plain, &led].map(|arm| arm.solve(target, &start).unwrap());
+        assert!(found.iter().all(|solution| solution.reached));
+        let [without, with] = found.map(|solution| distance(&solution.q, &posture));
+        // The configuration that the target was made of has it, too.
+        assert!(with <= distance(&there, &posture), "{with} {without}");
+        (led_by, not_led) = (led_by + with, not_led + without);
+    }
+    assert!(1.5 * led_by < not_led, "{led_by} {not_led}");
+}
