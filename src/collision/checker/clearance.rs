@@ -92,6 +92,38 @@ impl Distances {
             });
         self.rooms.put_back(room);
     }
+
+    /// Writes the derivatives of the rows, times a sign.
+    fn write_slopes(&self, frames: &[Placement<f64>], sign: f64, jacobian: &mut LocalJacobian) {
+        let mut squares = vec![0.0; jacobian.rows()];
+        self.visit(frames, |pair, row, lack, separation| {
+            squares[row] += lack * lack;
+            let mut add = |frame: usize, slope: Vector3<f64>, point: Vector3<f64>| {
+                let lever = point - frames[frame].translation;
+                let along = jacobian.linear_mut(frame);
+                along[row] += slope;
+                // n · (ω × l) = ω · (l × n)
+                let turning = jacobian.angular_mut(frame);
+                turning[row] += lever.cross(slope);
+            };
+            // What is too near is so by more as the first goes along the normal.
+            let along = separation.normal * lack;
+            let (Pair::Standing(first, _) | Pair::Parts(first, _)) = pair;
+            add(first, along, separation.on_first);
+            if let Pair::Parts(_, second) = pair {
+                add(second, -along, separation.on_second);
+            }
+        });
+        // d‖l‖ = Σ l dl / ‖l‖, and where nothing is too near 0.
+        for square in &mut squares {
+            *square = if *square > 0.0 {
+                sign / square.sqrt()
+            } else {
+                0.0
+            };
+        }
+        jacobian.scale_rows(&squares);
+    }
 }
 
 impl NumericResidual for Distances {
@@ -115,34 +147,7 @@ impl NumericResidual for Distances {
         _joints: &[f64],
         jacobian: &mut LocalJacobian,
     ) -> bool {
-        let mut squares = vec![0.0; jacobian.rows()];
-        self.visit(frames, |pair, row, lack, separation| {
-            squares[row] += lack * lack;
-            let mut add = |frame: usize, slope: Vector3<f64>, point: Vector3<f64>| {
-                let lever = point - frames[frame].translation;
-                let along = jacobian.linear_mut(frame);
-                along[row] += slope;
-                // n · (ω × l) = ω · (l × n)
-                let turning = jacobian.angular_mut(frame);
-                turning[row] += lever.cross(slope);
-            };
-            // What is too near is so by more as the first goes along the normal.
-            let along = separation.normal * lack;
-            let (Pair::Standing(first, _) | Pair::Parts(first, _)) = pair;
-            add(first, along, separation.on_first);
-            if let Pair::Parts(_, second) = pair {
-                add(second, -along, separation.on_second);
-            }
-        });
-        // d‖l‖ = Σ l dl / ‖l‖, and where nothing is too near 0.
-        for square in &mut squares {
-            *square = if *square > 0.0 {
-                1.0 / square.sqrt()
-            } else {
-                0.0
-            };
-        }
-        jacobian.scale_rows(&squares);
+        self.write_slopes(frames, 1.0, jacobian);
         true
     }
 
@@ -192,5 +197,15 @@ impl Residual for Clearance {
         jacobian: &mut LocalJacobian,
     ) -> bool {
         self.0.differentiate(frames, joints, jacobian)
+    }
+
+    fn differentiate_depths(
+        &self,
+        frames: &[Placement<f64>],
+        _joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        self.0.0.write_slopes(frames, -1.0, jacobian);
+        true
     }
 }

@@ -47,4 +47,13 @@ impl<R: Residual> Residual for Switchable<R> {
     ) -> bool {
         !self.counts || self.of.differentiate(frames, joints, jacobian)
     }
+
+    fn differentiate_depths(
+        &self,
+        frames: &[Placement<f64>],
+        joints: &[f64],
+        jacobian: &mut LocalJacobian,
+    ) -> bool {
+        !self.counts || self.of.differentiate_depths(frames, joints, jacobian)
+    }
 }
