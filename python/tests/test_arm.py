@@ -1,8 +1,11 @@
 """Arms solve what forward kinematics says they reach, alone, in batches and along paths."""
 
 import copy
+import os
 import pickle
+import signal
 import threading
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -93,6 +96,21 @@ def test_a_batch_answers_as_single_questions_do_on_any_number_of_threads(arm, ta
         assert again.q is out
         assert np.array_equal(out, batch.q)
     assert np.array_equal(errors_of(arm, out, targets)[0] < 1.001e-6, np.ones(300, bool))
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not forked here")
+def test_threads_that_wait_are_not_waited_for_in_a_forked_process(arm, targets):
+    batch = arm.solve_batch(targets, START, threads=2)
+    with warnings.catch_warnings():
+        # Threads in a process that is forked are what is tried here.
+        warnings.simplefilter("ignore", DeprecationWarning)
+        child = os.fork()
+    if child == 0:
+        signal.alarm(120)
+        same = np.array_equal(arm.solve_batch(targets, START, threads=2).q, batch.q)
+        os._exit(0 if same else 1)
+    assert os.waitpid(child, 0)[1] == 0
+    assert np.array_equal(arm.solve_batch(targets, START, threads=2).q, batch.q)
 
 
 def test_a_miss_is_said_by_how_much_and_why(arm):

@@ -303,4 +303,20 @@ mod tests {
             "{reached} {both}"
         );
     }
+
+    /// More starts than there are lanes, all alike: none inherits what another one before it in its lane has used up.
+    #[test]
+    #[allow(clippy::unwrap_used)]
+    fn each_start_is_carried_by_as_many_steps() {
+        let robot = Robot::read("models/franka_panda.urdf").unwrap();
+        let arm = Arm::new(&robot, "base", "tool").unwrap();
+        let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
+        let here = arm.base_from_tool(&start).unwrap();
+        let by = Vector3::new(0.1, 0.05, -0.1);
+        let target = Placement::new(here.rotation * rotation_exp(by), here.translation + by);
+        let mut ends = Ends::default();
+        arm.carry_all(&target, &start.repeat(4000), &mut ends)
+            .unwrap();
+        assert!(ends.outcomes.iter().all(|end| end.reached));
+    }
 }

@@ -315,6 +315,10 @@ fn what_is_clear_by_its_spheres_touches_nothing() {
     bad[3] = f64::NAN;
     let refused = panda.arm.clear_by_spheres(&bad, &mut [true]);
     assert!(refused.unwrap_err().to_string().contains("joint4"));
+    // Of several the joint is told, not the place among all numbers.
+    let bad = [&q[..14], &bad].concat();
+    let refused = panda.arm.clear_by_spheres(&bad, &mut [true; 3]);
+    assert!(refused.unwrap_err().to_string().contains("joint4"));
     assert!(panda.arm.clear_by_spheres(&q[..6], &mut [true]).is_err());
 }
 

@@ -1,9 +1,12 @@
 //! Promise: a collision model has the shapes of the robot's links where they stand, and keeps apart what may touch
 //! and should not.
 
-use kinopt::collision::{CollisionModel, CollisionModelError, MeshUse, ShapeKind, separation};
+use kinopt::collision::{
+    CollisionModel, CollisionModelError, CollisionObject, MeshUse, Shape, ShapeKind, separation,
+};
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::robot::{Robot, Srdf};
+use kinopt::spatial::Placement;
 use support::arms::robot;
 
 /// Both names of each pair.
@@ -216,11 +219,18 @@ fn meshes_are_found_beside_above_and_in_packages() {
         .unwrap();
     assert_eq!((left_out.objects().len(), left_out.notes().len()), (2, 1));
 
-    for package in [folder.join("elsewhere"), others.clone()] {
-        let model = CollisionModel::builder(&robot)
-            .with_package_folder(package)
-            .build()
-            .unwrap();
+    let (packages, own, empty) = (folder.join("elsewhere"), others.clone(), meshes.clone());
+    for folders in [
+        vec![&packages],
+        vec![&own],
+        vec![&packages, &empty],
+        vec![&empty, &own],
+    ] {
+        let builder = CollisionModel::builder(&robot);
+        let builder = (folders.iter()).fold(builder, |builder, folder| {
+            builder.with_package_folder(folder)
+        });
+        let model = builder.build().unwrap();
         assert_eq!(model.objects().len(), 3);
         for object in model.objects() {
             let bounds = object.shape.bounding_box();
@@ -297,5 +307,22 @@ fn shipped_arms_hang_together() {
             let q = robot.model().random_configuration(seed);
             assert_eq!(pieces(&model, &q), 1, "{name}, {q:?}");
         }
+    }
+}
+
+/// What has no end cannot move with a link.
+#[test]
+fn planes_and_height_fields_are_no_part_of_a_link() {
+    let robot = Robot::parse(ROW, "row.urdf").unwrap();
+    let model = robot.model();
+    let heights = Shape::height_field(vec![0.0; 4], 2, [1.0; 2]).unwrap();
+    for shape in [Shape::half_space(), heights] {
+        let link = model.frame("b").unwrap();
+        let object = CollisionObject::new("ground", link, Placement::identity(), shape);
+        let error = CollisionModel::new(model, vec![object]).unwrap_err();
+        assert!(
+            matches!(&error, CollisionModelError::Boundless { object } if object == "ground"),
+            "{error}"
+        );
     }
 }

@@ -289,3 +289,29 @@ fn spheres_that_are_grown_stay_within_the_one_around_them() {
         }
     }
 }
+
+/// A capsule is held only where both its caps are.
+#[test]
+fn a_capsule_whose_one_cap_sticks_out_is_not_held() {
+    let robot = r#"<robot name="r"><link name="rod">
+        <collision><geometry><cylinder radius="0.1" length="0.4"/></geometry></collision>
+        <collision><origin xyz="0 0 0.2"/><geometry><sphere radius="0.1"/></geometry></collision>
+        <collision><origin xyz="0 0 -0.2"/><geometry><sphere radius="0.1"/></geometry></collision></link></robot>"#;
+    let robot = Robot::parse(robot, "rod.urdf").unwrap();
+    let shapes = CollisionModel::of(&robot).unwrap();
+    // The middle one holds all between the caps, each of the others a cap.
+    let middle = 0.05_f64.sqrt() + 1e-9;
+    for ends in [vec![-0.2], vec![0.2], vec![-0.2, 0.2]] {
+        let mut text = String::from("collision_spheres:\n  rod:\n");
+        let balls = ends.iter().map(|at| (*at, 0.1)).chain([(0.0, middle)]);
+        for (at, radius) in balls {
+            text.push_str(&format!(
+                "    - {{center: [0, 0, {at}], radius: {radius}}}\n"
+            ));
+        }
+        let spheres = SphereModel::parse(text.as_bytes(), "rod.yml", &shapes).unwrap();
+        let gap = if ends.len() == 2 { 0.0 } else { 0.3 - middle };
+        let told = spheres.gap();
+        assert!(told >= gap && told < gap + 2e-3, "{ends:?}: {told} {gap}");
+    }
+}

@@ -2,9 +2,11 @@
 //! bounds of variables are those of all that hangs on them.
 #![allow(clippy::unwrap_used)]
 
+use kinopt::Problem;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{Limits, ParameterMap};
 use kinopt::spatial::rotation_log;
+use kinopt::task::Posture;
 use support::figures::Figure;
 use support::random::Random;
 use support::{placement, planar_arm};
@@ -92,4 +94,27 @@ fn a_joint_is_narrowed_to_what_all_limits_have() {
     assert_eq!(narrowed(&[(-5.0, 5.0)]), (-1.0, 2.0));
     assert_eq!(narrowed(&[(-0.5, 5.0)]), (-0.5, 2.0));
     assert_eq!(narrowed(&[(-0.5, 1.0), (-0.8, 0.2)]), (-0.5, 0.2));
+}
+
+/// A bound of the problem's on a follower narrows what it follows, but never leaves it more than it had.
+#[test]
+fn a_problem_s_bounds_on_a_follower_give_its_leader_no_room() {
+    let model = planar_arm(&[1.0; 2], Some((-1.0, 2.0)));
+    let joints = model.moving_joints();
+    let map = ParameterMap::builder(&model);
+    let map = map.with_narrowed(joints[0], Limits::new(-0.3, 0.4));
+    let map = map.with_coupled(joints[1], joints[0], 2.0, 0.0);
+    let map = map.build().unwrap();
+    for (bound, room) in [
+        (Limits::new(-0.9, 1.5), (-0.3, 0.4)),
+        (Limits::new(-0.4, 1.5), (-0.2, 0.4)),
+        (Limits::new(-0.9, 0.2), (-0.3, 0.1)),
+    ] {
+        let mut tasks = Problem::builder(&model);
+        tasks.parameters(map.clone());
+        tasks.bound(joints[1], bound);
+        tasks.add(Posture::new(&model, &[0.0; 2]));
+        let problem = tasks.build().unwrap();
+        assert_eq!((problem.lower()[0], problem.upper()[0]), room, "{bound:?}");
+    }
 }

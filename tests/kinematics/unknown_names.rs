@@ -2,7 +2,7 @@
 //! may have been meant where they are many.
 
 use kinopt::Model;
-use kinopt::model::UnknownName;
+use kinopt::model::{FrameRef, JointRef, Limits, UnknownName};
 use kinopt::spatial::{Placement, Vector3};
 
 const BONES: [&str; 14] = [
@@ -124,4 +124,31 @@ fn the_shortest_name_around_it_comes_first() {
     let names = ["the left hand's thumb", "left hand"];
     let found = UnknownName::new("bone", "hand", names);
     assert_eq!(found.suggestions(), ["left hand", "the left hand's thumb"]);
+}
+
+/// An id of another model is none here, also the first that there is not.
+#[test]
+fn ids_of_larger_models_are_unknown() {
+    let chain = |joints: usize| {
+        let mut builder = Model::builder("chain");
+        let link = Placement::translation(Vector3::UNITS[0]);
+        let mut last = None;
+        for k in 0..joints {
+            let (axis, limits) = (Vector3::UNITS[2], Limits::new(-1.0, 1.0));
+            let joint = builder.revolute(format!("joint {k}"), last, link, axis, limits);
+            builder.frame(format!("link {k}"), Some(joint), link);
+            last = Some(joint);
+        }
+        builder.build().unwrap()
+    };
+    let (small, large) = (chain(3), chain(5));
+    for k in 0..5 {
+        let frame = large.frame(&format!("link {k}")).unwrap();
+        let joint = large.joint(&format!("joint {k}")).unwrap();
+        let is_frame = FrameRef::Id(frame).resolve(&small).is_ok();
+        let is_joint = JointRef::Id(joint).resolve(&small).is_ok();
+        assert_eq!((is_frame, is_joint), (k < 3, k < 3), "{k}");
+    }
+    // The first that there is not, counted as ids are.
+    assert!(large.frame("link 3").unwrap().index() == small.frames().len());
 }

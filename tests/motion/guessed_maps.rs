@@ -117,7 +117,19 @@ fn all_known_skeletons_are_told_by_their_names_and_drive_all_of_the_humanoid() {
 #[test]
 fn names_of_many_kinds_tell_of_the_same_parts() {
     let humanoid = model(&HUMANOID);
-    let kinds: [[&str; 10]; 6] = [
+    let kinds: [[&str; 10]; 7] = [
+        [
+            "pelvis",
+            "thigh_01_l",
+            "calf_01_l",
+            "foot_01_l",
+            "ball_01_l",
+            "upperarm_01_l",
+            "lowerarm_01_l",
+            "hand_01_l",
+            "thigh_01_r",
+            "head_01",
+        ],
         [
             "hips",
             "thigh.L",

@@ -166,6 +166,30 @@ fn two_equal_places_have_none_between_them() {
     assert_eq!(told, Existence::DoesNotExist(singular));
 }
 
+/// The same beside a joint that nothing asks for: nothing pushes along that one, whichever of the two comes first.
+#[test]
+fn two_equal_places_have_none_beside_a_joint_that_is_free() {
+    let at = Placement::identity();
+    let z = Vector3::UNITS[2];
+    let limits = Limits::new(-2.0, 2.0);
+    for idle_first in [false, true] {
+        let mut builder = Model::builder("two arms");
+        let (first, second) = match idle_first {
+            true => ("idle", "asked"),
+            false => ("asked", "idle"),
+        };
+        let joints = [first, second].map(|name| builder.revolute(name, None, at, z, limits));
+        let link = Placement::translation([1.0, 0.0, 0.0].into());
+        let tip = builder.frame("tip", Some(joints[usize::from(idle_first)]), link);
+        let model = builder.build().unwrap();
+        let mut tasks = Problem::builder(&model);
+        tasks.add(Point::new(tip, [0.0, 0.0, 0.0]));
+        let told = existence(&tasks.build().unwrap(), &[0.3, 0.4]);
+        let singular = NoDerivative::Singular { directions: 2 };
+        assert_eq!(told, Existence::DoesNotExist(singular), "{idle_first}");
+    }
+}
+
 #[test]
 fn a_place_where_no_search_ends_is_no_solution() {
     let (model, tip) = chain(2, Limits::new(-2.0, 2.0));

@@ -189,7 +189,8 @@ impl Crowd {
         #[pyo3(from_py_with = crate::arrays::whole_or_none)] threads: Option<usize>,
     ) -> PyResult<()> {
         let seconds = arrays::finite(seconds, "seconds")?;
-        let pool = threads::pool(threads)?;
+        let characters = self.with(|crowd| crowd.characters().len());
+        let pool = threads::pool(threads, characters)?;
         py.detach(|| {
             self.with(|crowd| match &pool {
                 Some(pool) => pool.install(|| crowd.advance_parallel(seconds)),

@@ -176,11 +176,8 @@ fn solve_all(
     progress: &Progress,
 ) -> PyResult<()> {
     let dof = arm.joint_count();
-    let pool = threads::pool(threads)?;
-    let piece = PIECE
-        * pool
-            .as_ref()
-            .map_or(1, rayon::ThreadPool::current_num_threads);
+    let pool = threads::pool(threads, batch.count)?;
+    let piece = PIECE * pool.as_ref().map_or(1, |pool| pool.current_num_threads());
     let q = q
         .as_slice_mut()
         .map_err(|error| invalid(error.to_string()))?;

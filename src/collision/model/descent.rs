@@ -112,3 +112,81 @@ impl CollisionModel {
         Ok(false)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::Apart;
+    use crate::collision::{CollisionModel, CollisionObject, Shape};
+    use crate::model::{Limits, Model};
+    use crate::random::RandomStream;
+    use crate::spatial::{Placement, Vector3, rotation_exp};
+    use crate::task::{LocalJacobian, NumericResidual};
+
+    /// Of two capsules, whose nearest points move smoothly, wherever their links stand.
+    #[test]
+    #[allow(clippy::unwrap_used)]
+    fn its_slope_is_that_of_the_distance() {
+        let (z, limits) = (Vector3::UNITS[2], Limits::new(-1.0, 1.0));
+        let mut builder = Model::builder("two links");
+        let links = ["first", "second"].map(|name| {
+            let joint = builder.revolute(name, None, Placement::identity(), z, limits);
+            builder.frame(format!("{name} link"), Some(joint), Placement::identity())
+        });
+        let model = builder.build().unwrap();
+        let capsule = Shape::capsule(0.05, 0.3).unwrap();
+        let beside = Placement::translation(Vector3::new(0.4, 0.1, -0.2));
+        let objects =
+            links.map(|link| CollisionObject::new("capsule", link, beside, capsule.clone()));
+        let bodies = CollisionModel::new(&model, objects.into()).unwrap();
+        let mut shapes = bodies.link_shapes().into_iter().map(Arc::new);
+        let shapes = [shapes.next().unwrap(), shapes.next().unwrap()];
+        let apart = Apart { links, shapes };
+
+        let mut random = RandomStream::new(5, 0);
+        let mut vector = |size: f64| {
+            let [x, y, z] = [(); 3].map(|()| random.unit() - 0.5);
+            Vector3::new(x, y, z) * size
+        };
+        let step = 1e-6;
+        let distance = |frames: &[Placement<f64>]| {
+            let mut row = [0.0];
+            apart.evaluate(frames, &[], &mut row);
+            row[0]
+        };
+        for case in 0..50 {
+            let frames = [(); 2].map(|()| Placement::new(rotation_exp(vector(4.0)), vector(1.0)));
+            if distance(&frames) < 0.05 {
+                continue;
+            }
+            let mut jacobian = LocalJacobian::default();
+            jacobian.reset(1, 2, 0);
+            apart.differentiate(&frames, &[], &mut jacobian);
+            for frame in 0..2 {
+                for unit in Vector3::UNITS {
+                    let slope = |moved: &dyn Fn(f64) -> Placement<f64>| {
+                        let [ahead, behind] = [step, -step].map(|by| {
+                            let mut frames = frames;
+                            frames[frame] = moved(by);
+                            distance(&frames)
+                        });
+                        (ahead - behind) / (2.0 * step)
+                    };
+                    let at = frames[frame];
+                    let along =
+                        slope(&|by| Placement::new(at.rotation, at.translation + unit * by));
+                    let about = slope(&|by| {
+                        Placement::new(rotation_exp(unit * by) * at.rotation, at.translation)
+                    });
+                    let told = [
+                        jacobian.linear(frame)[0].dot(unit),
+                        jacobian.angular(frame)[0].dot(unit),
+                    ];
+                    let off = [along - told[0], about - told[1]];
+                    assert!(off.iter().all(|off| off.abs() < 1e-6), "{case}: {off:?}");
+                }
+            }
+        }
+    }
+}
