@@ -99,3 +99,22 @@ impl fmt::Display for Collision {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{BodyKind, Collision};
+
+    #[test]
+    fn a_link_and_an_obstacle_of_one_name_are_two() {
+        let pair = Collision::new("hand", "table", -0.01);
+        let closer = Collision::new("hand", "table", -0.02).met_on_the_way();
+        assert!(pair.is_of_same_pair(&closer));
+        for (first, second) in [
+            (BodyKind::Link, BodyKind::Link),
+            (BodyKind::Obstacle, BodyKind::Obstacle),
+        ] {
+            let other = Collision::new("hand", "table", -0.01).between(first, second);
+            assert!(!pair.is_of_same_pair(&other), "{other}");
+        }
+    }
+}

@@ -1,5 +1,6 @@
 //! Promise: a name that is not there is told with all names where they are few, and with those that
 //! may have been meant where they are many.
+#![allow(clippy::unwrap_used)]
 
 use kinopt::Model;
 use kinopt::model::{FrameRef, JointRef, Limits, UnknownName};
