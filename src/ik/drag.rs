@@ -1,8 +1,8 @@
 //! Dragging: one problem whose targets move from frame to frame.
 
+use super::drag_frame::{NUDGE_EVERY, REST, near, solve};
 use super::keep_clear::ClearRoom;
 use super::levels::Extent;
-use super::solver::Run;
 use super::straight_way::furthest_move;
 use super::way_out::{WayOut, WayOutSolvers};
 use super::way_out_of_contact::WayOutOfContact;
@@ -11,7 +11,7 @@ use crate::bad_option::BadOption;
 use crate::problem::{Problem, ProblemError, Question, Targets, TaskId};
 use crate::random::RandomStream;
 use crate::search::{check_start, slide_per_radian};
-use crate::solver::{Silent, Stopping};
+use crate::solver::Stopping;
 use crate::task::Residual;
 
 /// How far a joint may move in a frame unless set otherwise, in radians: 9 rad/s at 60 frames a
@@ -19,16 +19,11 @@ use crate::task::Residual;
 const MOST_MOVE: f64 = 0.15;
 /// Steps of a frame at most. A frame that is cut short goes on in the next.
 const STEPS: usize = 40;
-/// Every so many frames that settle on a miss, a nudge tells a place of rest from a balance: an
-/// arm that is stretched out to the bit does not feel a target that comes back along it.
-pub(super) const NUDGE_EVERY: usize = 4;
 /// How far the nudge goes, in radians, and for how many steps it may show that it leads on.
 const NUDGE: f64 = 0.01;
 const NUDGE_STEPS: usize = 10;
 /// A joint this near the middle of its range, as a share of it, has no side to go to.
 const CENTRED: f64 = 1e-6;
-/// A body whose joints move less in a frame rests, in radians.
-pub(super) const REST: f64 = 1e-6;
 /// The cost at which a nudge, or a search from elsewhere, has led to something better.
 pub(super) const BETTER: f64 = 1.0 - 1e-3;
 
@@ -403,31 +398,4 @@ impl Drag {
         kept.solution.counts += trial.solution.counts;
         better
     }
-}
-
-/// What a frame asks: the targets as they are now, within its bounds.
-pub(super) fn near<'a>(
-    problem: &'a Problem,
-    targets: &'a Targets,
-    moves: &'a MoveLimits,
-) -> Question<'a> {
-    Question::from(problem).with_targets(targets).near(moves)
-}
-
-/// A solve from a start of the right length. Where a number in it is not finite, which a residual of
-/// the caller's may bring about, the last solution stays.
-pub(super) fn solve(
-    solver: &Solver,
-    question: Question<'_>,
-    from: &[f64],
-    workspace: &mut Workspace,
-) {
-    let mut run = Run {
-        deadline: solver.stopping().deadline(),
-        observer: &mut Silent,
-        guard: None,
-        clear: None,
-    };
-    let solved = solver.run(question, from, workspace, &mut run);
-    debug_assert!(solved.is_ok(), "a start of its own that does not fit");
 }

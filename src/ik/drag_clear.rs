@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::Drag;
 use super::clear_engine::distance_of_first;
-use super::drag::near;
+use super::drag_frame::near;
 use super::keep_clear::ClearRoom;
 use super::levels::Extent;
 use super::solver::Run;

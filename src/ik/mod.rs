@@ -3,6 +3,7 @@
 mod clear_engine;
 mod drag;
 mod drag_clear;
+mod drag_frame;
 mod drag_to_rest;
 mod hold_postures;
 mod keep_clear;

@@ -5,7 +5,7 @@
 //! not far from it; where that comes to the targets on the same branch, the next frames go there, within the most that
 //! a joint may move in each.
 
-use super::drag::{NUDGE_EVERY, REST, near, solve};
+use super::drag_frame::{NUDGE_EVERY, REST, near, solve};
 use super::levels::Extent;
 use super::straight_way::{furthest_move, go_share};
 use super::{Drag, Restarts, Solver};

@@ -6,7 +6,7 @@
 //! are taken only after many attempts found no other.
 
 use super::Drag;
-use super::drag::solve;
+use super::drag_frame::solve;
 use super::straight_way::{furthest_move, go_share};
 use crate::problem::{AnyClearanceCheck, Fence, Question};
 use crate::random::RandomStream;
