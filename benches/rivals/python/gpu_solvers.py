@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gpu_batches import BATCHES, TIP, Answers
+from gpu_answers import BATCHES, TIP, Answers
 
 # JAX would take most of the GPU's memory at once.
 os.environ.setdefault("XLA_PYTHON_CLIENT_PREALLOCATE", "false")
