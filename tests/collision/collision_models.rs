@@ -219,12 +219,13 @@ fn meshes_are_found_beside_above_and_in_packages() {
         .unwrap();
     assert_eq!((left_out.objects().len(), left_out.notes().len()), (2, 1));
 
-    let (packages, own, empty) = (folder.join("elsewhere"), others.clone(), meshes.clone());
+    // The third has another mesh.
+    let (packages, own, another) = (folder.join("elsewhere"), others.clone(), meshes.clone());
     for folders in [
         vec![&packages],
         vec![&own],
-        vec![&packages, &empty],
-        vec![&empty, &own],
+        vec![&packages, &another],
+        vec![&another, &own],
     ] {
         let builder = CollisionModel::builder(&robot);
         let builder = (folders.iter()).fold(builder, |builder, folder| {

@@ -119,10 +119,25 @@ mod tests {
 
     use super::Apart;
     use crate::collision::{CollisionModel, CollisionObject, Shape};
-    use crate::model::{Limits, Model};
+    use crate::model::{FrameId, Limits, Model};
     use crate::random::RandomStream;
     use crate::spatial::{Placement, Vector3, rotation_exp};
-    use crate::task::{LocalJacobian, NumericResidual};
+    use crate::task::{LocalJacobian, Numeric, NumericResidual, Residual, Rows};
+
+    /// The same without slopes of its own, which are measured then.
+    #[derive(Clone)]
+    struct Measured(Apart);
+
+    impl NumericResidual for Measured {
+        answers! {
+            fn frames(&self) -> Vec<FrameId> = self.0.frames();
+            fn rows(&self) -> Vec<Rows> = self.0.rows();
+        }
+
+        fn evaluate(&self, frames: &[Placement<f64>], joints: &[f64], residual: &mut [f64]) {
+            self.0.evaluate(frames, joints, residual);
+        }
+    }
 
     /// Of two capsules, whose nearest points move smoothly, wherever their links stand.
     #[test]
@@ -149,43 +164,24 @@ mod tests {
             let [x, y, z] = [(); 3].map(|()| random.unit() - 0.5);
             Vector3::new(x, y, z) * size
         };
-        let step = 1e-6;
-        let distance = |frames: &[Placement<f64>]| {
-            let mut row = [0.0];
-            apart.evaluate(frames, &[], &mut row);
-            row[0]
-        };
+        let [mut own, mut measured] = [(); 2].map(|()| LocalJacobian::default());
         for case in 0..50 {
             let frames = [(); 2].map(|()| Placement::new(rotation_exp(vector(4.0)), vector(1.0)));
-            if distance(&frames) < 0.05 {
+            let found = apart.separation(&frames);
+            if found.is_none_or(|found| found.distance < 0.05) {
                 continue;
             }
-            let mut jacobian = LocalJacobian::default();
-            jacobian.reset(1, 2, 0);
-            apart.differentiate(&frames, &[], &mut jacobian);
+            own.reset(1, 2, 0);
+            apart.differentiate(&frames, &[], &mut own);
+            measured.reset(1, 2, 0);
+            Numeric(Measured(apart.clone())).differentiate(&frames, &[], &mut measured);
             for frame in 0..2 {
-                for unit in Vector3::UNITS {
-                    let slope = |moved: &dyn Fn(f64) -> Placement<f64>| {
-                        let [ahead, behind] = [step, -step].map(|by| {
-                            let mut frames = frames;
-                            frames[frame] = moved(by);
-                            distance(&frames)
-                        });
-                        (ahead - behind) / (2.0 * step)
-                    };
-                    let at = frames[frame];
-                    let along =
-                        slope(&|by| Placement::new(at.rotation, at.translation + unit * by));
-                    let about = slope(&|by| {
-                        Placement::new(rotation_exp(unit * by) * at.rotation, at.translation)
-                    });
-                    let told = [
-                        jacobian.linear(frame)[0].dot(unit),
-                        jacobian.angular(frame)[0].dot(unit),
-                    ];
-                    let off = [along - told[0], about - told[1]];
-                    assert!(off.iter().all(|off| off.abs() < 1e-6), "{case}: {off:?}");
-                }
+                let [own, measured] = [&own, &measured]
+                    .map(|slopes| [slopes.linear(frame)[0], slopes.angular(frame)[0]]);
+                let off = [own[0] - measured[0], own[1] - measured[1]];
+                let is_close =
+                    |off: &Vector3<f64>| off.to_array().iter().all(|off| off.abs() < 1e-6);
+                assert!(off.iter().all(is_close), "{case}: {off:?}");
             }
         }
     }
