@@ -17,7 +17,11 @@ use crate::digest::Digest;
 use crate::robot_texts::{add_error, add_text};
 use crate::walking_figure::{figure, turn, walk};
 
-fn add(digest: &mut Digest, armature: &Armature, edited: Result<EditedClip, ClipIkError>) {
+pub(crate) fn add(
+    digest: &mut Digest,
+    armature: &Armature,
+    edited: Result<EditedClip, ClipIkError>,
+) {
     match edited {
         Ok(edited) => {
             for (bone, channel) in edited.clip.channels(armature).unwrap() {
@@ -221,7 +225,7 @@ fn spliced() -> u64 {
 }
 
 /// An arm of four bones within limits.
-fn skeleton() -> Skeleton {
+pub(crate) fn skeleton() -> Skeleton {
     let mut builder = Skeleton::builder("arm");
     let mut parent = None;
     for (k, name) in ["base", "upper", "fore", "hand"].iter().enumerate() {

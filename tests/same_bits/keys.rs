@@ -15,7 +15,7 @@ use crate::digest::{Digest, check};
 use crate::robot_texts::{add_error, add_text};
 
 /// A trunk that branches into an arm of three bones and a head.
-fn skeleton() -> Skeleton {
+pub(crate) fn skeleton() -> Skeleton {
     let mut builder = Skeleton::builder("torso");
     let limits = |twist: f64, low: f64, high: f64| {
         [
@@ -45,7 +45,7 @@ fn skeleton() -> Skeleton {
 }
 
 /// Keys every quarter of a second, but on some bones fewer, waving; `beyond` is added to the bends of the forearm.
-fn keys(skeleton: &Skeleton, beyond: impl Fn(usize) -> f64) -> EulerClip {
+pub(crate) fn keys(skeleton: &Skeleton, beyond: impl Fn(usize) -> f64) -> EulerClip {
     let bones = [
         ("trunk", 3, 4),
         ("upper", 5, 2),
@@ -78,7 +78,7 @@ fn keys(skeleton: &Skeleton, beyond: impl Fn(usize) -> f64) -> EulerClip {
     EulerClip::new(tracks.to_vec()).unwrap()
 }
 
-fn add(digest: &mut Digest, solved: Result<EditedKeys, ClipIkError>) {
+pub(crate) fn add(digest: &mut Digest, solved: Result<EditedKeys, ClipIkError>) {
     match solved {
         Ok(solved) => {
             add_text(

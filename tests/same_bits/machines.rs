@@ -20,7 +20,7 @@ fn note(digest: &mut Digest, run: &StateMachineRun) {
     digest.pose(run.pose());
 }
 
-fn update(digest: &mut Digest, run: &mut StateMachineRun, seconds: f64) {
+pub(crate) fn update(digest: &mut Digest, run: &mut StateMachineRun, seconds: f64) {
     run.update(seconds, |passed| {
         digest.bytes(format!(
             "{} {} {}",

@@ -31,7 +31,7 @@ pub(crate) fn bare_arm(robot: &Robot, base: &str, tip: &str) -> Arm {
 }
 
 /// Where the tool is while the joints go straight through some configurations, so many steps each.
-fn through(arm: &Arm, ends: &[Vec<f64>], steps: usize) -> Vec<Placement<f64>> {
+pub(crate) fn through(arm: &Arm, ends: &[Vec<f64>], steps: usize) -> Vec<Placement<f64>> {
     let mut points = vec![arm.base_from_tool(&ends[0]).unwrap()];
     for pair in ends.windows(2) {
         for step in 1..=steps {
@@ -44,7 +44,7 @@ fn through(arm: &Arm, ends: &[Vec<f64>], steps: usize) -> Vec<Placement<f64>> {
     points
 }
 
-fn some(arm: &Arm, random: &mut Random, near: Option<&[f64]>) -> Vec<f64> {
+pub(crate) fn some(arm: &Arm, random: &mut Random, near: Option<&[f64]>) -> Vec<f64> {
     let drawn = arm.limits().enumerate().map(|(joint, limits)| {
         let (low, high) = (limits.lower.max(-3.0), limits.upper.min(3.0));
         match near {
@@ -56,7 +56,12 @@ fn some(arm: &Arm, random: &mut Random, near: Option<&[f64]>) -> Vec<f64> {
 }
 
 /// A circle of some points across z.
-fn circle(begin: &Placement<f64>, radius: f64, count: u32, turns: f64) -> Vec<Placement<f64>> {
+pub(crate) fn circle(
+    begin: &Placement<f64>,
+    radius: f64,
+    count: u32,
+    turns: f64,
+) -> Vec<Placement<f64>> {
     let point = |k: u32| {
         let angle = std::f64::consts::TAU * f64::from(k) / f64::from(count);
         let (sin, cos) = kinopt::Scalar::sin_cos(angle);
@@ -67,7 +72,7 @@ fn circle(begin: &Placement<f64>, radius: f64, count: u32, turns: f64) -> Vec<Pl
     (0..count).map(point).collect()
 }
 
-fn add(digest: &mut Digest, found: &PathSolution) {
+pub(crate) fn add(digest: &mut Digest, found: &PathSolution) {
     let text = serde_json::to_string(found).unwrap();
     assert_eq!(&serde_json::from_str::<PathSolution>(&text).unwrap(), found);
     add_text(digest, &text);
@@ -321,7 +326,7 @@ fn misses() -> u64 {
 }
 
 /// Two links of half a metre with shapes beside a box, whose tool is a place.
-fn two_links_by_a_wall() -> Arm {
+pub(crate) fn two_links_by_a_wall() -> Arm {
     let link = |name: &str| {
         format!(
             "<link name=\"{name}\"><collision><origin xyz=\"0.25 0 0\"/><geometry><box size=\"0.5 0.05 0.05\"/></geometry></collision></link>"

@@ -16,7 +16,7 @@ use crate::robot_texts::{add_error, add_text};
 use crate::walking_person::{BOXES, biped, capture, places};
 
 /// Everything that a movement says, and what is asked of it.
-fn add(digest: &mut Digest, retargeting: &Retargeting<'_>, found: &Retargeted) {
+pub(crate) fn add(digest: &mut Digest, retargeting: &Retargeting<'_>, found: &Retargeted) {
     digest.doubles(found.q.iter().copied());
     let mut rest = found.clone();
     rest.q.clear();
@@ -24,7 +24,7 @@ fn add(digest: &mut Digest, retargeting: &Retargeting<'_>, found: &Retargeted) {
     add_text(digest, &format!("{:?}", retargeting.limits_met(found)));
 }
 
-fn add_fitted(digest: &mut Digest, retargeting: &Retargeting<'_>) {
+pub(crate) fn add_fitted(digest: &mut Digest, retargeting: &Retargeting<'_>) {
     for frame in 0..=retargeting.frames() {
         let targets = retargeting.targets(frame).into_iter().flatten();
         digest.doubles(targets.flat_map(|at| at.to_array()));
