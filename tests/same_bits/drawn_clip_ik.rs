@@ -4,7 +4,9 @@
 use glam::{DVec3, Vec3A};
 use kinopt::Solver;
 use kinopt::animation::curve::{KeyedCurve, TensionContinuityBias};
-use kinopt::animation::{Armature, Channel, Clip, EulerInterpolation, ReachLayer};
+use kinopt::animation::{
+    Armature, Channel, Clip, Cursor, EulerInterpolation, Playback, ReachLayer,
+};
 use kinopt::ik::Restarts;
 use kinopt::motion::ContactDetection;
 use kinopt::motion::clip_ik::{ClipIk, KeyframeIk, Reach, ground_speed};
@@ -59,6 +61,20 @@ fn detection(random: &mut Random) -> ContactDetection {
     own
 }
 
+/// The same in five times the time, so that all of it is slow.
+fn slowed(armature: &Armature, clip: &Clip) -> Clip {
+    let (mut cursor, mut poses) = (Cursor::new(), Vec::new());
+    let times: Vec<f32> = (0..12).map(|k| 0.5 * k as f32).collect();
+    for &time in &times {
+        let mut pose = armature.rest().clone();
+        let elapsed = f64::from(time) / 5.0;
+        clip.sample(elapsed, Playback::Hold, &mut cursor, &mut pose)
+            .unwrap();
+        poses.push(pose);
+    }
+    Clip::through_poses("slow", armature, &times, &poses).unwrap()
+}
+
 fn walks() -> u64 {
     let (mut digest, mut random) = (Digest::new(), Random::new(2051));
     let plain = figure();
@@ -72,9 +88,12 @@ fn walks() -> u64 {
     raised.set_scale(world, Vec3A::splat(1.2)).unwrap();
     let raised = plain.clone().at_rest_in(&raised).unwrap();
     let id = |name: &str| plain.bone(name).unwrap();
-    for case in 0..34 {
+    for case in 0..48 {
         let armature = if case % 3 == 2 { &raised } else { &plain };
-        let clip = walk(armature, at_times(&mut random, 0.6));
+        let mut clip = walk(armature, at_times(&mut random, 0.6));
+        if at_times(&mut random, 0.25) {
+            clip = slowed(armature, &clip);
+        }
         let rate = one_of(&mut random, &[5.0, 8.0, 11.0]);
         let mut ik = ClipIk::new(armature).with_keys_per_second(rate);
         for foot in ["foot.l", "foot.r"] {
@@ -86,6 +105,7 @@ fn walks() -> u64 {
             ("hand", [0.5, 1.2, 0.6]),
             ("head", [0.1, 1.4, 0.6]),
             ("hand", [0.4, 1.3, 1.0]),
+            ("foot.r", [-0.1, 0.1, 0.6]),
         ] {
             if at_times(&mut random, 0.35) {
                 ik = ik.with_reach(reach(&mut random, id(bone), near, clip.duration()));

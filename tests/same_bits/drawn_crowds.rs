@@ -107,7 +107,14 @@ fn limb(digest: &mut Digest, random: &mut Random, body: &Armature) -> Option<Lim
         .bone_ids()
         .find(|&bone| body.parent(bone) == Some(lower));
     let limb = match below.filter(|_| at_times(random, 0.8)) {
-        Some(end) => Limb::to_bone(body, upper, lower, end),
+        Some(end) => {
+            let end = if at_times(random, 0.1) {
+                any_bone(random, body)
+            } else {
+                end
+            };
+            Limb::to_bone(body, upper, lower, end)
+        }
         None => {
             let end = one_of(
                 random,

@@ -156,10 +156,21 @@ fn machine(random: &mut Random) -> String {
     let transitions: Vec<String> = (0..random.below(8))
         .map(|_| transition(random, names))
         .collect();
+    let mut parameters = format!(
+        r#"{{"speed": {}, "height": 0.6, "down": false, "armed": true, "hop": "trigger", "stop": "trigger"}}"#,
+        value(random, &["0", "0.8", "-2"])
+    );
+    if at_times(random, 0.02) {
+        let odd = [
+            "[]",
+            r#"{"hop": "triger"}"#,
+            r#"{"hop": "trigger", "hop": 1}"#,
+            "3",
+        ];
+        parameters = one_of(random, &odd).to_owned();
+    }
     format!(
-        r#"{{"parameters": {{"speed": {}, "height": 0.6, "down": false, "armed": true, "hop": "trigger", "stop": "trigger"}},
-        "initial": "{}", "states": [{}], "transitions": [{}]}}"#,
-        value(random, &["0", "0.8", "-2"]),
+        r#"{{"parameters": {parameters}, "initial": "{}", "states": [{}], "transitions": [{}]}}"#,
         name(random, names),
         states.join(", "),
         transitions.join(", ")

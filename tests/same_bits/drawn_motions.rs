@@ -57,6 +57,7 @@ fn joint(
 fn model(random: &mut Random) -> Model {
     let mut builder = Model::builder("drawn");
     let mut parent = None;
+    builder.fixed("mount", None, Placement::identity());
     for number in 0..2 + random.below(3) {
         parent = Some(joint(random, &mut builder, number, parent));
     }
@@ -80,7 +81,7 @@ fn wave(frame: usize, size: f64) -> [f64; 3] {
 
 /// A joint's name, of one that moves as a rule.
 fn joint_name(random: &mut Random, model: &Model) -> String {
-    let odd = ["j0/rotation", "j0/x", "j9", "tip"];
+    let odd = ["j0/rotation", "j0/x", "j9", "mount"];
     match at_times(random, 0.1) {
         true => one_of(random, &odd).to_owned(),
         false => {

@@ -29,24 +29,26 @@ fn arms() -> Vec<Arm> {
         two_links_by_a_wall(),
         bare_arm(&scara, "base", "flange"),
         flange(Goal::free_about(Axis::Z)),
+        flange(Goal::position()),
         flange(Goal::within([0.02, 0.0, 0.01, 0.0, 0.0, 0.4])),
         bare_arm(&robot("universal_ur5e"), "base", "flange"),
     ]
 }
 
-/// Where the tool goes, and the joints that it begins and ends with.
-fn way(arm: &Arm, random: &mut Random) -> (Vec<Placement<f64>>, [Vec<f64>; 2]) {
+/// Where the tool goes, the joints that it begins and ends with, and whether it goes straight from the one to the other.
+fn way(arm: &Arm, random: &mut Random) -> (Vec<Placement<f64>>, [Vec<f64>; 2], bool) {
     let first = some(arm, random, None);
     let near = at_times(random, 0.7);
     let last = some(arm, random, near.then_some(first.as_slice()));
     let steps = one_of(random, &[1, 2, 5, 9]);
     let begin = arm.base_from_tool(&first).unwrap();
-    let points = match random.below(5) {
+    let kind = random.below(5);
+    let points = match kind {
         0 => circle(&begin, 0.1, 9, 0.0),
         1 => circle(&begin, 0.03, 7, 1.0),
         _ => through(arm, &[first.clone(), last.clone()], steps),
     };
-    (points, [first, last])
+    (points, [first, last], kind > 1)
 }
 
 fn options() -> u64 {
@@ -54,9 +56,8 @@ fn options() -> u64 {
     let arms = arms();
     for case in 0..140 {
         let arm = &arms[case % arms.len()];
-        let (points, [first, last]) = way(arm, &mut random);
+        let (mut points, [first, last], straight) = way(arm, &mut random);
         let count = points.len();
-        let mut path = CartesianPath::new(points).unwrap();
         let mut solver = PathSolver::new(arm).with_samples(one_of(&mut random, &[4, 8, 16]));
         let tool = Placement::new(
             rotation_exp(Vector3::new(0.0, 0.0, 0.3)),
@@ -64,8 +65,18 @@ fn options() -> u64 {
         );
         let other = arm.with_tool(tool).unwrap();
         let tooled = at_times(&mut random, 0.3);
+        let tools: Vec<usize> = (0..count).map(|_| random.below(2)).collect();
+        if tooled {
+            // So that its ends are where the joints are with those tools.
+            let at =
+                |point: usize, q: &[f64]| [arm, &other][tools[point]].base_from_tool(q).unwrap();
+            points[0] = at(0, &first);
+            if straight {
+                points[count - 1] = at(count - 1, &last);
+            }
+        }
+        let mut path = CartesianPath::new(points).unwrap();
         if tooled || at_times(&mut random, 0.03) {
-            let tools: Vec<usize> = (0..count).map(|_| random.below(2)).collect();
             path = path.with_tools(tools).unwrap();
         }
         if tooled {

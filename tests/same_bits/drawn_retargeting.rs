@@ -116,6 +116,23 @@ fn options(random: &mut Random, robot: &Robot) -> RetargetOptions {
     own.with_tolerance(one_of(random, &[0.1, 0.3]))
 }
 
+/// Puts joints at their limits, or so near that it hardly counts.
+fn at_limits(random: &mut Random, robot: &Robot, q: &mut [f64]) {
+    let limits: Vec<_> = robot.model().limits().collect();
+    for q in q.chunks_exact_mut(limits.len()) {
+        for (q, own) in q.iter_mut().zip(&limits) {
+            let room = own.upper - own.lower;
+            if room.is_finite() && at_times(random, 0.4) {
+                let off = one_of(
+                    random,
+                    &[0.0, 0.5e-9, 2e-9, 0.5e-9 * room, 2e-9 * room, 0.5 * room],
+                );
+                *q = one_of(random, &[own.lower + off, own.upper - off]);
+            }
+        }
+    }
+}
+
 fn movements() -> u64 {
     let (mut digest, mut random) = (Digest::new(), Random::new(2061));
     let feet = [
@@ -127,8 +144,15 @@ fn movements() -> u64 {
             r#"<geom type="capsule" fromto="0 -0.02 0 0 0.02 0" size="0.01"/>"#,
         ],
     ];
+    let narrow = "joint_limits:\n  left_toe: {min_position: -0.05, max_position: 0.2}\n  nod: {min_position: -0.001, max_position: 0.002}\n";
     let robots = feet.map(|[foot, toe]| biped(foot, toe));
-    for case in 0..44 {
+    let narrower = |robot: Robot| {
+        robot
+            .with_joint_limits_of(narrow.as_bytes(), "narrow.yaml")
+            .unwrap()
+    };
+    let robots = robots.map(narrower);
+    for case in 0..56 {
         let robot = &robots[case % 4];
         let y_up = at_times(&mut random, 0.3);
         let captured = capture(&mut random, 5 + case % 3, y_up);
@@ -136,6 +160,9 @@ fn movements() -> u64 {
             continue;
         };
         let map = changed(&mut random, guess.map, robot);
+        if let Some(guess) = digest.answer(map.clone().completed(&captured, robot.model())) {
+            add_text(&mut digest, &format!("{guess:?}"));
+        }
         add_text(&mut digest, &map.to_json());
         let mut options = options(&mut random, robot);
         if at_times(&mut random, 0.9) {
@@ -155,8 +182,25 @@ fn movements() -> u64 {
             true => asked.whole(),
             false => asked.per_frame(),
         };
-        if let Some(found) = digest.answer(found) {
+        if let Some(mut found) = digest.answer(found) {
             add(&mut digest, &asked, &found);
+            at_limits(&mut random, robot, &mut found.q);
+            add_text(&mut digest, &format!("{:?}", asked.limits_met(&found)));
+        }
+        if let Some(mut follower) = digest.answer(asked.follower()) {
+            let count = follower.places();
+            let [given, stood] = [(); 2].map(|()| match random.below(4) {
+                0 => count.saturating_sub(1),
+                _ => count,
+            });
+            let places = asked.targets(1).unwrap_or_default();
+            let stands: Vec<f64> = (0..stood)
+                .map(|_| one_of(&mut random, &[0.0, 0.4, 1.0]))
+                .collect();
+            let given = &places[..given.min(places.len())];
+            if let Some(q) = digest.answer(follower.advance(given, &stands)) {
+                digest.doubles(q.iter().copied());
+            }
         }
         let Some(mut live) = digest.answer(asked.live()) else {
             continue;
@@ -165,6 +209,9 @@ fn movements() -> u64 {
             let mut own = captured.frame(frame).unwrap().to_vec();
             if at_times(&mut random, 0.15) {
                 own[random.below(17)].z -= 3.0;
+            }
+            if at_times(&mut random, 0.05) {
+                own[random.below(17)].y = f64::NAN;
             }
             if let Some(q) = digest.answer(live.step(&own)) {
                 digest.doubles(q.iter().copied());

@@ -119,11 +119,12 @@ fn skins() -> u64 {
     digest.value()
 }
 
-/// A closed box of so many squares a side, warped.
+/// A closed box, warped or not.
 fn closed(random: &mut Random) -> TriangleMesh {
+    let warp = one_of(random, &[0.2, 0.2, 0.0]);
     let corners = (0..8_u32).map(|k| {
         let side = |bit: u32| if k & bit == 0 { -1.0 } else { 1.0 };
-        Vec3::new(side(1), 0.7 * side(2), 1.6 * side(4)) + Vec3::from(vector(random, 0.2))
+        Vec3::new(side(1), 0.7 * side(2), 1.6 * side(4)) + Vec3::from(vector(random, warp))
     });
     let faces = [
         [0, 2, 3, 1],
@@ -153,7 +154,12 @@ fn closed_meshes() -> u64 {
             digest.debug(digest_of(bone_volumes(&own, &given)));
         }
         let segments: Vec<_> = (0..bones)
-            .map(|_| [(); 2].map(|()| vector(&mut random, 0.8).as_dvec3()))
+            .map(|_| match at_times(&mut random, 0.4) {
+                true => {
+                    [-1.0, 1.0].map(|x| glam::DVec3::new(x, 0.7, one_of(&mut random, &[0.0, 1.6])))
+                }
+                false => [(); 2].map(|()| vector(&mut random, 0.8).as_dvec3()),
+            })
             .collect();
         let mut by = AutomaticWeights::default();
         (by.falloff, by.smoothing_steps, by.most) = (

@@ -24,6 +24,7 @@ mod drawn_crowds;
 mod drawn_machines;
 mod drawn_motions;
 mod drawn_paths;
+mod drawn_poses;
 mod drawn_retargeting;
 mod drawn_skins;
 mod edits;
