@@ -8,3 +8,4 @@ mod rig_round_trip;
 mod rigs_of_others;
 mod shipped_rigs;
 mod triangle_mesh;
+mod written_files;

@@ -10,7 +10,7 @@ use crate::animated::{bone, changed, check_single, rotation, turn, vector};
 use crate::digest::Digest;
 
 /// Two roots, End Sites, channels in every order, whole turns, and frames.
-const FILE: &str = "HIERARCHY
+pub(crate) const FILE: &str = "HIERARCHY
 ROOT Hips {
   OFFSET 1 90.5 -2
   CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
@@ -32,7 +32,7 @@ Frame Time:0.25
 2 92 4 -170 95 -300 1e1 0 0 1 0 -10
 ";
 
-fn add(digest: &mut Digest, capture: &MotionCapture) {
+pub(crate) fn add(digest: &mut Digest, capture: &MotionCapture) {
     digest.debug((capture.armature.names(), capture.frames, capture.frame_time));
     digest.debug((&capture.channels, &capture.notes));
     capture

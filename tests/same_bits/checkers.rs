@@ -16,7 +16,7 @@ use crate::obstacles::{full, told};
 use crate::worlds::vector;
 
 /// An arm with a shape of every kind, several on one link, a slide, a follower, and two fingers.
-const ROBOT: &str = r#"<robot name="r">
+pub(crate) const ROBOT: &str = r#"<robot name="r">
 <link name="base"><collision name="foot"><geometry><box size="0.3 0.4 0.1"/></geometry></collision>
   <collision><origin xyz="0 0 0.1"/><geometry><cylinder radius="0.05" length="0.2"/></geometry></collision></link>
 <link name="upper"><collision><origin xyz="0 0 0.2" rpy="0.1 0 0"/><geometry><cylinder radius="0.06" length="0.3"/></geometry></collision>
@@ -208,7 +208,7 @@ fn bodies() -> u64 {
     digest.value()
 }
 
-fn spheres_of(digest: &mut Digest, spheres: &SphereModel) {
+pub(crate) fn spheres_of(digest: &mut Digest, spheres: &SphereModel) {
     for group in spheres.groups() {
         digest.bytes(&group.name);
         for ball in group.spheres.iter().chain([&group.bound]) {

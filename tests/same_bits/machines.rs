@@ -33,7 +33,7 @@ pub(crate) fn update(digest: &mut Digest, run: &mut StateMachineRun, seconds: f6
 }
 
 /// Every kind of motion, condition, easing and interruption.
-const GAIT: &str = r#"{
+pub(crate) const GAIT: &str = r#"{
  "parameters": {"speed": 0.5, "level": -1, "down": false, "hop": "trigger", "stop": "trigger"},
  "initial": "idle",
  "states": [

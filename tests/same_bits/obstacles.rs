@@ -9,7 +9,7 @@ use crate::arms::turned;
 use crate::digest::{Digest, check};
 use crate::worlds::vector;
 
-fn obstacle(digest: &mut Digest, world: &World) {
+pub(crate) fn obstacle(digest: &mut Digest, world: &World) {
     digest.word(world.len() as u64);
     for obstacle in world.obstacles() {
         digest.bytes(&obstacle.name);
@@ -148,7 +148,7 @@ fn edits() -> u64 {
     digest.value()
 }
 
-const SCENE: &str = "name: scene
+pub(crate) const SCENE: &str = "name: scene
 fixed_frame_transforms:
   - child_frame_id: base
     transform: {translation: [0, 0, 0], rotation: [0, 0, 0, 1]}

@@ -15,7 +15,7 @@ use crate::animated::{changed, check_single, mesh};
 use crate::digest::Digest;
 
 /// The small rig with names, every interpolation and a root beside it.
-fn text() -> String {
+pub(crate) fn text() -> String {
     let names = JSON.replacen(
         "{\"parent_id\":-1,",
         "{\"name\":\"hip\",\"parent_id\":-1,",
@@ -26,7 +26,7 @@ fn text() -> String {
     names.replacen("{\"bone_id\": 1", more, 1)
 }
 
-fn add(digest: &mut Digest, rig: &Rig) {
+pub(crate) fn add(digest: &mut Digest, rig: &Rig) {
     digest.json(&rig.skeleton);
     digest.json(&rig.clip);
     digest.debug((&rig.constrained, &rig.notes));
@@ -135,7 +135,7 @@ fn read() -> u64 {
 }
 
 /// The words of an error but those of the operating system, which are each system's own.
-fn without_io(error: &ReadError) -> String {
+pub(crate) fn without_io(error: &ReadError) -> String {
     let words = error.to_string();
     words.split("cannot be read").next().unwrap().to_owned()
 }

@@ -14,6 +14,8 @@ pub mod bodies;
 pub mod body_tasks;
 pub mod bones;
 pub mod changed_bodies;
+pub mod changed_json;
+pub mod changed_text;
 pub mod changed_xml;
 pub mod classics;
 pub mod convex_shapes;

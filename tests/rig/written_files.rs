@@ -1,0 +1,107 @@
+//! Promise: a file that is written again is the same file with other bytes: a link to it stays a link, who may read it stays, and
+//! nothing is left beside; what is no file, or longer than any such file, is not read.
+#![allow(clippy::unwrap_used)]
+
+use std::path::{Path, PathBuf};
+
+use kinopt::io::ply::{self, PlyEncoding};
+use kinopt::io::{Place, ReadProblem, cones};
+
+/// A folder of one test, taken away with what is in it.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let own = format!("kinopt-written-{name}-{}", std::process::id());
+        let folder = std::env::temp_dir().join(own);
+        std::fs::create_dir_all(&folder).unwrap();
+        Self(folder)
+    }
+
+    fn names(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(&self.0).unwrap();
+        let name = |entry: std::io::Result<std::fs::DirEntry>| entry.unwrap().file_name();
+        let mut names: Vec<String> = entries.map(|e| name(e).into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn written(path: &Path, encoding: PlyEncoding) -> Vec<u8> {
+    let mesh = ply::from_bytes(support::small_rig::PLY.as_bytes(), "small.ply").unwrap();
+    ply::write(&mesh, encoding, path).unwrap();
+    ply::to_bytes(&mesh, encoding)
+}
+
+#[test]
+fn a_file_is_written_again_and_nothing_is_left_beside() {
+    let folder = Folder::new("again");
+    let path = folder.0.join("mesh.ply");
+    for encoding in [PlyEncoding::Ascii, PlyEncoding::BinaryBigEndian] {
+        let bytes = written(&path, encoding);
+        assert_eq!(std::fs::read(&path).unwrap(), bytes);
+        assert_eq!(folder.names(), ["mesh.ply"]);
+    }
+    let mesh = ply::read(&path).unwrap();
+    for nowhere in [folder.0.clone(), folder.0.join("none/mesh.ply")] {
+        let error = ply::write(&mesh, PlyEncoding::Ascii, &nowhere).unwrap_err();
+        assert_eq!(error.file, nowhere.display().to_string());
+    }
+    assert_eq!(folder.names(), ["mesh.ply"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_stays_a_link_and_rights_stay() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let folder = Folder::new("links");
+    let (own, other) = (folder.0.join("own"), folder.0.join("other"));
+    for part in [&own, &other] {
+        std::fs::create_dir(part).unwrap();
+    }
+    let (file, link) = (own.join("mesh.ply"), other.join("link.ply"));
+    written(&file, PlyEncoding::Ascii);
+    std::fs::set_permissions(&file, PermissionsExt::from_mode(0o640)).unwrap();
+    symlink("../own/mesh.ply", &link).unwrap();
+    let bytes = written(&link, PlyEncoding::BinaryLittleEndian);
+    assert_eq!(std::fs::read(&file).unwrap(), bytes);
+    assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
+    assert_eq!(
+        std::fs::metadata(&file).unwrap().permissions().mode() & 0o777,
+        0o640
+    );
+    // A link to what is not there yet makes it.
+    let new = other.join("new.ply");
+    symlink("../own/new.ply", &new).unwrap();
+    let bytes = written(&new, PlyEncoding::Ascii);
+    assert_eq!(std::fs::read(own.join("new.ply")).unwrap(), bytes);
+    assert!(std::fs::symlink_metadata(&new).unwrap().is_symlink());
+    for (part, count) in [(&own, 2), (&other, 2)] {
+        assert_eq!(std::fs::read_dir(part).unwrap().count(), count);
+    }
+}
+
+#[test]
+fn what_is_no_file_or_too_long_is_not_read() {
+    let folder = Folder::new("long");
+    let of_folder = cones::read(&folder.0).unwrap_err();
+    assert_eq!(of_folder.place, Place::File);
+    assert!(of_folder.to_string().ends_with(": is not a regular file"));
+    let path = folder.0.join("long.json");
+    let long = std::fs::File::create(&path).unwrap();
+    for (length, is_too_long) in [(1 << 24, false), ((1 << 24) + 1, true)] {
+        long.set_len(length).unwrap();
+        let problem = cones::read(&path).unwrap_err().problem;
+        let limit = match problem {
+            ReadProblem::TooLong { limit } => Some(limit),
+            _ => None,
+        };
+        assert_eq!(limit, is_too_long.then_some(1 << 24));
+    }
+}
