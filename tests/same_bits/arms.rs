@@ -37,7 +37,7 @@ pub(crate) fn turned(mut random: impl FnMut() -> f64) -> Matrix3<f64> {
 }
 
 /// Chains of odd placements and axes: turning joints with and without ends, wide ones, slides.
-fn odd_chain(random: &mut Random, joints: usize, slides: usize) -> Chain {
+pub(crate) fn odd_chain(random: &mut Random, joints: usize, slides: usize) -> Chain {
     let between = |random: &mut Random, low: f64, high: f64| low + (high - low) * random.unit();
     let list = (0..joints).map(|i| {
         let place = Vector3::from([(); 3].map(|()| between(random, -0.3, 0.3)));

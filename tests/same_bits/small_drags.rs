@@ -18,7 +18,7 @@ use crate::every_joint::vector;
 use crate::searches::places;
 
 /// A chain of hinges, in a plane or not, one of which may be a slide.
-fn chain(random: &mut Random, links: usize, planar: bool, limits: Option<f64>) -> Model {
+pub(crate) fn chain(random: &mut Random, links: usize, planar: bool, limits: Option<f64>) -> Model {
     let mut own = Model::builder("arm");
     let z = Vector3::UNITS[2];
     let mut last = None;
