@@ -34,6 +34,17 @@ fn capture(digest: &mut Digest, bytes: &[u8]) {
 
 fn figures() -> u64 {
     let (mut digest, mut random) = (Digest::new(), Random::new(931));
+    for order in [
+        "4 Xrotation Yrotation Xrotation Yrotation",
+        "4 Xrotation Yrotation Zposition Xrotation",
+        "3 Xrotation Zposition Xrotation",
+        "6 Zrotation Zposition Xposition Xrotation Yposition Zrotation",
+        "2 Zposition Zposition",
+        "7 Xposition",
+    ] {
+        let text = MORE.replace("4 Zposition Xposition Zrotation Yrotation", order);
+        capture(&mut digest, text.as_bytes());
+    }
     for (text, count) in [(captures::FILE, 90), (MORE, 120)] {
         capture(&mut digest, text.as_bytes());
         for text in changed_text::changed(text, count, &mut random) {

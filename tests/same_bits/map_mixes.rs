@@ -1,7 +1,8 @@
 //! Promise: so it is for parameter maps on which everything is asked together, and for models and maps whose files are changed.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::model::{JointId, Limits, Model, ParameterMap};
+use kinopt::model::{JointId, Limits, Loop, Model, ParameterMap};
+use kinopt::spatial::{Placement, Vector3};
 use support::changed_json;
 use support::random::Random;
 
@@ -74,7 +75,7 @@ fn mixes() -> u64 {
     let (mut digest, mut random) = (Digest::new(), Random::new(951));
     let models = [model(&mut random, false), model(&mut random, true)];
     let foreign = models[1].joint_ids().last().unwrap();
-    for round in 0..280 {
+    for round in 0..240 {
         let model = &models[round % 2];
         let every: Vec<JointId> = model.joint_ids().collect();
         let single = |id: &&JointId| {
@@ -174,9 +175,57 @@ fn files() -> u64 {
     digest.value()
 }
 
+/// Rings of hinges, slides of every range and fixed joints on two branches, some of which cannot close.
+fn rings() -> u64 {
+    let (mut digest, mut random) = (Digest::new(), Random::new(953));
+    let [x, y, z] = Vector3::UNITS;
+    for _ in 0..180 {
+        let mut builder = Model::builder("ring");
+        let mut ends = Vec::new();
+        let mut count = 0;
+        for _ in 0..2 {
+            let mut parent = None;
+            for _ in 0..random.below(4) {
+                let at = [x, y, z][random.below(3)] * [0.0, 0.0, 0.5, 2.0][random.below(4)];
+                let (name, at) = (format!("j{count}"), Placement::translation(at));
+                count += 1;
+                let reach = [0.1, 0.5, 2.0, f64::INFINITY][random.below(4)];
+                let range = [
+                    Limits::new(-reach, 0.25),
+                    Limits::new(1.0, reach.max(1.5)),
+                    Limits::new(-reach.max(1.5), -1.0),
+                ][random.below(3)];
+                parent = Some(match random.below(4) {
+                    0 => builder.fixed(name, parent, at),
+                    1 => builder.continuous(name, parent, at, z),
+                    _ => builder.prismatic(name, parent, at, x, range),
+                });
+            }
+            let at = Placement::translation(y * [0.0, 0.3, 1.5][random.below(3)]);
+            ends.push(builder.frame(format!("end{}", ends.len()), parent, at));
+        }
+        let ends = [ends[0], ends[1]];
+        let ring = match random.below(2) {
+            0 => Loop::weld("ring", ends),
+            _ => Loop::connect("ring", ends),
+        };
+        let place = Placement::translation(z * [0.0, 0.0, 0.7][random.below(3)]);
+        builder.close(ring.at([place, Placement::identity()]));
+        match builder.build() {
+            Ok(model) => {
+                let joints = model.loop_joints(&model.loops()[0]);
+                add_text(&mut digest, &format!("{joints:?} {}", model.reach()));
+            }
+            Err(error) => add_error(&mut digest, &error),
+        }
+    }
+    digest.value()
+}
+
 #[test]
 fn of_mixed_maps() {
     check(&[
+        ("rings of models, mixed", rings()),
         ("maps, everything asked together", mixes()),
         ("maps and models, files changed", files()),
     ]);

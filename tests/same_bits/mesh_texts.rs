@@ -79,6 +79,9 @@ fn words() -> u64 {
     for kind in ["char", "uchar", "short", "ushort", "int", "uint", "float"] {
         let text = PLY.replace("list uchar int", &format!("list ushort {kind}"));
         add(&mut digest, text.as_bytes(), "kinds.ply", &mut random);
+        let twice = format!("property list uchar {kind} vertex_indices\nend_header");
+        let text = PLY.replace("end_header", &twice);
+        add(&mut digest, text.as_bytes(), "twice.ply", &mut random);
     }
     digest.value()
 }

@@ -153,6 +153,16 @@ fn robots() -> u64 {
                         &format!("{:?}", robot.chain(frames[a], frames[b])),
                     );
                     digest.doubles(robot.moves_within(0.5));
+                    let ends = Loop::connect("any", [frames[a], frames[b]]);
+                    let of_loop = robot.model().loop_joints(&ends);
+                    let moves = robot
+                        .model()
+                        .joint_ids()
+                        .map(|id| robot.model().moves_a_loop(id));
+                    add_text(
+                        &mut digest,
+                        &format!("{of_loop:?} {:?}", moves.collect::<Vec<_>>()),
+                    );
                 }
                 Err(error) => add_error(&mut digest, &error),
             }
@@ -165,10 +175,16 @@ fn robots() -> u64 {
 fn groups() -> u64 {
     let (mut digest, mut random) = (Digest::new(), Random::new(962));
     let leg = Robot::parse(TEXTS[3].0, "leg.urdf").unwrap();
-    for _ in 0..90 {
+    for round in 0..90 {
         let robot = leg.clone().with_base_joint(base(&mut random));
         let robot = robot.unwrap_or_else(|_| leg.clone());
-        let text = text_of(LEG_SRDF, &mut random);
+        let text = match round % 3 {
+            0 => LEG_SRDF.replace(
+                "1 2 3 0 0 0.6 0.8",
+                ["1 2 3 0 0 0 0", "1 2", "0 0 0 0 0 0 1", "1 2 0.5"][round % 4],
+            ),
+            _ => text_of(LEG_SRDF, &mut random),
+        };
         let reader = match random.below(2) {
             0 => Srdf::reader(),
             _ => Srdf::reader().lenient(),
@@ -198,9 +214,37 @@ fn groups() -> u64 {
     digest.value()
 }
 
+/// Links that hang on any other, on themselves, or in a ring that hangs on nothing.
+fn trees() -> u64 {
+    let (mut digest, mut random) = (Digest::new(), Random::new(963));
+    for _ in 0..60 {
+        let mut text = "<robot name='t'><link name='root'/>".to_owned();
+        (0..6).for_each(|link| text += &format!("<link name='l{link}'/>"));
+        for link in 0..6 {
+            let parent = match random.below(4) {
+                0 => "root".to_owned(),
+                _ => format!("l{}", random.below(6)),
+            };
+            let kind = ["fixed", "continuous"][random.below(2)];
+            text += &format!(
+                "\n<joint name='j{link}' type='{kind}'><parent link='{parent}'/><child link='l{link}'/></joint>"
+            );
+        }
+        match Robot::parse(&format!("{text}</robot>"), "t.urdf") {
+            Ok(robot) => add_text(
+                &mut digest,
+                &format!("{:?} {:?}", robot.tips(), robot.model().joints()),
+            ),
+            Err(error) => add_error(&mut digest, &error),
+        }
+    }
+    digest.value()
+}
+
 #[test]
 fn of_mixed_robots() {
     check(&[
+        ("robots, links that hang on any other", trees()),
         ("robots, several things changed", robots()),
         ("SRDF, several things changed", groups()),
     ]);

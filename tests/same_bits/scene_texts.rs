@@ -86,11 +86,11 @@ fn large() -> (Numbers, String) {
         r#""nodes":[{{"name":"a","children":[1,2,5]}},{{"name":"b","translation":[0,1,0],"children":[3]}},{{"name":"b","rotation":[0,0.6,0,0.8],"scale":[1,2,1]}},
         {{"translation":[1,0,0]}},{{"name":"skin","mesh":0,"skin":0}},{{"name":"hat","mesh":1,"weights":[0.5,0.25],"matrix":[0,1,0,0,-1,0,0,0,0,0,1,0,1,2,3,1]}},
         {{"name":"other","children":[7]}},{{"name":"lamp","mesh":1}},{{"name":"second","mesh":0,"skin":1}}],
-        "scene":1,"scenes":[{{"nodes":[6]}},{{"nodes":[0,4,8]}},{{}}],
+        "scene":1,"scenes":[{{"nodes":[6]}},{{"nodes":[0,4,8,6]}},{{}}],
         "meshes":[{{"name":"body","primitives":[{{"attributes":{{"POSITION":{square},"NORMAL":{normals},"TANGENT":{tangents},"JOINTS_0":{joints},"WEIGHTS_0":{weights}}},"indices":{strip},"mode":5}},
           {{"attributes":{{"POSITION":{square},"NORMAL":{normals},"TANGENT":{tangents},"JOINTS_0":{joints},"WEIGHTS_0":{weights},"JOINTS_1":{joints},"WEIGHTS_1":{weights}}},"indices":{strip},"mode":6}},{{"attributes":{{"POSITION":{square}}},"mode":0}}]}},
           {{"name":"hat","weights":[0.125,1],"extras":{{"targetNames":["wink","smile"]}},"primitives":[{{"attributes":{{"POSITION":{square},"NORMAL":{normals},"TANGENT":{tangents}}},"indices":{strip},"mode":5,
-          "targets":[{{"POSITION":{bare},"NORMAL":{over}}},{{"POSITION":{over},"TANGENT":{bare}}}]}}]}}],
+          "targets":[{{"POSITION":{bare},"NORMAL":{over}}},{{"POSITION":{over},"TANGENT":{bare}}}]}},{{"attributes":{{"POSITION":{square},"NORMAL":{normals},"TANGENT":{tangents}}},"targets":[{{"POSITION":{over}}},{{"POSITION":{bare}}}],"mode":6}}]}}],
         "skins":[{{"name":"hide","joints":[1,0,2],"inverseBindMatrices":{bound}}},{{"joints":[0,3,1]}}],
         "animations":[{{"name":"go","samplers":[{{"input":{times},"output":{turns}}},{{"input":{times},"output":{moves},"interpolation":"STEP"}},{{"input":{late},"output":{morphs}}}],
         "channels":[{{"sampler":0,"target":{{"node":1,"path":"rotation"}}}},{{"sampler":1,"target":{{"path":"translation"}}}},{{"sampler":2,"target":{{"node":5,"path":"weights"}}}}]}},
@@ -126,7 +126,14 @@ fn amend(digest: &mut Digest, mut own: SceneFile, random: &mut Random) {
             .map(|_| pose(&own.scene().armature, random))
             .collect();
         let clip = Clip::through_poses(name, &body, &[0.25, 0.5, 1.5], &poses).unwrap();
-        match own.add_clip(&clip, &options(random)) {
+        // Of some the span is wider than the keys.
+        let wider = [(0.25, 1.5), (0.0, 1.5), (-0.5, 1.0), (0.25, 2.0)][random.below(4)];
+        let mut longer = Clip::builder(name, &body);
+        for (bone, channel) in clip.channels(&body).unwrap().into_iter().step_by(2) {
+            longer.channel(bone, channel).unwrap();
+        }
+        longer.span(wider.0, wider.1).unwrap();
+        match own.add_clip(&longer.build(), &options(random)) {
             Ok(()) => {}
             Err(error) => add_error(digest, &error),
         }
@@ -144,7 +151,7 @@ fn amend(digest: &mut Digest, mut own: SceneFile, random: &mut Random) {
 
 fn scenes() -> u64 {
     let (mut digest, mut random) = (Digest::new(), Random::new(941));
-    for ((numbers, rest), count) in [(large(), 180), (small(), 50)] {
+    for ((numbers, rest), count) in [(large(), 150), (small(), 40)] {
         let whole: Value = serde_json::from_str(&numbers.document(&rest)).unwrap();
         let (mut whole, buffers) = (whole.clone(), whole["buffers"].clone());
         whole.as_object_mut().unwrap().remove("buffers");

@@ -77,7 +77,7 @@ fn mixes() -> u64 {
         "package://rob",
         "",
     ];
-    for _ in 0..110 {
+    for _ in 0..80 {
         let mut text = String::from("<robot name='r'>");
         for link in 0..3 {
             text += &format!("<link name='l{link}'>");
@@ -179,7 +179,7 @@ fn serialised() -> u64 {
         let text = serde_json::to_string(&bodies).unwrap();
         let again: CollisionModel = serde_json::from_str(&text).unwrap();
         add_model(&mut digest, &again);
-        for text in changed_json::changed(&text, 30, &mut random) {
+        for text in changed_json::changed(&text, 22, &mut random) {
             match serde_json::from_str::<CollisionModel>(&text) {
                 Ok(model) => add_model(&mut digest, &model),
                 Err(error) => add_error(&mut digest, &error),
@@ -187,7 +187,7 @@ fn serialised() -> u64 {
         }
         let spheres = SphereModel::of(&bodies, Fineness::PerLink(2)).unwrap();
         let text = serde_json::to_string(&spheres).unwrap();
-        for text in changed_json::changed(&text, 30, &mut random) {
+        for text in changed_json::changed(&text, 22, &mut random) {
             match serde_json::from_str::<SphereModel>(&text) {
                 Ok(spheres) => {
                     spheres_of(&mut digest, &spheres);
@@ -201,6 +201,12 @@ fn serialised() -> u64 {
         spheres_of(&mut digest, &SphereModel::of(&own, fineness).unwrap());
     }
     digest.word(SphereModel::of_spheres(&own).is_some().into());
+    // What others made leaves gaps, and one says what it left out.
+    let bodies = CollisionModel::of(&robot).unwrap();
+    let given = SphereModel::parse(SPHERES.as_bytes(), "s.yaml", &bodies).unwrap();
+    let text = serde_json::to_string(&given).unwrap();
+    add_text(&mut digest, &text);
+    spheres_of(&mut digest, &serde_json::from_str(&text).unwrap());
     digest.value()
 }
 
@@ -275,6 +281,65 @@ fn spheres() -> u64 {
 #[test]
 fn of_meshes_of_robots() {
     check(&[("meshes of robots, every choice mixed", mixes())]);
+}
+
+/// Cylinders with balls about their ends, of which some make capsules, and clouds of points alone and beside others.
+fn capsules() -> u64 {
+    let (mut digest, mut random) = (Digest::new(), Random::new(924));
+    for _ in 0..40 {
+        let mut text = "<robot name='r'><link name='a'>".to_owned();
+        for _ in 0..=random.below(2) {
+            let x = random.below(2);
+            text += &format!(
+                "<collision><origin xyz='{x} 0 0'/><geometry><cylinder radius='0.1' length='0.5'/></geometry></collision>"
+            );
+            for z in [-0.25, 0.25] {
+                let z = z * [1.0, 1.0, 1.00003, 1.1][random.below(4)];
+                let radius = [0.1, 0.1, 0.100009, 0.12][random.below(4)];
+                text += &format!(
+                    "<collision name='{}'><origin xyz='{x} 0 {z}'/><geometry><sphere radius='{radius}'/></geometry></collision>",
+                    ["", "cap"][random.below(2)]
+                );
+            }
+        }
+        let robot = Robot::parse(&format!("{text}</link></robot>"), "r.urdf").unwrap();
+        add_model(&mut digest, &CollisionModel::of(&robot).unwrap());
+    }
+    let robot = Robot::parse(ROBOT, "r.urdf").unwrap();
+    for count in [1, 2, 6] {
+        let points: Vec<Vector3<f64>> = (0..count)
+            .map(|_| [(); 3].map(|()| random.within(-0.3, 0.3)).into())
+            .collect();
+        let link = robot.model().frame("hand").unwrap();
+        let cloud = CollisionObject::new(
+            "cloud",
+            link,
+            Vector3::new(0.1, 0.0, 0.2),
+            Shape::points(points, 0.08).unwrap(),
+        );
+        let beside = CollisionObject::new(
+            "box",
+            link,
+            Vector3::zero(),
+            Shape::cuboid([0.2; 3]).unwrap(),
+        );
+        for objects in [
+            vec![cloud.clone()],
+            vec![cloud.clone(), beside],
+            vec![cloud.clone(), cloud],
+        ] {
+            let bodies = CollisionModel::new(robot.model(), objects).unwrap();
+            for fineness in [Fineness::Overhang(0.05), Fineness::PerLink(2)] {
+                spheres_of(&mut digest, &SphereModel::of(&bodies, fineness).unwrap());
+            }
+        }
+    }
+    digest.value()
+}
+
+#[test]
+fn of_capsules_and_clouds() {
+    check(&[("capsules of robots and clouds, mixed", capsules())]);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::collision::World;
+use kinopt::spatial::Placement;
 use support::random::Random;
 use support::{changed_json, changed_text};
 
@@ -123,7 +124,7 @@ allowed_collision_matrix:
 /// The value of a flag or number of each pair, on its own; and words of it changed.
 fn scenes() -> u64 {
     let (mut digest, mut random) = (Digest::new(), Random::new(912));
-    for (text, count) in [(SCENE, 60), (MORE, 200)] {
+    for (text, count) in [(SCENE, 40), (MORE, 160)] {
         add(
             &mut digest,
             World::from_moveit(text.as_bytes(), "s.yaml"),
@@ -201,6 +202,31 @@ fn scenes() -> u64 {
     digest.value()
 }
 
+/// Hundreds of obstacles, of which most go again, here and there.
+fn crowded() -> u64 {
+    let (mut digest, mut random) = (Digest::new(), Random::new(914));
+    let mut world = World::new();
+    let mut names: Vec<String> = (0..420).map(|k| format!("s{k}")).collect();
+    for name in &names {
+        world.add_sphere(name, 0.1, Placement::identity()).unwrap();
+    }
+    for round in 0..400 {
+        let at = match round / 100 {
+            0 => random.below(names.len()),
+            1 => random.below(names.len().min(60)),
+            _ => names.len() - 1 - random.below(names.len().min(90)),
+        };
+        world.remove(&names.remove(at)).unwrap();
+        if round % 20 == 0 {
+            let here: Vec<&str> = world.obstacles().map(|own| &*own.name).collect();
+            add_text(&mut digest, &here.join(" "));
+            digest.word(world.len() as u64);
+            told(&mut digest, world.obstacle(&names[names.len() / 2]));
+        }
+    }
+    digest.value()
+}
+
 /// Worlds in files, with meshes beside them.
 fn in_files() -> u64 {
     let (mut digest, mut random) = (Digest::new(), Random::new(913));
@@ -264,5 +290,6 @@ fn of_texts_of_worlds() {
         ("texts of worlds: JSON, changed", json()),
         ("texts of worlds: planning scenes, changed", scenes()),
         ("texts of worlds: in files", in_files()),
+        ("worlds of hundreds, of which most go", crowded()),
     ]);
 }
