@@ -88,7 +88,7 @@ fn walks() -> u64 {
     raised.set_scale(world, Vec3A::splat(1.2)).unwrap();
     let raised = plain.clone().at_rest_in(&raised).unwrap();
     let id = |name: &str| plain.bone(name).unwrap();
-    for case in 0..48 {
+    for case in 0..36 {
         let armature = if case % 3 == 2 { &raised } else { &plain };
         let mut clip = walk(armature, at_times(&mut random, 0.6));
         if at_times(&mut random, 0.25) {
@@ -99,6 +99,17 @@ fn walks() -> u64 {
         for foot in ["foot.l", "foot.r"] {
             if at_times(&mut random, 0.55) {
                 ik = ik.with_planted(id(foot));
+            }
+        }
+        let mut ends = vec![0.05..=0.3, 0.4..=0.6, 0.7..=0.95];
+        if at_times(&mut random, 0.25) {
+            ends.rotate_left(random.below(3));
+            for span in ends.into_iter().take(2) {
+                let long = clip.duration();
+                let to = [0.5, 1.2, random.within(0.3, 0.8)];
+                let own = Reach::to(id("hand"), to).unwrap();
+                let span = long * span.start()..=long * span.end();
+                ik = ik.with_reach(own.with_span(span).with_fade(0.02));
             }
         }
         for (bone, near) in [

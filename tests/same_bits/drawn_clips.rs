@@ -57,6 +57,11 @@ fn controls(random: &mut Random) -> TensionContinuityBias {
     }
 }
 
+/// Whether no two keys are so near that the time between them has no inverse; the slopes of some curves would not be finite.
+fn are_apart(times: &[f32]) -> bool {
+    times.windows(2).all(|pair| pair[1] - pair[0] > 1e-30)
+}
+
 /// A curve of any kind.
 fn curve<V: CurveValue<Real = f32>>(
     random: &mut Random,
@@ -69,7 +74,12 @@ fn curve<V: CurveValue<Real = f32>>(
         values.fill(first);
     }
     let count = times.len();
-    let made = match random.below(9) {
+    let kind = if are_apart(&times) {
+        random.below(9)
+    } else {
+        random.below(2)
+    };
+    let made = match kind {
         0 => KeyedCurve::step(times, values),
         1 => {
             let easings = (0..count).map(|_| one_of(random, &Easing::ALL));
@@ -113,7 +123,12 @@ fn turns(random: &mut Random, times: Vec<f32>) -> RotationCurve {
         keys.fill(first);
     }
     let count = times.len();
-    let made = match random.below(9) {
+    let kind = if are_apart(&times) {
+        random.below(9)
+    } else {
+        random.below(2)
+    };
+    let made = match kind {
         0 => RotationCurve::step(times, keys),
         1 => {
             let easings = (0..count).map(|_| one_of(random, &Easing::ALL)).collect();
@@ -152,6 +167,9 @@ pub(crate) fn clip(name: &str, body: &Armature, random: &mut Random) -> Clip {
     for _ in 0..1 + random.below(4) {
         shared.push(shared[shared.len() - 1] + random.within(0.1, 0.8) as f32);
     }
+    if at_times(random, 0.1) {
+        shared = vec![0.0, 1e-40, 0.7];
+    }
     let shares = [0.0, 0.5, 1.0, 1.0];
     let share: [f64; 4] = [(); 4].map(|()| one_of(random, &shares));
     for bone in body.bone_ids() {
@@ -186,7 +204,9 @@ pub(crate) fn clip(name: &str, body: &Armature, random: &mut Random) -> Clip {
         let name = one_of(random, &["step", "stop", "start"]);
         builder.event(time, name).unwrap();
     }
-    if at_times(random, 0.3) {
+    if !are_apart(&shared) {
+        builder.span(0.0, 0.7).unwrap();
+    } else if at_times(random, 0.3) {
         let start = number(random, 0.5);
         let length = one_of(random, &[0.0, 0.6, 1.7]);
         builder.span(start, start + length).unwrap();

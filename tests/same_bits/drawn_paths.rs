@@ -32,30 +32,47 @@ fn arms() -> Vec<Arm> {
         flange(Goal::position()),
         flange(Goal::within([0.02, 0.0, 0.01, 0.0, 0.0, 0.4])),
         bare_arm(&robot("universal_ur5e"), "base", "flange"),
+        bare_arm(&robot("franka_panda"), "base", "flange"),
     ]
 }
 
 /// Where the tool goes, the joints that it begins and ends with, and whether it goes straight from the one to the other.
 fn way(arm: &Arm, random: &mut Random) -> (Vec<Placement<f64>>, [Vec<f64>; 2], bool) {
-    let first = some(arm, random, None);
+    let mut first = some(arm, random, None);
     let near = at_times(random, 0.7);
-    let last = some(arm, random, near.then_some(first.as_slice()));
+    let mut last = some(arm, random, near.then_some(first.as_slice()));
+    for q in [&mut first, &mut last] {
+        for (q, limits) in q.iter_mut().zip(arm.limits()) {
+            if limits.lower.is_finite() && at_times(random, 0.3) {
+                *q = one_of(random, &[limits.lower, limits.upper]);
+            }
+        }
+    }
     let steps = one_of(random, &[1, 2, 5, 9]);
     let begin = arm.base_from_tool(&first).unwrap();
     let kind = random.below(5);
-    let points = match kind {
+    let mut points = match kind {
         0 => circle(&begin, 0.1, 9, 0.0),
         1 => circle(&begin, 0.03, 7, 1.0),
         _ => through(arm, &[first.clone(), last.clone()], steps),
     };
+    if points.len() > 4 && at_times(random, 0.2) {
+        let far = 1 + random.below(points.len() - 2);
+        points[far].translation.x += 3.0;
+    }
     (points, [first, last], kind > 1)
 }
 
 fn options() -> u64 {
     let (mut digest, mut random) = (Digest::new(), Random::new(2031));
     let arms = arms();
-    for case in 0..140 {
-        let arm = &arms[case % arms.len()];
+    for case in 0..100 {
+        // Those of six and seven joints take more time.
+        let arm = &arms[match case % 20 {
+            7 => 7,
+            19 => 8,
+            cheap => cheap % 7,
+        }];
         let (mut points, [first, last], straight) = way(arm, &mut random);
         let count = points.len();
         let mut solver = PathSolver::new(arm).with_samples(one_of(&mut random, &[4, 8, 16]));
@@ -136,6 +153,32 @@ fn options() -> u64 {
             if let Some(times) = digest.answer(found.times(&velocities, &accelerations)) {
                 digest.doubles(times);
             }
+        }
+    }
+    digest.value()
+}
+
+/// Rings that are entered anywhere, round and round.
+fn rings() -> u64 {
+    let (mut digest, mut random) = (Digest::new(), Random::new(2035));
+    let arms = arms();
+    for case in 0..60 {
+        let arm = &arms[[0, 1][case % 2]];
+        let begin = arm.base_from_tool(&some(arm, &mut random, None)).unwrap();
+        let (count, turns) = (
+            6 + random.below(5) as u32,
+            one_of(&mut random, &[0.0, 1.0, -1.0, 2.0]),
+        );
+        let radius = one_of(&mut random, &[0.0, 0.05, 0.2, 0.5]);
+        let ring = CartesianPath::new(circle(&begin, radius, count, turns)).unwrap();
+        let way = one_of(
+            &mut random,
+            &[Traversal::AnyStart, Traversal::AnyStart, Traversal::Cyclic],
+        );
+        let step = one_of(&mut random, &[0.3, 0.9, 1.5]);
+        let solver = PathSolver::new(arm).with_samples(8).with_max_step(step);
+        if let Some(found) = digest.answer(solver.solve(&ring.with_traversal(way))) {
+            add(&mut digest, &found);
         }
     }
     digest.value()
@@ -296,6 +339,7 @@ fn tables() -> u64 {
 fn of_drawn_paths() {
     check(&[
         ("drawn paths, of drawn options", options()),
+        ("drawn rings", rings()),
         ("drawn rows, and their times", times()),
         ("drawn splines", splines()),
         ("drawn tables of paths", tables()),

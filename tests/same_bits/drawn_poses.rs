@@ -7,10 +7,11 @@ use glam::{Quat, Vec3, Vec3A, Vec4};
 use kinopt::animation::curve::{BezierHandle, KeyedCurve, TensionContinuityBias, repair_keys};
 use kinopt::animation::rotation::RotationCurve;
 use kinopt::animation::{Armature, ArmatureBone, Easing, PoseAngles, PoseTurns};
+use kinopt::io::gltf::Scene;
 use kinopt::io::rig::Rig;
 use kinopt::mesh::TriangleMesh;
 use kinopt::model::Limits;
-use kinopt::skeleton::{BallSkeleton, BoneId, Cones, SkeletonRoot};
+use kinopt::skeleton::{BallSkeleton, BoneId, Cones, Skeleton, SkeletonRoot};
 use kinopt::skinning::{BlendShapes, MorphTarget, MorphTargets, PosedVertices, SkinningMethod};
 use support::random::Random;
 use support::skins::Vertices;
@@ -24,6 +25,9 @@ use crate::drawn::{at_times, one_of};
 fn body(random: &mut Random, bones: usize) -> Armature {
     let list = (0..bones).map(|k| {
         let mut rest = local(random);
+        if at_times(random, 0.5) {
+            rest.rotation = Quat::IDENTITY;
+        }
         rest.scale = Vec3A::splat(one_of(random, &[1.0, 1.0, 0.8, 1.3]));
         ArmatureBone {
             name: format!("bone {k}"),
@@ -48,7 +52,7 @@ fn turned(random: &mut Random) -> Quat {
 
 fn configurations() -> u64 {
     let (mut digest, mut random) = (Digest::new(), Random::new(2081));
-    for case in 0..60 {
+    for case in 0..200 {
         let body = body(&mut random, 1 + case % 6);
         let bounds = random.clone();
         let limits = |bone: BoneId| {
@@ -278,6 +282,18 @@ fn rigs() -> u64 {
         bare.triangles().to_vec(),
     );
     rig.mesh = Some(mesh.unwrap());
+    // A bone that is called as the mesh would be.
+    for name in ["bone", "mesh", "mesh'"] {
+        let mut bones = rig.skeleton.bones().to_vec();
+        bones[1].name = "mesh".into();
+        bones[2].name = name.into();
+        let Some(skeleton) = digest.answer(Skeleton::new("named", bones)) else {
+            continue;
+        };
+        let skin = rig.mesh.as_ref().zip(rig.weights.as_ref());
+        let scene = Scene::of_skeleton(&skeleton, skin).unwrap();
+        digest.debug(scene.armature.names());
+    }
     for method in SkinningMethod::ALL {
         let mut posing = rig.posing(method).unwrap();
         for _ in 0..6 {

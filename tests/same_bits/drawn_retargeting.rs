@@ -152,7 +152,7 @@ fn movements() -> u64 {
             .unwrap()
     };
     let robots = robots.map(narrower);
-    for case in 0..56 {
+    for case in 0..34 {
         let robot = &robots[case % 4];
         let y_up = at_times(&mut random, 0.3);
         let captured = capture(&mut random, 5 + case % 3, y_up);
@@ -178,7 +178,7 @@ fn movements() -> u64 {
             asked = asked.keep_clear(&Checker::new(shapes.unwrap()).with_margin(0.02).unwrap());
         }
         add_fitted(&mut digest, &asked);
-        let found = match at_times(&mut random, 0.3) {
+        let found = match at_times(&mut random, 0.5) {
             true => asked.whole(),
             false => asked.per_frame(),
         };

@@ -19,6 +19,7 @@ mod digest;
 mod drags;
 mod drawn;
 mod drawn_arms;
+mod drawn_captures;
 mod drawn_clip_ik;
 mod drawn_clips;
 mod drawn_crowds;
