@@ -99,19 +99,20 @@ impl Goal {
 
     /// How many components count.
     pub(crate) fn rows(&self) -> usize {
-        let (position, turn) = self.half_widths.split_at(3);
-        let position = position.iter().filter(|h| **h < f64::INFINITY);
-        position.count() + turn.iter().filter(|h| **h < PI).count()
+        self.bands
+            .iter()
+            .filter(|band| **band < f64::INFINITY)
+            .count()
     }
 
-    /// Whether some component that counts has room.
+    /// Whether some component has room, or is free.
     pub(crate) fn has_room(&self) -> bool {
         self.half_widths.iter().any(|h| *h > 0.0)
     }
 
     /// Whether the position counts at all.
     pub(crate) fn has_position(&self) -> bool {
-        self.half_widths[..3].iter().any(|h| *h < f64::INFINITY)
+        self.bands[..3].iter().any(|band| *band < f64::INFINITY)
     }
 
     /// Whether the whole position is asked for, with no room.
@@ -123,6 +124,6 @@ impl Goal {
 
     /// Whether the orientation counts at all.
     pub(crate) fn has_orientation(&self) -> bool {
-        self.half_widths[3..].iter().any(|h| *h < PI)
+        self.bands[3..].iter().any(|band| *band < f64::INFINITY)
     }
 }
