@@ -1,10 +1,12 @@
 //! A checker says which pairs are nearer than the margin, and by how much: places known by hand.
 
 use kinopt::collision::{
-    BodyKind, Checker, CheckerError, CollisionModel, CollisionObject, Shape, World,
+    BodyKind, Checker, CheckerError, CheckerWorkspace, CollisionModel, CollisionObject, Shape,
+    World,
 };
 use kinopt::model::{FrameId, Limits, Model};
 use kinopt::spatial::{Placement, Vector3};
+use support::arms::robot;
 use support::random::Random;
 
 /// Three links of a metre along x that turn about z, each with a ball of 0.1 at its end.
@@ -351,4 +353,50 @@ fn a_way_into_the_margin_is_stopped() {
             assert_eq!(way.free < 1.0, stops, "{gap} {to:?}: {way:?}");
         }
     }
+}
+
+/// One workspace for the checkers of a robot by itself, of what it holds and of another robot, whichever comes after whichever:
+/// all is told as with a workspace of the checker's own.
+#[test]
+fn a_workspace_serves_one_checker_after_another() {
+    let mut held = wall(2.6);
+    for frame in ["c", "a"] {
+        let name = format!("held by {frame}");
+        held.add_box(&name, [0.3, 0.1, 0.1], Vector3::zero())
+            .unwrap();
+        held.attach(&name, frame, Vector3::new(0.4, 0.0, 0.0))
+            .unwrap();
+    }
+    let mut held_elsewhere = held.clone();
+    let at = Vector3::new(0.2, 0.0, 0.0);
+    held_elsewhere.attach("held by a", "b", at).unwrap();
+    let panda = Checker::of(&robot("franka_panda")).unwrap();
+    let own = Checker::new(balls());
+    let in_world = |world: &World| own.clone().with_world(world).unwrap();
+    let checkers = [
+        own.clone(),
+        in_world(&held),
+        in_world(&held_elsewhere),
+        in_world(&wall(1.5)),
+        panda,
+    ];
+    let mut found = 0;
+    for first in 0..checkers.len() {
+        let mut workspace = checkers[first].workspace();
+        for checker in &checkers {
+            let joints = checker.model().model().configuration_len();
+            let (from, to) = (vec![-0.9; joints], vec![0.3; joints]);
+            let told = |workspace: &mut CheckerWorkspace| {
+                let collisions = checker.collisions_with(workspace, &to).unwrap();
+                let nearest = checker.nearest(workspace, &to, 1.0).unwrap();
+                let way = checker.way(workspace, &from, &to).unwrap();
+                let free = checker.is_free(workspace, &from).unwrap();
+                (collisions, nearest, way, free)
+            };
+            let expected = told(&mut checker.workspace());
+            assert_eq!(told(&mut workspace), expected);
+            found += expected.0.len();
+        }
+    }
+    assert!(found > 0);
 }

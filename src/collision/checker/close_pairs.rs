@@ -29,7 +29,7 @@ impl Checker {
         workspace: &mut CheckerWorkspace,
         q: &[f64],
     ) -> Result<bool, KinematicsError> {
-        let (placements, room) = workspace.place(q)?;
+        let (placements, room) = workspace.place(self, q)?;
         self.scene.begin(room);
         Ok(pairs.iter().all(|pair| {
             let apart = self

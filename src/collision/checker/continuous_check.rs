@@ -137,8 +137,8 @@ impl Checker {
         past_contacts: bool,
     ) -> Result<Way, KinematicsError> {
         // Checks both.
-        workspace.place(to)?;
-        workspace.place(from)?;
+        workspace.place(self, to)?;
+        workspace.place(self, from)?;
         let mut watched = std::mem::take(&mut workspace.watched);
         let mut between = std::mem::take(&mut workspace.between);
         self.watch(workspace, (from, to), &mut watched);
@@ -239,7 +239,7 @@ impl Checker {
         let mut slow = std::mem::take(&mut workspace.slow);
         let mut contacts = std::mem::take(&mut workspace.contacts);
         slow.clear();
-        let (placements, room) = workspace.place(q)?;
+        let (placements, room) = workspace.place(self, q)?;
         self.scene.begin(room);
         let mut blocked: Option<(Pair, f64)> = None;
         for (index, one) in watched.iter_mut().enumerate() {
@@ -322,7 +322,7 @@ impl Checker {
         q: &[f64],
     ) -> Result<Option<Collision>, KinematicsError> {
         let contacts = std::mem::take(&mut workspace.contacts);
-        let (placements, room) = workspace.place(q)?;
+        let (placements, room) = workspace.place(self, q)?;
         self.scene.begin(room);
         let mut nearer = None;
         for one in &contacts {

@@ -161,7 +161,7 @@ impl Checker {
         workspace: &mut CheckerWorkspace,
         q: &[f64],
     ) -> Result<Vec<Collision>, KinematicsError> {
-        let (placements, room) = workspace.place(q)?;
+        let (placements, room) = workspace.place(self, q)?;
         let mut found = Vec::new();
         self.scene
             .visit(placements, self.margin, room, |pair, separation| {
@@ -183,7 +183,7 @@ impl Checker {
         workspace: &mut CheckerWorkspace,
         q: &[f64],
     ) -> Result<bool, KinematicsError> {
-        let (placements, room) = workspace.place(q)?;
+        let (placements, room) = workspace.place(self, q)?;
         let mut free = true;
         self.scene
             .visit(placements, self.margin, room, |_, separation| {
@@ -203,7 +203,7 @@ impl Checker {
         q: &[f64],
         within: f64,
     ) -> Result<Option<Collision>, KinematicsError> {
-        let (placements, room) = workspace.place(q)?;
+        let (placements, room) = workspace.place(self, q)?;
         let mut nearest: Option<(Pair, f64)> = None;
         self.scene
             .visit(placements, within, room, |pair, separation| {
@@ -252,6 +252,6 @@ impl Checker {
     /// Memory for checks, one at a time.
     #[must_use]
     pub fn workspace(&self) -> CheckerWorkspace {
-        CheckerWorkspace::new(self.model.model(), self.scene.frames())
+        CheckerWorkspace::new(self)
     }
 }

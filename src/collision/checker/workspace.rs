@@ -1,16 +1,23 @@
 //! Memory for checks.
 
+use std::sync::Arc;
+
+use super::Checker;
 use super::continuous_check::{Contact, Slow, Watched};
 use super::motion_bound::BoundRoom;
+use super::parts::Part;
 use super::scene_placements::SceneRoom;
 use crate::kinematics::{ForwardKinematics, KinematicsError};
-use crate::model::{FrameId, Model};
+use crate::model::FrameId;
 use crate::spatial::Placement;
 
-/// Places the parts of one [`Checker`](super::Checker) again and again.
+/// Places the parts of a [`Checker`] again and again. Where other parts are attached than before, or the checker is of another robot, what
+/// is kept of the one before is made anew.
 #[derive(Clone, Debug)]
 pub struct CheckerWorkspace {
     kinematics: ForwardKinematics<f64>,
+    /// What it places.
+    parts: Arc<Vec<Part>>,
     scene: SceneRoom,
     pub(super) bound: BoundRoom,
     /// A configuration on a way, and what is watched there.
@@ -24,10 +31,10 @@ pub struct CheckerWorkspace {
 }
 
 impl CheckerWorkspace {
-    pub(super) fn new(model: &Model, frames: impl Iterator<Item = FrameId>) -> Self {
-        let frames: Vec<FrameId> = frames.collect();
+    pub(super) fn new(checker: &Checker) -> Self {
         Self {
-            kinematics: ForwardKinematics::of_configurations(model, &frames),
+            kinematics: kinematics_of(checker),
+            parts: Arc::clone(&checker.scene.parts),
             scene: SceneRoom::default(),
             bound: BoundRoom::default(),
             between: Vec::new(),
@@ -41,8 +48,13 @@ impl CheckerWorkspace {
     /// Where the parts stand at a configuration, and room for a visit.
     pub(super) fn place(
         &mut self,
+        checker: &Checker,
         q: &[f64],
     ) -> Result<(&[Placement<f64>], &mut SceneRoom), KinematicsError> {
+        if !Arc::ptr_eq(&self.parts, &checker.scene.parts) {
+            self.parts = Arc::clone(&checker.scene.parts);
+            self.kinematics = kinematics_of(checker);
+        }
         Ok((self.kinematics.place(q)?, &mut self.scene))
     }
 
@@ -53,4 +65,9 @@ impl CheckerWorkspace {
     ) -> Result<(&[Placement<f64>], &mut SceneRoom, &BoundRoom), KinematicsError> {
         Ok((self.kinematics.place(q)?, &mut self.scene, &self.bound))
     }
+}
+
+fn kinematics_of(checker: &Checker) -> ForwardKinematics<f64> {
+    let frames: Vec<FrameId> = checker.scene.frames().collect();
+    ForwardKinematics::of_configurations(checker.model.model(), &frames)
 }
