@@ -83,7 +83,8 @@ impl Solution {
         let cosine = left(steepest * steepest) * steepest / (2.0 * cost).sqrt();
         Some(Slope {
             negligible,
-            is_level: cosine <= stopping.gradient_tolerance() || steepest == 0.0,
+            // Where nothing is left to fall, the angle is that of nothing with nothing.
+            is_level: cosine <= stopping.gradient_tolerance() || steepest == 0.0 || cost == 0.0,
         })
     }
 

@@ -221,3 +221,43 @@ fn a_corner_of_many_triangles_has_its_outside_where_it_is() {
         }
     }
 }
+
+/// A box whose triangles have their own corners each, off by roundings of up to a half of what counts as one: it has an inside, in
+/// which the distance is that of the box. Farther off it has none.
+#[test]
+fn corners_that_are_one_but_for_roundings_close_a_mesh() {
+    let half = [0.3, 0.5, 0.2];
+    let corner = |k: usize| {
+        [0, 1, 2].map(|axis| half[axis] * f64::from(u8::from(k >> axis & 1 == 1) * 2) - half[axis])
+    };
+    let size = 2.0 * (half[0] * half[0] + half[1] * half[1] + half[2] * half[2]).sqrt();
+    let sides = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let mut random = Random::new(8);
+    for _ in 0..20 {
+        for (share, closed) in [(0.45e-6, true), (0.01, false)] {
+            let mut vertices = Vec::new();
+            for [a, b, c, d] in sides {
+                for k in [a, b, c, a, c, d] {
+                    let [x, y, z] = corner(k);
+                    let off = random.direction().into_inner() * (share * size);
+                    vertices.push(Vector3::new(x + off.x, y + off.y, z + off.z));
+                }
+            }
+            let triangles = (0..12).map(|k| [0, 1, 2].map(|at| 3 * k + at)).collect();
+            let mesh = Shape::mesh(vertices, triangles).unwrap();
+            let inside = mesh.signed_distance(Vector3::new(0.05, 0.1, 0.0));
+            let expected = if closed { -half[2] } else { half[2] };
+            assert!(
+                (inside - expected).abs() < 2.0 * share * size,
+                "{inside} {closed}"
+            );
+        }
+    }
+}

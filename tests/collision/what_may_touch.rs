@@ -186,6 +186,27 @@ fn what_is_held_may_touch_what_it_is_taken_from() {
     world.add("can", shape, Vector3::zero()).unwrap();
     world.attach("can", "hand", held).unwrap();
     assert!(apart(&world) && !world.may_touch("can", "bin"));
+    // Said by either before the other was there.
+    for names in [["can", "bin"], ["bin", "can"]] {
+        let mut world = World::new();
+        for (place, name) in names.into_iter().enumerate() {
+            match name {
+                "can" => {
+                    world.add_sphere("can", 0.04, Vector3::zero()).unwrap();
+                    world.attach("can", "hand", held).unwrap();
+                }
+                _ => world
+                    .add_box("bin", [0.2, 0.2, 0.04], hand.apply(held))
+                    .unwrap(),
+            }
+            if place == 0 {
+                world.allow_touch(name, names[1]).unwrap();
+            }
+        }
+        assert!(!apart(&world), "{names:?}");
+        world.forbid_touch("can", "bin").unwrap();
+        assert!(apart(&world), "{names:?}");
+    }
 }
 
 /// A body on its feet: its clearance, solver and drag pass over the floor under them.

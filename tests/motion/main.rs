@@ -16,6 +16,7 @@ mod figure_targets;
 mod ground_speeds;
 mod guessed_maps;
 mod keyframe_ik;
+mod known_skeletons;
 mod live_followers;
 mod movement_folders;
 mod path_bounds;

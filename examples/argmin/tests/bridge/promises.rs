@@ -399,16 +399,22 @@ fn a_line_search_that_fails_at_the_optimum_has_reached_it() {
 fn a_run_that_fails_where_nothing_can_improve_is_a_solution() {
     let model = arm();
     let turning = model.joint("joint 2").unwrap();
-    for (pulls, termination) in [
-        (vec![0.25], Termination::Reached),
+    for (pulls, preferred, termination) in [
+        (vec![0.25], None, Termination::Reached),
         // Pulled to both sides alike.
-        (vec![-0.75, 1.25], Termination::Stationary),
+        (vec![-0.75, 1.25], None, Termination::Stationary),
+        // Reached, and nothing is left of what is preferred.
+        (vec![0.25], Some(0.25), Termination::Stationary),
     ] {
         let mut builder = Problem::builder(&model);
         for pull in pulls {
             let pull = Task::new(Posture::of_joints([(turning, pull)])).goal();
             builder.add(pull.tolerance(Quantity::JointUnits, 1e-6));
         }
+        if let Some(preferred) = preferred {
+            builder.add(Task::new(Posture::of_joints([(turning, preferred)])).preference());
+        }
+        let reachable = termination == Termination::Reached || preferred.is_some();
         let problem = builder.build().unwrap();
         let unbounded = UnboundedProblem::new(&problem);
         let mut q = START;
@@ -422,7 +428,7 @@ fn a_run_that_fails_where_nothing_can_improve_is_a_solution() {
         assert!(run.is_err(), "argmin has learnt to start at an optimum");
         let solution = unbounded.solution_from(&y, run).unwrap();
         assert_eq!(solution.termination, termination);
-        assert_eq!(solution.reached, termination == Termination::Reached);
+        assert_eq!(solution.reached, reachable);
         assert_eq!(solution.q[2], 0.25);
     }
 }
