@@ -3,6 +3,7 @@
 use kinopt::collision::{Checker, Shape, ShapeError, World};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
+use support::box_sides::box_triangles;
 use support::random::Random;
 
 #[test]
@@ -104,16 +105,7 @@ fn the_box_and_the_ball_of_a_shape_hold_it() {
         Vector3::new(0.5 * side(1), side(2), 2.0 * side(4))
     };
     let corners: Vec<_> = (0..8).map(corner).collect();
-    let quads = [
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-    ];
-    let halves = quads.map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
-    let triangles = halves.as_flattened().to_vec();
+    let triangles = box_triangles();
     let shapes = [
         Shape::sphere(0.3),
         Shape::capsule(0.1, 0.7),
@@ -227,28 +219,18 @@ fn a_corner_of_many_triangles_has_its_outside_where_it_is() {
 #[test]
 fn corners_that_are_one_but_for_roundings_close_a_mesh() {
     let half = [0.3, 0.5, 0.2];
-    let corner = |k: usize| {
+    let corner = |k: u32| {
         [0, 1, 2].map(|axis| half[axis] * f64::from(u8::from(k >> axis & 1 == 1) * 2) - half[axis])
     };
     let size = 2.0 * (half[0] * half[0] + half[1] * half[1] + half[2] * half[2]).sqrt();
-    let sides = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
     let mut random = Random::new(8);
     for _ in 0..20 {
         for (share, closed) in [(0.45e-6, true), (0.01, false)] {
             let mut vertices = Vec::new();
-            for [a, b, c, d] in sides {
-                for k in [a, b, c, a, c, d] {
-                    let [x, y, z] = corner(k);
-                    let off = random.direction().into_inner() * (share * size);
-                    vertices.push(Vector3::new(x + off.x, y + off.y, z + off.z));
-                }
+            for &k in box_triangles().as_flattened() {
+                let [x, y, z] = corner(k);
+                let off = random.direction().into_inner() * (share * size);
+                vertices.push(Vector3::new(x + off.x, y + off.y, z + off.z));
             }
             let triangles = (0..12).map(|k| [0, 1, 2].map(|at| 3 * k + at)).collect();
             let mesh = Shape::mesh(vertices, triangles).unwrap();

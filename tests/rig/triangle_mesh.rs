@@ -3,24 +3,13 @@
 
 use glam::Vec3;
 use kinopt::mesh::{MeshError, TriangleMesh};
+use support::box_sides::box_triangles;
 
 /// A box from `low` to `low + edges`, counter-clockwise seen from outside.
 fn cuboid(low: Vec3, edges: Vec3) -> TriangleMesh {
     let corner =
         |i: u32| low + edges * Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
-    let quads = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let triangles = quads
-        .iter()
-        .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
-        .collect();
-    TriangleMesh::new((0..8).map(corner).collect(), vec![], triangles).unwrap()
+    TriangleMesh::new((0..8).map(corner).collect(), vec![], box_triangles()).unwrap()
 }
 
 #[test]

@@ -62,6 +62,11 @@ fn are_apart(times: &[f32]) -> bool {
     times.windows(2).all(|pair| pair[1] - pair[0] > 1e-30)
 }
 
+/// Which kind of curve; one of those without slopes where keys are too near for others.
+fn kind(random: &mut Random, times: &[f32]) -> usize {
+    random.below(if are_apart(times) { 9 } else { 2 })
+}
+
 /// A curve of any kind.
 fn curve<V: CurveValue<Real = f32>>(
     random: &mut Random,
@@ -74,11 +79,7 @@ fn curve<V: CurveValue<Real = f32>>(
         values.fill(first);
     }
     let count = times.len();
-    let kind = if are_apart(&times) {
-        random.below(9)
-    } else {
-        random.below(2)
-    };
+    let kind = kind(random, &times);
     let made = match kind {
         0 => KeyedCurve::step(times, values),
         1 => {
@@ -123,11 +124,7 @@ fn turns(random: &mut Random, times: Vec<f32>) -> RotationCurve {
         keys.fill(first);
     }
     let count = times.len();
-    let kind = if are_apart(&times) {
-        random.below(9)
-    } else {
-        random.below(2)
-    };
+    let kind = kind(random, &times);
     let made = match kind {
         0 => RotationCurve::step(times, keys),
         1 => {

@@ -8,6 +8,7 @@ use kinopt::skinning::{
     PackedDualQuaternionBlend, PackedLinearBlend, PackedWeights, SkinWeights, SkinningMethod,
     bone_volumes,
 };
+use support::box_sides::box_triangles;
 use support::random::Random;
 use support::skins::{Vertices, weights};
 
@@ -126,18 +127,7 @@ fn closed(random: &mut Random) -> TriangleMesh {
         let side = |bit: u32| if k & bit == 0 { -1.0 } else { 1.0 };
         Vec3::new(side(1), 0.7 * side(2), 1.6 * side(4)) + Vec3::from(vector(random, warp))
     });
-    let faces = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let halves = faces
-        .iter()
-        .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
-    TriangleMesh::new(corners.collect(), Vec::new(), halves.collect()).unwrap()
+    TriangleMesh::new(corners.collect(), Vec::new(), box_triangles()).unwrap()
 }
 
 fn closed_meshes() -> u64 {

@@ -5,6 +5,7 @@
 use kinopt::collision::{MeshFile, Shape, ShapeKind, World, separation, separation_within};
 use kinopt::robot::Geometry;
 use kinopt::spatial::{Placement, Vector3};
+use support::box_sides::box_triangles;
 use support::random::Random;
 
 use crate::arms::turned;
@@ -17,16 +18,7 @@ fn block(low: [f64; 3], high: [f64; 3]) -> (Vec<Vector3<f64>>, Vec<[u32; 3]>) {
         let pick = |axis: usize| [low, high][k >> axis & 1][axis];
         Vector3::new(pick(0), pick(1), pick(2))
     };
-    let faces = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let halves = faces.map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
-    ((0..8).map(corner).collect(), halves.concat())
+    ((0..8).map(corner).collect(), box_triangles())
 }
 
 /// One of every kind, slender, flat and long ones with them.

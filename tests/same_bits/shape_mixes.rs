@@ -4,6 +4,7 @@
 
 use kinopt::collision::{Separation, Shape, separation, separation_within};
 use kinopt::spatial::{Placement, Vector3};
+use support::box_sides::box_triangles;
 use support::random::Random;
 
 use crate::digest::{Digest, check};
@@ -11,16 +12,6 @@ use crate::every_joint::{place, vector};
 
 /// So many kinds of shapes are drawn.
 pub(crate) const KINDS: usize = 13;
-
-/// The sides of a block whose corners are numbered by the bits of x, y and z, wound outwards.
-const SIDES: [[u32; 4]; 6] = [
-    [0, 2, 3, 1],
-    [4, 5, 7, 6],
-    [0, 1, 5, 4],
-    [2, 6, 7, 3],
-    [0, 4, 6, 2],
-    [1, 3, 7, 5],
-];
 
 /// A block with one corner drawn in, open or closed.
 fn block(random: &mut Random, size: f64, open: usize) -> Shape {
@@ -30,10 +21,8 @@ fn block(random: &mut Random, size: f64, open: usize) -> Shape {
     };
     let mut corners: Vec<_> = (0..8).map(corner).collect();
     corners[random.below(8)] = vector(random, size);
-    let triangles = SIDES
-        .iter()
-        .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
-    Shape::mesh(corners, triangles.skip(open).collect()).unwrap()
+    let triangles = box_triangles().split_off(open);
+    Shape::mesh(corners, triangles).unwrap()
 }
 
 /// A shape of a kind, about so large; the last three are flat or without end.

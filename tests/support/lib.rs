@@ -13,6 +13,7 @@ pub mod arms;
 pub mod bodies;
 pub mod body_tasks;
 pub mod bones;
+pub mod box_sides;
 pub mod changed_bodies;
 pub mod changed_json;
 pub mod changed_text;
