@@ -25,8 +25,6 @@ pub(super) struct Running<S> {
 /// A search as a checkpoint keeps it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Suspended<S> {
-    iterations: usize,
-    projected_gradient: Option<f64>,
     snapshot: Snapshot,
     own: S,
 }
@@ -46,7 +44,7 @@ impl<S: Clone> ExecutorSearch<S> {
                 });
             }
             *self = Self::Running(Box::new(Running {
-                progress: Progress::resumed(suspended.iterations, suspended.projected_gradient),
+                progress: Progress::resumed(problem, &state),
                 state,
                 own: suspended.own.clone(),
             }));
@@ -65,8 +63,6 @@ impl<S: Serialize + Clone> Serialize for ExecutorSearch<S> {
         let suspended = match self {
             Self::Waiting => None,
             Self::Running(running) => Some(Suspended {
-                iterations: running.progress.iterations,
-                projected_gradient: running.progress.projected_gradient,
                 snapshot: running.state.snapshot(),
                 own: running.own.clone(),
             }),

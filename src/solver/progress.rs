@@ -12,7 +12,7 @@ const ROUNDED: f64 = 1e-7;
 /// How far a search has come; where it stands is in the state.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Progress {
-    /// Steps tried, accepted or not.
+    /// Steps tried, accepted or not, since it began or was resumed.
     pub(crate) iterations: usize,
     /// ‖proj(x − g) − x‖∞; `None` where x is good enough to need no derivatives.
     pub(crate) projected_gradient: Option<f64>,
@@ -41,13 +41,13 @@ impl Progress {
         })
     }
 
-    /// A search that goes on where it stood after some iterations.
+    /// A search that goes on with a step from a state that stands, derivatives included, where another was suspended.
     #[cfg(feature = "argmin")]
-    pub(crate) fn resumed(iterations: usize, projected_gradient: Option<f64>) -> Self {
+    pub(crate) fn resumed(problem: &dyn LeastSquares, state: &SolverState) -> Self {
         Self {
-            iterations,
-            projected_gradient,
-            stationarity: f64::INFINITY,
+            iterations: 0,
+            projected_gradient: None,
+            stationarity: state.stationarity(problem),
             last_step: Step::Refused,
         }
     }
