@@ -187,7 +187,7 @@ impl Engine for Sweeps<'_> {
             let hardly_lower = best - cost <= FLAT * cost;
             flat = if hardly_lower { flat + 1 } else { 0 };
             let counts = index > 0 || self.method.start_counts();
-            if counts && (cost < best || (arrived && !reached)) {
+            if counts && (cost < best || arrived) {
                 self.keep();
                 (best, reached) = (cost, arrived);
             }

@@ -5,7 +5,7 @@
 use std::f64::consts::TAU;
 
 use kinopt::Solution;
-use kinopt::arm::Arm;
+use kinopt::arm::{Arm, Axis, Goal};
 use kinopt::spatial::Placement;
 use support::arms::{Random, distance, robot};
 
@@ -72,4 +72,37 @@ fn they_are_short_and_forgotten() {
     // Attempts may miss the nearest, seldom.
     assert!(jumps >= 15 && far * 10 <= jumps, "{far} of {jumps}");
     assert!(after[1] <= after[0] + jumps / 2, "{after:?} of {jumps}");
+}
+
+/// Far to one place and another, which leaves the branch here and there; where a way round is found later, the jumps before it are none.
+#[test]
+fn those_of_a_track_are_its_own() {
+    let robot = robot("franka_panda");
+    let (mut told, mut tracks) = (0, 0);
+    for (goal, seed) in [(Goal::default(), 147), (Goal::free_about(Axis::Z), 178)] {
+        let arm = Arm::builder(&robot, "base", "flange").with_goal(goal);
+        let arm = arm.with_atlas(false).with_global_search_on_miss(true);
+        let arm = arm.build().unwrap();
+        let mut random = Random(seed);
+        let ends = [(); 3].map(|()| random.configuration(&arm));
+        let [first, second, third] = ends.each_ref().map(|q| arm.base_from_tool(q).unwrap());
+        let mut points = Vec::new();
+        for [from, to] in [[first, second], [second, third]] {
+            let (from, way) = (from.translation, to.translation - from.translation);
+            let shares = (0..60).map(|step| f64::from(step) / 60.0);
+            points.extend(shares.map(|share| Placement::new(first.rotation, from + way * share)));
+        }
+        let track = arm.track(&points, &ends[0]).unwrap();
+        let mut far = Vec::new();
+        for (step, pair) in track.solutions.windows(2).enumerate() {
+            let moves = pair[0].q.iter().zip(&pair[1].q).map(|(a, b)| (a - b).abs());
+            let furthest = moves.fold(0.0, f64::max);
+            far.extend((furthest > 0.2).then_some((step + 1, furthest)));
+        }
+        let jumps = track.jumps.iter().map(|jump| (jump.step, jump.distance));
+        assert_eq!(jumps.collect::<Vec<_>>(), far, "{seed}");
+        tracks += usize::from(!far.is_empty());
+        told += far.len();
+    }
+    assert!(tracks == 2 && told > 10, "{told} jumps of {tracks} tracks");
 }

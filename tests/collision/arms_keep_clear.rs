@@ -557,6 +557,52 @@ fn joints_that_the_arm_locks_stand_where_it_locks_them() {
     assert!(reached > 5, "{reached}");
 }
 
+/// A rod that sticks out of the hand, which is no link and has no spheres: carried from the start, or taken up later. Its place in the hand
+/// is none in the world, where little would touch it.
+#[test]
+fn what_an_arm_carries_is_kept_clear_as_well() {
+    let mut random = Random::new(31);
+    let [plain, empty] = [(); 2].map(|()| panda(Search::Start).among(&World::new(), 0.0));
+    let mut told = [0; 2];
+    for _ in 0..cases(60, 12) {
+        let mut world = cluttered(&mut random);
+        world
+            .add_box("rod", [0.4, 0.02, 0.02], Vector3::new(0.0, 0.0, 3.0))
+            .unwrap();
+        let without = plain.arm.with_world(&world, None).unwrap();
+        let hand = Vector3::new(0.4, 0.0, 0.05);
+        world.attach("rod", "flange", hand).unwrap();
+        let checker = plain.checker.clone().with_world(&world).unwrap();
+        let anew = Arm::clone(&plain.arm);
+        let anew = anew.with_checker(&checker, &plain.q_model).unwrap();
+        let taken = without.with_world(&world, None).unwrap();
+        let after = empty.arm.with_world(&world, None).unwrap();
+        let (goal, start) = (plain.drawn(&mut random), plain.drawn(&mut random));
+        let target = plain.arm.base_from_tool(&goal).unwrap();
+        for arm in [anew, taken, after] {
+            let solution = arm.solve(target, &start).unwrap();
+            let touched = arm.collisions(&solution.q).unwrap();
+            assert_eq!(solution.reached, touched.is_empty(), "{touched:?}");
+            told[usize::from(solution.reached)] += 1;
+        }
+    }
+    assert!(told.iter().all(|told| *told > 5), "{told:?}");
+}
+
+/// Solutions that are looked at by their shapes are counted anew for each question.
+#[test]
+fn questions_before_leave_as_much_to_be_looked_at() {
+    let mut random = Random::new(33);
+    let panda = panda(Search::Nearest).among(&cluttered(&mut random), 0.0);
+    let new = panda.arm.clone();
+    for turn in 0..cases(60, 20) {
+        let (goal, start) = (panda.drawn(&mut random), panda.drawn(&mut random));
+        let target = panda.arm.base_from_tool(&goal).unwrap();
+        let [own, fresh] = [&panda.arm, &new.clone()].map(|arm| arm.solve(target, &start).unwrap());
+        assert_eq!(format!("{own:?}"), format!("{fresh:?}"), "{turn}");
+    }
+}
+
 /// Links are kept apart by the whole margin, whichever of two is looked at first.
 #[test]
 fn what_is_clear_by_its_spheres_is_clear_by_a_wide_margin() {

@@ -3,6 +3,7 @@
 
 mod arms_keep_clear;
 mod bad_worlds;
+mod beyond_reach;
 mod bodies_keep_clear;
 mod certificates;
 mod checkers;

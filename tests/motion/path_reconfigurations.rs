@@ -4,11 +4,11 @@ use std::f64::consts::{PI, TAU};
 
 use kinopt::Arm;
 use kinopt::arm::Base;
-use kinopt::model::Limits;
+use kinopt::model::{Limits, Model};
 use kinopt::motion::path::{CartesianPath, PathSolver};
-use kinopt::robot::BaseJoint;
+use kinopt::robot::{BaseJoint, Robot};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
-use support::arms::{distance, robot};
+use support::arms::{Random, distance, planar_with_hand, robot};
 
 /// The tool of a UR5e turns about itself on the spot.
 fn screw(arm: &Arm, turns: f64, points: u32) -> CartesianPath {
@@ -216,4 +216,93 @@ fn after_a_break_a_joint_goes_on_from_the_nearest_turn() {
         );
     }
     assert!(rows[changes - 1][5] < -PI / 2.0);
+}
+
+/// After a change of tools the elbow may stay, which costs little, but the hand has to be wound back soon then; or it goes to
+/// the other side, which costs much, and nothing after it.
+#[test]
+fn a_longer_way_with_one_break_comes_before_a_shorter_one_with_two() {
+    let mut builder = Model::builder("planar");
+    let (here, [x, _, z]) = (Placement::identity(), Vector3::UNITS);
+    let mut last = None;
+    builder.frame("base", None, here);
+    for (name, at, lower) in [
+        ("shoulder", here, -3.0),
+        ("elbow", Placement::translation(x), -3.0),
+        ("hand", Placement::translation(x), -3.25),
+    ] {
+        last = Some(builder.revolute(name, last, at, z, Limits::new(lower, 3.0)));
+    }
+    builder.frame("tool", last, here);
+    let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
+    let arm = Arm::builder(&robot, "base", "tool").with_atlas(false);
+    let arm = arm.build().unwrap();
+    let same = arm.with_tool(here).unwrap();
+    let start = [0.2, 1.0, 1.5];
+    let hands = [1.5].into_iter();
+    let hands = hands.chain((0..=20).map(|k| 2.9 + 0.05 * f64::from(k)));
+    let points = hands.map(|hand| arm.base_from_tool(&[0.2, 1.0, hand]).unwrap());
+    let path = CartesianPath::new(points.collect::<Vec<_>>()).unwrap();
+    let tools: Vec<usize> = (0..22).map(|point| point.min(1)).collect();
+    let path = path.with_tools(tools).unwrap();
+    let solver = PathSolver::new(&arm).with_tools([&same]).with_start(&start);
+    let solver = solver.with_joint_weights(&[1.0, 1.0, 0.01]);
+    let solution = solver.solve(&path).unwrap();
+    assert!(solution.missed.is_empty());
+    let breaks = solution.reconfigurations.iter().map(|told| told.index);
+    assert_eq!(breaks.collect::<Vec<_>>(), [1]);
+    // The other way is a hundredth of two turns of the hand.
+    assert!(solution.length > 2.0);
+}
+
+/// Between two tools the path says nothing of the way: what one tool does before the change and the other after it is as it would be alone,
+/// and a joint that goes far there is told.
+#[test]
+fn a_change_of_tools_is_not_led_over() {
+    let arm = planar_with_hand(Limits::new(-3.0, 3.0));
+    let turned = rotation_exp(Vector3::new(0.0, 0.0, 0.3));
+    let tool = Placement::new(turned, Vector3::new(0.1, 0.05, 0.0));
+    let other = arm.with_tool(tool).unwrap();
+    let mut random = Random(5);
+    let mut told = 0;
+    for case in 0..30 {
+        let ends = [(); 2].map(|()| random.configuration(&arm));
+        let count = 12;
+        let points = (0..=count).map(|k| {
+            let share = 0.4 * k as f64 / count as f64;
+            let between = ends[0]
+                .iter()
+                .zip(&ends[1])
+                .map(|(a, b)| a + share * (b - a));
+            arm.base_from_tool(&between.collect::<Vec<_>>()).unwrap()
+        });
+        let points: Vec<_> = points.collect();
+        let tools: Vec<usize> = (0..=count).map(|k| usize::from(k >= 6)).collect();
+        let path = CartesianPath::new(points.clone()).unwrap();
+        let path = path.with_tools(tools).unwrap();
+        let solver = PathSolver::new(&arm).with_tools([&other]);
+        let solution = solver.with_max_step(0.3).solve(&path).unwrap();
+        let rows: Vec<&[f64]> = solution.rows().collect();
+        for (point, (row, aim)) in rows.iter().zip(&points).enumerate() {
+            let at = [&arm, &other][usize::from(point >= 6)]
+                .base_from_tool(row)
+                .unwrap();
+            let off = (at.translation - aim.translation).norm();
+            let missed = solution.missed.iter().any(|missed| missed.index == point);
+            assert!(missed || off < 1e-5, "{case}, {point}: {off} m");
+        }
+        let breaks = solution.reconfigurations.iter().map(|told| told.index);
+        let breaks: Vec<usize> = breaks.collect();
+        let goes_far = |row: &usize| {
+            let moves = rows[*row].iter().zip(rows[row - 1]);
+            moves.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) > 0.3 + 1e-9
+        };
+        let far: Vec<usize> = (1..rows.len()).filter(goes_far).collect();
+        assert!(
+            !solution.missed.is_empty() || far == breaks,
+            "{case}: {far:?} {breaks:?}"
+        );
+        told += usize::from(breaks.contains(&6));
+    }
+    assert!(told > 5, "{told}");
 }

@@ -291,6 +291,29 @@ fn a_ball_turns_no_further_in_a_frame_of_a_drag_than_it_may() {
     }
 }
 
+/// A ball that may turn by less than quaternions tell is held; what it may turn by is said anew.
+#[test]
+fn a_ball_that_was_held_still_turns_when_it_may_again() {
+    let (model, hand) = shoulder();
+    let mut builder = Problem::builder(&model);
+    let goal = builder.add(Point::new(hand, [1.0, 0.0, 0.0]));
+    let drag = Drag::new(builder.build().unwrap(), &model.neutral()).unwrap();
+    let mut drag = drag.with_max_move(1e-13).unwrap();
+    let aside = [0.8_f64.cos(), 0.8_f64.sin(), 0.0];
+    drag.target_mut(goal).unwrap().set_target(aside);
+    assert_eq!(drag.advance().q, model.neutral());
+    let mut drag = drag.with_max_move(0.3).unwrap();
+    for turned in [0.3, 0.6, 0.8] {
+        drag.advance();
+        let mut v = [0.0; 3];
+        model
+            .difference(&model.neutral(), drag.q(), &mut v)
+            .unwrap();
+        assert!((v[2] - turned).abs() < 1e-6, "{v:?}");
+    }
+    assert!(drag.solution().reached);
+}
+
 #[test]
 fn a_ball_locked_where_it_stands_stays() {
     let figure = Figure::new(1, 6);
