@@ -201,6 +201,28 @@ fn capsules_get_no_more_spheres_than_they_need() {
     assert_eq!(spheres.count(), 9);
 }
 
+/// Nine spheres stick out by e from a capsule of radius 0.1 and length 1, where (0.1 + e)² = 0.1² + ((1 − 2e) / 16)²: at its
+/// poles as far as where two of them meet. One that holds a capsule of length 0.01 sticks out by 0.005.
+#[test]
+fn of_capsules_the_farthest_overhang_is_told() {
+    let half = 0.5 * (0.2 + 1.0 / 64.0);
+    let share: f64 = 63.0 / 64.0;
+    let farthest = ((half * half + share * 0.25 / 64.0).sqrt() - half) / share;
+    let beside = Placement::translation(Vector3::new(0.0, 1.0, 0.0));
+    let long = (Shape::capsule(0.1, 1.0).unwrap(), Placement::identity());
+    let short = (Shape::capsule(0.1, 0.01).unwrap(), beside);
+    for (capsules, expected) in [
+        (vec![short.clone()], 0.005),
+        (vec![short.clone(), long.clone()], farthest),
+        (vec![long, short], farthest),
+    ] {
+        let model = one_link(capsules);
+        let spheres = SphereModel::of(&model, Fineness::Overhang(0.02)).unwrap();
+        let told = spheres.overhang();
+        assert!((told - expected).abs() < 1e-9, "{told} {expected}");
+    }
+}
+
 #[test]
 fn the_same_twice() {
     let model = CollisionModel::of(&robot("franka_panda")).unwrap();

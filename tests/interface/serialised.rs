@@ -166,6 +166,8 @@ fn options() {
     }
     same(&Preferences::Traded);
     same(&ContactDetection::default());
+    // It is refused, and must not come back as infinity, which is not.
+    same(&ContactDetection::default().with_height(f64::NEG_INFINITY));
     same(&KeyTolerance::EXACT.with_rotation(1e-3));
     let nao = Robot::read("../models/aldebaran_nao.urdf").unwrap();
     let options = RetargetOptions::default().with_up(UpAxis::Y);

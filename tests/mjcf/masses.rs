@@ -4,6 +4,7 @@
 
 use kinopt::model::MassError;
 use kinopt::robot::{LeftToMeshes, Link, Robot};
+use kinopt::spatial::Vector3;
 
 const TWO: &str = r#"<geom size=".1" pos="1 0 0"/><geom type="box" size=".1 .1 .1" group="3"/>"#;
 const STATED: &str = r#"<inertial mass="2" pos="0 0 0" diaginertia="1 1 1"/>"#;
@@ -71,6 +72,39 @@ fn geoms_weigh_by_their_groups_and_the_whole_as_the_compiler_says() {
             "{told}"
         );
     }
+}
+
+/// Collision geoms often have it from their class that they weigh nothing; by MuJoCo's reference a mass overrides a density.
+#[test]
+fn a_mass_overrides_the_density_of_a_class() {
+    let geoms = r#"<geom size=".1" pos="1 0 0" mass="3"/><geom size=".2" pos="-1 0 0" mass="1"/>
+        <geom size=".4" pos="0 5 0"/>"#;
+    let text = format!(
+        r#"<mujoco>{MESH}<default><geom density="0"/></default><worldbody>
+        <body name="a"><joint/>{geoms}</body>
+        <body name="b"><joint/><geom type="mesh" mesh="m" mass="2"/></body></worldbody></mujoco>"#
+    );
+    let robot = Robot::parse_mjcf(&text, "weighs.xml").unwrap();
+    let inertial = link(&robot).inertial.unwrap();
+    assert_eq!(inertial.mass, 4.0);
+    // (3 · 1 − 1 · 1) / 4.
+    let centre = inertial.link_from_inertia.translation;
+    assert!(
+        (centre - Vector3::new(0.5, 0.0, 0.0)).norm() < 1e-15,
+        "{centre:?}"
+    );
+    // Balls of ⅖ m r², 0.5 and 1.5 beside the centre.
+    let along = 0.4 * (3.0 * 0.01 + 0.04);
+    let across = along + 3.0 * 0.25 + 2.25;
+    for (k, expected) in [along, across, across].into_iter().enumerate() {
+        let own = inertial.moments[k][k];
+        assert!((own - expected).abs() < 1e-12, "{k}: {own}");
+    }
+    let of_mesh = robot.link(robot.model().frame("b").unwrap()).unwrap();
+    assert_eq!(
+        of_mesh.left_to_meshes,
+        Some(LeftToMeshes::Centre { mass: 2.0 })
+    );
 }
 
 #[test]

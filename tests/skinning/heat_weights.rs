@@ -209,6 +209,39 @@ fn seams_stay_closed_and_pieces_apart() {
     assert!(row(&weights, alone)[2] > 1.0 - 1e-12);
 }
 
+/// Of halves made by mirroring one may have its seam at −0.
+#[test]
+fn halves_that_meet_at_zero_and_minus_zero_are_one_skin() {
+    let tube = closed_tube(8.0, 0.6, 12, 10);
+    let mut positions: Vec<Vec3> = tube.positions().to_vec();
+    positions.iter_mut().for_each(|p| p.x -= 4.0);
+    let whole = TriangleMesh::new(positions.clone(), vec![], tube.triangles().to_vec()).unwrap();
+    let count = positions.len() as u32;
+    let beyond = |t: &[u32; 3]| t.iter().any(|i| positions[*i as usize].x > 0.0);
+    // The half beyond has vertices of its own, so that the seam's stand there twice.
+    let own = |t: &[u32; 3]| if beyond(t) { t.map(|i| i + count) } else { *t };
+    let triangles: Vec<[u32; 3]> = whole.triangles().iter().map(own).collect();
+    let minus = |p: &Vec3| if p.x == 0.0 { p.with_x(-0.0) } else { *p };
+    let both = positions.iter().map(minus).chain(positions.iter().copied());
+    let halves = TriangleMesh::new(both.collect(), vec![], triangles).unwrap();
+    let bones: Vec<_> = bones()
+        .iter()
+        .map(|b| b.map(|end| end - 4.0 * DVec3::X))
+        .collect();
+    let [expected, weights] =
+        [&whole, &halves].map(|mesh| HeatWeights::default().for_segments(mesh, &bones).unwrap());
+    let mut seam = 0;
+    for (vertex, position) in positions.iter().enumerate() {
+        let copies = [vertex, vertex + count as usize];
+        for copy in copies {
+            let off = (row(&weights, copy) - row(&expected, vertex)).amax();
+            assert!(off < 1e-9, "{position}: {off}");
+        }
+        seam += usize::from(position.x == 0.0);
+    }
+    assert_eq!(seam, 12);
+}
+
 #[test]
 fn needles_and_rubbish_do_no_harm() {
     let mut random = Random::new(5);

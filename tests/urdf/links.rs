@@ -79,6 +79,18 @@ fn shapes_and_mass_are_those_of_the_file() {
     assert_eq!(link(&robot, "bare"), Link::default());
 }
 
+/// Relative paths of meshes count from its folder.
+#[test]
+fn a_robot_knows_the_file_that_it_was_read_from() {
+    let path = std::env::temp_dir().join(format!("kinopt-links-{}.urdf", std::process::id()));
+    std::fs::write(&path, BODY).unwrap();
+    for reader in [Robot::reader(), Robot::reader().lenient()] {
+        assert_eq!(reader.read(&path).unwrap().file(), Some(path.as_path()));
+        assert_eq!(reader.parse(BODY, "one.urdf").unwrap().file(), None);
+    }
+    std::fs::remove_file(&path).unwrap();
+}
+
 #[test]
 fn a_tool_is_no_link() {
     let robot = Robot::parse(BODY, "one.urdf").unwrap();

@@ -273,6 +273,27 @@ fn nearest_on_triangle(p: Vector3<f64>, corners: [Vector3<f64>; 3]) -> (Vector3<
 mod tests {
     use super::*;
 
+    /// The faces of the octahedron |x| + |y| + |z| = 1 are 1 / √3 from its middle, and each is the nearest in its octant.
+    #[test]
+    fn every_triangle_of_a_hull_is_in_its_tree() {
+        let corners = Vector3::UNITS.map(|unit| [unit, -unit]);
+        let shape = Shape::convex(corners.as_flattened()).expect("points that span a volume");
+        let ShapeKind::Convex(hull) = shape.kind() else {
+            panic!("a hull");
+        };
+        let tree = hull_tree(hull);
+        for octant in 0..8 {
+            let sign = |axis: u32| if octant >> axis & 1 == 0 { 1.0 } else { -1.0 };
+            let out = Vector3::new(sign(0), sign(1), sign(2));
+            for reach in [0.2, 0.4, 2.0] {
+                let (far, place) = nearest_on_hull(out * reach, hull, &tree);
+                let expected = (3.0 * reach - 1.0) / 3.0_f64.sqrt();
+                assert!((far - expected).abs() < 1e-12, "{out:?}: {far} {expected}");
+                assert!((place - out * (1.0 / 3.0)).norm() < 1e-12, "{place:?}");
+            }
+        }
+    }
+
     #[test]
     fn a_hull_is_as_near_by_its_tree_as_by_its_planes() {
         let number =
