@@ -58,11 +58,7 @@ impl Descent {
                 return end(iterations, None);
             }
             iterations += 1;
-            let Way {
-                slope,
-                stiffness,
-                conjugate,
-            } = self.choose(question, falls, last_falls);
+            let Way { slope, stiffness } = self.choose(question, falls, last_falls);
             last_falls = Some(falls);
             let longest = self.longest_share(question);
             let mut share = longest.min(slope / (bend * stiffness));
@@ -89,10 +85,7 @@ impl Descent {
                 share = share.min(slope / (bend * stiffness));
             }
             let Some(now) = gained else {
-                if conjugate {
-                    last_falls = None;
-                    continue;
-                }
+                // A steepest step after a conjugate one would be a third, for which no frame has room.
                 return end(iterations, None);
             };
             // What was best before is done with.
@@ -142,7 +135,6 @@ impl Descent {
         let straight = Way {
             slope: falls,
             stiffness: inner(effect, effect),
-            conjugate: false,
         };
         if let Some(last_falls) = last_falls {
             multiply(&self.jacobian, &self.last_best, other);
@@ -160,7 +152,6 @@ impl Descent {
                 return Way {
                     slope,
                     stiffness: inner(effect, effect),
-                    conjugate: kept > 0.0,
                 };
             }
         }
@@ -173,7 +164,6 @@ impl Descent {
 struct Way {
     slope: f64,
     stiffness: f64,
-    conjugate: bool,
 }
 
 fn inner(a: &[f64], b: &[f64]) -> f64 {
