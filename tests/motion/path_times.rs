@@ -243,3 +243,38 @@ fn a_step_between_far_points_that_is_too_fast_is_told() {
         assert_eq!(solution.is_whole(), whole, "{step} s");
     }
 }
+
+/// What can be gone at half of the joints' speeds is whole where times are kept, and no step takes more than its time: also where many
+/// points are nearer than branches are compared at, and one step's time is too short from one such place to the next.
+#[test]
+fn a_fine_path_has_the_time_of_all_its_steps() {
+    let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
+    let q = [0.0, -0.3, 0.0, -2.0, 0.0, 1.9, 0.8];
+    let begin = arm.base_from_tool(&q).unwrap();
+    let point = |k: u32| {
+        let by = Vector3::new(0.0, 0.002 * f64::from(k), 0.0);
+        Placement::new(begin.rotation, begin.translation + by)
+    };
+    let points: Vec<_> = (0..=150).map(point).collect();
+    let path = CartesianPath::new(points).unwrap();
+    let solver = PathSolver::new(&arm).with_start(&q);
+    let plain = solver.solve(&path).unwrap();
+    assert!(plain.is_whole());
+    // Shares of a joint's speed in steps of a second.
+    let shares = |row: &[f64], next: &[f64]| {
+        let moves = row.iter().zip(next).zip(arm.velocity_limits());
+        moves.fold(0.0_f64, |most, ((a, b), speed)| {
+            most.max((a - b).abs() / speed)
+        })
+    };
+    let rows: Vec<&[f64]> = plain.rows().collect();
+    let most = (rows.windows(2)).fold(0.0_f64, |most, pair| most.max(shares(pair[0], pair[1])));
+    let step = 2.0 * most;
+    let times: Vec<f64> = (0..=150).map(|k| step * f64::from(k)).collect();
+    let timed = path.with_times(times).unwrap();
+    let solution = solver.with_times_kept(true).solve(&timed).unwrap();
+    assert!(solution.is_whole(), "{:?}", solution.reconfigurations);
+    for (k, pair) in solution.rows().collect::<Vec<_>>().windows(2).enumerate() {
+        assert!(shares(pair[0], pair[1]) <= step * (1.0 + 1e-6), "{k}");
+    }
+}

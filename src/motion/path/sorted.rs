@@ -104,3 +104,70 @@ fn widest(from: &[f32], limits: &[f32], turns: &Turns) -> Option<usize> {
     let joints = (0..n).filter(|joint| !turns.is_left_out(*joint));
     joints.max_by(|a, b| spread(*a).total_cmp(&spread(*b)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Sorted;
+    use crate::arm::Arm;
+    use crate::model::{Limits, Model};
+    use crate::motion::path::CartesianPath;
+    use crate::motion::path::knots::Knots;
+    use crate::motion::path::layers::{Growth, Layer};
+    use crate::motion::path::step_bounds::StepBounds;
+    use crate::motion::path::tools::Tools;
+    use crate::robot::Robot;
+    use crate::spatial::{Placement, Vector3};
+
+    /// Configurations of two joints on a grid, in no order.
+    fn grid() -> impl Iterator<Item = [f64; 2]> {
+        let steps = |step: usize| 0.02 * (step as f64) - 0.4;
+        (0..40 * 40).map(move |k| {
+            let k = k * 907 % 1600;
+            [steps(k / 40), steps(k % 40)]
+        })
+    }
+
+    /// Of several within 0.03 of what is asked, the first that is known stands for all, whichever cell it is in.
+    #[test]
+    #[allow(clippy::unwrap_used)]
+    fn the_first_of_those_as_good_is_found() {
+        let mut builder = Model::builder("two links");
+        let (link, here) = (
+            Placement::translation(Vector3::UNITS[0]),
+            Placement::identity(),
+        );
+        let turns = Limits::new(-3.0, 3.0);
+        let base = builder.frame("base", None, here);
+        let first = builder.revolute("first", None, here, Vector3::UNITS[2], turns);
+        let second = builder.revolute("second", Some(first), link, Vector3::UNITS[1], turns);
+        let tip = builder.frame("tip", Some(second), link);
+        let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
+        let arm = Arm::builder(&robot, base, tip).with_atlas(false);
+        let arm = arm.build().unwrap();
+        let tools = Tools::new(&arm);
+        let path = CartesianPath::new(vec![link; 2]).unwrap();
+        let knots = Knots::of(&path, &tools);
+        let bounds = StepBounds::new(&arm, 0.1, Vec::new());
+        let growth = Growth::new(&tools, &knots, &bounds, 2000);
+
+        let mut layer = Layer::default();
+        let mut sorted = Sorted::default();
+        let known: Vec<[f64; 2]> = grid().collect();
+        for q in &known {
+            layer.take(q);
+        }
+        sorted.take(&layer.q, &layer.q, &growth.merging, &growth.turns);
+        for q in grid().step_by(7) {
+            // Within 0.03 are those 0.005 and 0.025 to one side, and 0.015 to the other.
+            let asked = q.map(|value| value + 0.005);
+            let near = |known: &[f64; 2]| (0..2).all(|j| (known[j] - asked[j]).abs() < 0.03);
+            let first = known.iter().position(near);
+            assert!(first.is_some() && known.iter().filter(|known| near(known)).count() >= 4);
+            let single = asked.map(|value| value as f32);
+            assert_eq!(growth.find_sorted(&layer, &sorted, &single), first);
+            assert_eq!(growth.find(&layer, &asked), first);
+        }
+        let far = [0.0, 1.0];
+        assert_eq!(growth.find_sorted(&layer, &sorted, &far), None);
+    }
+}
