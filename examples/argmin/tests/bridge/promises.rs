@@ -2,6 +2,8 @@
 //! they run alone.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use std::sync::{Arc, Mutex};
+
 use crate::bent_arm::{
     arm, configurations, held_by_limits, point_within_reach, reachable, two_tips,
 };
@@ -164,6 +166,65 @@ fn gauss_newton_runs_the_same_and_resumes() {
 fn levenberg_marquardt_runs_the_same_and_resumes() {
     runs_the_same(LevenbergMarquardt::default());
     runs_the_same(LevenbergMarquardt::new(Damping::ErrorProportional));
+}
+
+/// Notes ‖Δ‖∞ of every step.
+#[derive(Clone, Default)]
+struct Steps(Arc<Mutex<Vec<f64>>>);
+
+impl Observe<MethodState> for Steps {
+    fn observe_iter(&mut self, _state: &MethodState, seen: &KV) -> Result<(), Error> {
+        let step = seen.get("step").and_then(|v| v.get_float()).unwrap();
+        self.0.lock().unwrap().push(step);
+        Ok(())
+    }
+}
+
+/// A step of a joint is compared with the tolerance times its value, or with the tolerance itself where that is below 1.
+fn ends_with_the_first_small_step<M>(method: M)
+where
+    M: Method<State: Serialize + DeserializeOwned> + Clone + Serialize + DeserializeOwned,
+{
+    let problem = held_by_limits();
+    let bounded = BoundedProblem::new(&problem);
+    let start = bounded.start(&START).unwrap();
+    let mut counts = Vec::new();
+    for tolerance in [3e-2, 1e-3, 1e-5] {
+        let stopping = Stopping::default()
+            .with_gradient_tolerance(0.0)
+            .with_step_tolerance(tolerance);
+        let steps = Steps::default();
+        let solver = ExecutorMethod::new(method.clone()).with_tolerances_of(&stopping);
+        let run = Executor::new(bounded.clone(), solver)
+            .configure(|state| state.param(start.clone()).max_iters(1000))
+            .add_observer(steps.clone(), ObserverMode::Always)
+            .run()
+            .unwrap();
+        let solution = bounded.solution(&run).unwrap();
+        let largest = solution.q.iter().fold(1.0_f64, |most, q| most.max(q.abs()));
+        let steps = steps.0.lock().unwrap();
+        let (last, before) = steps.split_last().unwrap();
+        let name = method.name();
+        assert!(
+            *last <= tolerance * largest,
+            "{name} {tolerance}: {steps:?}"
+        );
+        // A refused step counts as none.
+        let small = before
+            .iter()
+            .find(|step| **step != 0.0 && **step <= tolerance);
+        assert_eq!(small, None, "{name} {tolerance}");
+        assert!(!solution.reached && solution.iterations < 1000);
+        counts.push(solution.iterations);
+    }
+    assert!(counts.is_sorted() && counts[0] < counts[2], "{counts:?}");
+}
+
+#[test]
+fn a_run_ends_with_the_first_step_within_the_users_tolerance() {
+    ends_with_the_first_small_step(ProjectedGradient::default());
+    ends_with_the_first_small_step(GaussNewton::default());
+    ends_with_the_first_small_step(LevenbergMarquardt::default());
 }
 
 /// Sees that a solver without bounds never evaluates a joint outside its limits.
