@@ -304,6 +304,39 @@ fn jumps_are_those_of_the_way_that_is_returned() {
     }
 }
 
+/// A branch that ends is gone round, also after a part of the path that nothing reaches.
+#[test]
+fn a_way_round_is_looked_for_after_what_was_missed() {
+    let robot = robot("franka_panda");
+    let arm = Arm::builder(&robot, "base", "flange");
+    let arm = arm.with_atlas(false).build().unwrap();
+    for seed in [1009, 1017, 1030] {
+        let own = path(&arm, &mut Random(seed), 2, 0.05);
+        let own: Vec<_> = own.into_iter().step_by(10).collect();
+        let targets: Vec<_> = own.iter().map(|q| arm.base_from_tool(q).unwrap()).collect();
+        // One after another the branch ends.
+        let mut follower = arm.follower(&own[0]).unwrap();
+        let mut solution = Solution::default();
+        let missed = targets.iter().any(|target| {
+            follower.advance(*target, &mut solution).unwrap();
+            !solution.reached
+        });
+        assert!(missed, "{seed}");
+        // Up out of reach and down again first.
+        let first = targets[0];
+        let out = (0..=40_i32).map(move |k| {
+            let up = 0.05 * f64::from(20 - (k - 20).abs());
+            let up = Vector3::new(0.0, 0.0, up);
+            Placement::new(first.rotation, first.translation + up)
+        });
+        let all: Vec<_> = out.chain(targets).collect();
+        let track = arm.track(&all, &own[0]).unwrap();
+        let (out, own) = track.solutions.split_at(41);
+        let whole = |part: &[Solution]| part.iter().all(|solution| solution.reached);
+        assert!(!whole(out) && whole(own), "{seed}");
+    }
+}
+
 /// A target far from the last is gone to by small steps along the straight way: as the tool turns about an axis of
 /// its own, so does the joint that carries it.
 #[test]

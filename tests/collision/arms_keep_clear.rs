@@ -1,27 +1,33 @@
 //! Promise: a solution of an arm that keeps clear touches nothing, by the exact distances of shapes; where none is found
-//! it says what is touched. Eight configurations in lanes and shapes one by one never contradict each other.
+//! it says what is touched.
+
+use std::f64::consts::TAU;
 
 use kinopt::arm::{Arm, PoseOutcome, Search};
 use kinopt::collision::{Checker, CollisionModel, Fineness, Shape, SphereModel, World};
-use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::robot;
 use support::random::Random;
 use support::sample::cases;
 
-struct Panda {
-    arm: Arm,
-    checker: Checker,
-    q_model: Vec<f64>,
+/// An arm, and what tells what it touches.
+pub(crate) struct Kept {
+    pub(crate) arm: Arm,
+    pub(crate) checker: Checker,
+    pub(crate) q_model: Vec<f64>,
 }
 
-fn panda(search: Search) -> Panda {
-    let robot = robot("franka_panda");
+pub(crate) fn panda(search: Search) -> Kept {
+    kept_clear("franka_panda", search)
+}
+
+fn kept_clear(name: &str, search: Search) -> Kept {
+    let robot = robot(name);
     let bodies = CollisionModel::of(&robot).unwrap();
     let bodies = bodies.with_pairs_sampled(200, 1).unwrap();
     let spheres = SphereModel::of(&bodies, Fineness::Overhang(0.03)).unwrap();
     let arm = Arm::builder(&robot, "base", "flange").with_search(search);
-    Panda {
+    Kept {
         q_model: vec![0.0; robot.model().configuration_len()],
         arm: arm.build().unwrap(),
         checker: Checker::new(bodies).with_spheres(spheres),
@@ -34,8 +40,8 @@ pub(crate) fn drawn(arm: &Arm, random: &mut Random) -> Vec<f64> {
     limits.map(|l| random.within(l.lower, l.upper)).collect()
 }
 
-impl Panda {
-    fn among(self, world: &World, margin: f64) -> Self {
+impl Kept {
+    pub(crate) fn among(self, world: &World, margin: f64) -> Self {
         let checker = self.checker.with_world(world).unwrap();
         let checker = checker.with_margin(margin).unwrap();
         Self {
@@ -45,12 +51,12 @@ impl Panda {
         }
     }
 
-    fn drawn(&self, random: &mut Random) -> Vec<f64> {
+    pub(crate) fn drawn(&self, random: &mut Random) -> Vec<f64> {
         drawn(&self.arm, random)
     }
 
     /// A configuration that touches nothing.
-    fn free(&self, random: &mut Random) -> Vec<f64> {
+    pub(crate) fn free(&self, random: &mut Random) -> Vec<f64> {
         loop {
             let q = self.drawn(random);
             if self.arm.collisions(&q).unwrap().is_empty() {
@@ -61,7 +67,7 @@ impl Panda {
 }
 
 /// Boxes, cylinders, capsules, balls, a hull and a floor around the arm.
-fn cluttered(random: &mut Random) -> World {
+pub(crate) fn cluttered(random: &mut Random) -> World {
     let mut world = World::new();
     for index in 0..8 {
         let [a, b, c] = [(); 3].map(|()| random.within(0.05, 0.25));
@@ -128,6 +134,34 @@ fn what_is_reached_touches_nothing_and_nearly_all_is_reached() {
     assert!(reached * 100 >= asked * 97, "{reached} of {asked}");
 }
 
+/// Of joints that may turn twice round, none is a whole turn farther from the start than it need be.
+#[test]
+fn what_is_free_is_no_whole_turn_away() {
+    let mut random = Random::new(31);
+    let mut ur5 = kept_clear("universal_ur5e", Search::Start);
+    let plain = ur5.arm.clone();
+    let mut went_round = 0;
+    for _ in 0..cases(300, 40) {
+        ur5 = ur5.among(&cluttered(&mut random), 0.0);
+        let (goal, start) = (ur5.free(&mut random), ur5.drawn(&mut random));
+        let target = ur5.arm.base_from_tool(&goal).unwrap();
+        let solution = ur5.arm.solve(target, &start).unwrap();
+        let straight = plain.solve(target, &start).unwrap();
+        if !solution.reached || solution.q == straight.q {
+            continue;
+        }
+        went_round += 1;
+        let joints = solution.q.iter().zip(&start).zip(ur5.arm.limits());
+        for ((q, start), limits) in joints {
+            let turned = [q - TAU, q + TAU].into_iter();
+            let mut others = turned.filter(|turned| limits.contains(*turned));
+            let nearest = others.all(|other| (q - start).abs() <= (other - start).abs());
+            assert!(nearest, "{q} from {start}");
+        }
+    }
+    assert!(went_round > 5, "{went_round}");
+}
+
 #[test]
 fn the_nearest_solution_that_is_free_is_as_near_as_any_that_is() {
     let mut random = Random::new(3);
@@ -149,6 +183,32 @@ fn the_nearest_solution_that_is_free_is_as_near_as_any_that_is() {
             assert!(nearest <= other + 1e-9, "{nearest} {other}");
         }
     }
+}
+
+#[test]
+fn of_several_solutions_none_touches_anything() {
+    let mut random = Random::new(41);
+    let distinct = Search::Distinct {
+        k: 8,
+        distance: 0.5,
+    };
+    let mut panda = panda(distinct);
+    let plain = panda.arm.clone();
+    let (mut listed, mut touching) = (0, 0);
+    for _ in 0..cases(40, 8) {
+        panda = panda.among(&cluttered(&mut random), 0.01);
+        let (goal, start) = (panda.free(&mut random), panda.drawn(&mut random));
+        let target = panda.arm.base_from_tool(&goal).unwrap();
+        for solution in panda.arm.solve_all(target, &start).unwrap() {
+            assert!(solution.reached);
+            assert!(panda.arm.collisions(&solution.q).unwrap().is_empty());
+            listed += 1;
+        }
+        for solution in plain.solve_all(target, &start).unwrap() {
+            touching += usize::from(!panda.arm.collisions(&solution.q).unwrap().is_empty());
+        }
+    }
+    assert!(listed > 10 && touching > 10, "{listed} {touching}");
 }
 
 /// What is spent before something is found to be in the way counts as well.
@@ -213,7 +273,7 @@ fn no_more_attempts_are_made_than_are_asked_for() {
             .with_attempts(attempts)
             .build()
             .unwrap();
-        let few = Panda { arm: few, ..alone }.among(&cluttered(&mut random), 0.0);
+        let few = Kept { arm: few, ..alone }.among(&cluttered(&mut random), 0.0);
         let mut went_on = 0;
         for _ in 0..240 {
             let (goal, start) = (few.free(&mut random), few.drawn(&mut random));
@@ -296,75 +356,6 @@ fn a_batch_answers_as_one_question_after_another() {
 }
 
 #[test]
-fn what_is_clear_by_its_spheres_touches_nothing() {
-    let mut random = Random::new(9);
-    let panda = panda(Search::Start).among(&cluttered(&mut random), 0.01);
-    let count = cases(1001, 101);
-    let q: Vec<f64> = (0..count).flat_map(|_| panda.drawn(&mut random)).collect();
-    let mut clear = vec![false; count];
-    panda.arm.clear_by_spheres(&q, &mut clear).unwrap();
-    for (place, (q, clear)) in q.chunks(7).zip(&clear).enumerate() {
-        // Its neighbours in the lanes say nothing about it.
-        let mut alone = [false];
-        panda.arm.clear_by_spheres(q, &mut alone).unwrap();
-        assert_eq!(alone, [*clear], "{place}");
-        assert!(!clear || panda.arm.collisions(q).unwrap().is_empty());
-    }
-    assert!(clear.iter().any(|clear| *clear));
-    let mut bad = q[..7].to_vec();
-    bad[3] = f64::NAN;
-    let refused = panda.arm.clear_by_spheres(&bad, &mut [true]);
-    assert!(refused.unwrap_err().to_string().contains("joint4"));
-    // Of several the joint is told, not the place among all numbers.
-    let bad = [&q[..14], &bad].concat();
-    let refused = panda.arm.clear_by_spheres(&bad, &mut [true; 3]);
-    assert!(refused.unwrap_err().to_string().contains("joint4"));
-    assert!(panda.arm.clear_by_spheres(&q[..6], &mut [true]).is_err());
-}
-
-/// Two plates three centimetres apart, the upper of which turns on a shaft.
-const PLATES: &str = r#"<robot name="plates"><link name="lower"><collision><geometry><box size="0.4 0.4 0.02"/></geometry></collision></link>
-    <link name="shaft"/><link name="upper"><collision><geometry><box size="0.4 0.4 0.02"/></geometry></collision></link>
-    <joint name="turn" type="continuous"><parent link="lower"/><child link="shaft"/><axis xyz="0 0 1"/></joint>
-    <joint name="lift" type="prismatic"><parent link="shaft"/><child link="upper"/><origin xyz="0 0 0.05"/><axis xyz="0 0 1"/>
-    <limit lower="-0.025" upper="0.02"/></joint></robot>"#;
-
-/// Links so close that spheres do not tell them apart are as far apart as the margin says, too, where an arm is clear.
-#[test]
-fn close_links_keep_the_margin() {
-    let robot = Robot::parse(PLATES, "plates.urdf").unwrap();
-    let bodies = CollisionModel::of(&robot).unwrap();
-    let bodies = bodies.with_checked("lower", "upper").unwrap();
-    let spheres = SphereModel::of(&bodies, Fineness::Overhang(0.03)).unwrap();
-    let checker = Checker::new(bodies).with_spheres(spheres);
-    let checker = checker.with_margin(0.02).unwrap();
-    let arm = Arm::builder(&robot, "lower", "upper").with_atlas(false);
-    let arm = arm
-        .build()
-        .unwrap()
-        .with_checker(&checker, &[0.0; 2])
-        .unwrap();
-    for (lift, is_clear) in [
-        (0.0, true),
-        (0.015, true),
-        (-0.009, true),
-        (-0.011, false),
-        (-0.02, false),
-    ] {
-        for turn in [0.0, 0.7, 2.0] {
-            let mut clear = [!is_clear];
-            arm.clear_by_spheres(&[turn, lift], &mut clear).unwrap();
-            let touched = arm.collisions(&[turn, lift]).unwrap();
-            assert_eq!(
-                (clear[0], touched.is_empty()),
-                (is_clear, is_clear),
-                "{turn} {lift}"
-            );
-        }
-    }
-}
-
-#[test]
 fn a_tool_or_goal_keeps_what_the_arm_is_kept_clear_of() {
     let mut random = Random::new(21);
     let world = cluttered(&mut random);
@@ -385,116 +376,6 @@ fn a_tool_or_goal_keeps_what_the_arm_is_kept_clear_of() {
 }
 
 #[test]
-fn many_obstacles_are_found_through_their_tree_as_one_by_one() {
-    // As many small boxes as a wall has, once as obstacles of their own and once as one.
-    let (mut many, mut one) = (World::new(), World::new());
-    for y in -6..=6 {
-        for z in 0..=12 {
-            let at = Vector3::new(0.45, f64::from(y) * 0.1, f64::from(z) * 0.1);
-            many.add_box(&format!("brick {y} {z}"), [0.1; 3], at)
-                .unwrap();
-        }
-    }
-    one.add_box("wall", [0.1, 1.3, 1.3], Vector3::new(0.45, 0.0, 0.6))
-        .unwrap();
-    let bricks = panda(Search::Start).among(&many, 0.0);
-    let wall = panda(Search::Start).among(&one, 0.0);
-    let mut random = Random::new(5);
-    for _ in 0..cases(60, 10) {
-        let (goal, start) = (wall.free(&mut random), wall.drawn(&mut random));
-        let target = wall.arm.base_from_tool(&goal).unwrap();
-        let [a, b] = [&bricks, &wall].map(|p| p.arm.solve(target, &start).unwrap());
-        assert_eq!((a.q, a.reached), (b.q, b.reached));
-    }
-}
-
-#[test]
-fn what_stands_in_thousands_is_found_as_it_is_part_by_part() {
-    found_as_part_by_part([700, 4000], 0.01);
-    // Few points that are as thick as a link.
-    found_as_part_by_part([300, 120], 0.08);
-}
-
-/// Balls, a cloud of points so thick and a floor; in parts so small that each is looked at one after another.
-fn found_as_part_by_part([balls, points]: [usize; 2], thick: f64) {
-    let mut random = Random::new(77);
-    let balls: Vec<_> = (0..balls).map(|_| beside(&mut random)).collect();
-    let points: Vec<_> = (0..points).map(|_| beside(&mut random)).collect();
-    let floor = Placement::translation(Vector3::new(0.0, 0.0, -0.3));
-    let mut whole = World::new();
-    whole.add("floor", Shape::half_space(), floor).unwrap();
-    whole
-        .add(
-            "cloud",
-            Shape::points(points.clone(), thick).unwrap(),
-            Vector3::zero(),
-        )
-        .unwrap();
-    let mut parts = vec![World::new()];
-    parts[0].add("floor", Shape::half_space(), floor).unwrap();
-    for (index, &at) in balls.iter().enumerate() {
-        whole
-            .add_sphere(&format!("ball {index}"), 0.02, at)
-            .unwrap();
-        if index % 350 == 0 {
-            parts.push(World::new());
-        }
-        let part = parts.last_mut().unwrap();
-        part.add_sphere(&format!("ball {index}"), 0.02, at).unwrap();
-    }
-    for few in points.chunks(30) {
-        let part = parts.last_mut().unwrap();
-        let name = format!("cloud {}", part.obstacles().len());
-        part.add(
-            &name,
-            Shape::points(few.to_vec(), thick).unwrap(),
-            Vector3::zero(),
-        )
-        .unwrap();
-    }
-    let many = panda(Search::Start).among(&whole, 0.01);
-    let parts: Vec<_> = (parts.iter())
-        .map(|part| panda(Search::Start).among(part, 0.01))
-        .collect();
-    let drawn: Vec<f64> = (0..cases(4000, 200))
-        .flat_map(|_| many.drawn(&mut random))
-        .collect();
-    let count = drawn.len() / 7;
-    let mut by_parts = vec![true; count];
-    let mut clear = vec![false; count];
-    for part in &parts {
-        part.arm.clear_by_spheres(&drawn, &mut clear).unwrap();
-        for (all, clear) in by_parts.iter_mut().zip(&clear) {
-            *all &= clear;
-        }
-    }
-    // What is remembered of the first time changes nothing.
-    for _ in 0..2 {
-        many.arm.clear_by_spheres(&drawn, &mut clear).unwrap();
-        assert_eq!(clear, by_parts);
-    }
-    let free = clear.iter().filter(|clear| **clear).count();
-    assert!(
-        free > count / 20 && free < count - count / 20,
-        "{free} of {count}"
-    );
-}
-
-/// Somewhere within reach, but not at the base.
-fn beside(random: &mut Random) -> Vector3<f64> {
-    loop {
-        let at = Vector3::new(
-            random.within(-0.9, 0.9),
-            random.within(-0.9, 0.9),
-            random.within(-0.2, 1.0),
-        );
-        if at.x.hypot(at.y) > 0.35 {
-            return at;
-        }
-    }
-}
-
-#[test]
 fn a_checker_of_another_model_is_refused() {
     let panda = panda(Search::Start);
     let other = CollisionModel::of(&robot("universal_ur5e")).unwrap();
@@ -506,39 +387,9 @@ fn a_checker_of_another_model_is_refused() {
 }
 
 #[test]
-fn pairs_that_are_added_after_the_spheres_were_made_are_kept_apart_too() {
-    let robot = robot("franka_panda");
-    let bodies = CollisionModel::of(&robot).unwrap();
-    let all: Vec<_> = bodies.pairs().to_vec();
-    let none = all.iter().fold(bodies.clone(), |model, [a, b]| {
-        model.with_ignored(*a, *b).unwrap()
-    });
-    let spheres = SphereModel::of(&none, Fineness::Overhang(0.03)).unwrap();
-    let checker = Checker::new(bodies).with_spheres(spheres);
-    let rest = vec![0.0; robot.model().configuration_len()];
-    let arm = Arm::new(&robot, "base", "flange").unwrap();
-    let arm = arm.with_checker(&checker, &rest).unwrap();
-    let mut random = Random::new(8);
-    let mut touching = 0;
-    for _ in 0..cases(200, 60) {
-        let q = drawn(&arm, &mut random);
-        if arm.collisions(&q).unwrap().is_empty() {
-            continue;
-        }
-        touching += 1;
-        let solution = arm.solve(arm.base_from_tool(&q).unwrap(), &q).unwrap();
-        assert_eq!(
-            solution.reached,
-            arm.collisions(&solution.q).unwrap().is_empty()
-        );
-    }
-    assert!(touching > 2, "{touching}");
-}
-
-#[test]
 fn joints_that_the_arm_locks_stand_where_it_locks_them() {
     let mut random = Random::new(31);
-    let Panda {
+    let Kept {
         checker, q_model, ..
     } = panda(Search::Start);
     let robot = robot("franka_panda");
@@ -601,61 +452,4 @@ fn questions_before_leave_as_much_to_be_looked_at() {
         let [own, fresh] = [&panda.arm, &new.clone()].map(|arm| arm.solve(target, &start).unwrap());
         assert_eq!(format!("{own:?}"), format!("{fresh:?}"), "{turn}");
     }
-}
-
-/// Links are kept apart by the whole margin, whichever of two is looked at first.
-#[test]
-fn what_is_clear_by_its_spheres_is_clear_by_a_wide_margin() {
-    let mut random = Random::new(10);
-    for margin in [0.05, 0.1, 0.15] {
-        let mut panda = panda(Search::Start);
-        // Pairs are left out until some configuration has all others farther apart.
-        loop {
-            let checker = panda.checker.clone().with_margin(margin).unwrap();
-            let mut q = panda.q_model.clone();
-            let drawn = panda.drawn(&mut random);
-            panda.arm.configuration(&drawn, &mut q).unwrap();
-            let touched = checker.collisions(&q).unwrap();
-            let Some(pair) = touched.first() else {
-                break;
-            };
-            let bodies = checker.model().clone();
-            let ends = (pair.first.as_str(), pair.second.as_str());
-            let bodies = bodies.with_ignored(ends.0, ends.1).unwrap();
-            let spheres = checker.spheres().unwrap().clone();
-            panda.checker = Checker::new(bodies).with_spheres(spheres);
-        }
-        // A narrower one of before counts no more.
-        let mut panda = panda.among(&World::new(), 0.0);
-        panda.arm = panda.arm.with_world(&World::new(), margin).unwrap();
-        let count = cases(1000, 200);
-        let q: Vec<f64> = (0..count).flat_map(|_| panda.drawn(&mut random)).collect();
-        let mut clear = vec![false; count];
-        panda.arm.clear_by_spheres(&q, &mut clear).unwrap();
-        let mut near = 0;
-        for (q, clear) in q.chunks(7).zip(&clear) {
-            let touched = panda.arm.collisions(q).unwrap();
-            near += usize::from(!touched.is_empty());
-            assert!(!clear || touched.is_empty(), "{margin}: {touched:?}");
-        }
-        assert!(
-            near > 0 && clear.iter().any(|clear| *clear),
-            "{margin}: {near}"
-        );
-    }
-}
-
-/// An arm that keeps clear of nothing does not call anything free.
-#[test]
-fn of_a_plain_arm_it_is_not_known_what_it_touches() {
-    let plain = kinopt::Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
-    let q = [0.0; 7];
-    let told = plain.collisions(&q).unwrap_err().to_string();
-    assert!(told.contains("not known"), "{told}");
-    assert!(plain.clear_by_spheres(&q, &mut [true]).is_err());
-    let told = plain
-        .with_world(&World::new(), None)
-        .unwrap_err()
-        .to_string();
-    assert!(!told.contains("with_checker"), "{told}");
 }

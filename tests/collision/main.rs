@@ -7,6 +7,7 @@ mod beyond_reach;
 mod bodies_keep_clear;
 mod certificates;
 mod checkers;
+mod clear_by_spheres;
 mod coal;
 mod collision_models;
 mod convex_pieces;

@@ -74,6 +74,15 @@ fn check(chain: &Chain, atlas: bool) {
         let bits: Vec<u64> = joined.iter().flat_map(|part| part.0.clone()).collect();
         assert!(bits == whole.0, "{threads} threads");
     }
+    // Those of rayon, of whom each has a part of 128 queries at most.
+    let (many, from) = (goals.repeat(3), starts.repeat(3));
+    let mut q = vec![0.0; from.len()];
+    let mut outcomes = vec![PoseOutcome::default(); many.len()];
+    solver
+        .solve_batch_parallel(&many, &from, Prefer::Start, &mut q, &mut outcomes)
+        .unwrap();
+    let bits: Vec<u64> = q.into_iter().map(f64::to_bits).collect();
+    assert!(bits == whole.0.repeat(3) && outcomes == whole.1.repeat(3));
     // Single queries too, whatever was asked before.
     let n = solver.joints();
     let ask = |k: usize| {

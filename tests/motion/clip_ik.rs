@@ -179,6 +179,35 @@ fn a_walk_on_the_spot_travels_as_its_feet_say() {
     }
 }
 
+/// Where nothing else is asked of it a figure travels all the same.
+#[test]
+fn a_hand_that_reaches_for_a_while_travels_before_and_after() {
+    let armature = figure();
+    let hand = armature.bone("hand").unwrap();
+    let poses = vec![armature.rest().clone(); 2];
+    let stand = Clip::through_poses("stand", &armature, &[0.0, 2.0], &poses).unwrap();
+    let travel = Vec3::new(0.3, 0.0, 0.5);
+    // Nearer to the shoulder, so that the root need not follow.
+    let [own, shoulder] = ["hand", "arm"].map(|bone| at(&armature, &stand, bone, 0.0));
+    let target = own.lerp(shoulder, 0.3) + Vec3A::from(travel);
+    let reach = Reach::to(hand, target.as_dvec3())
+        .unwrap()
+        .with_span(0.9..=1.1);
+    let edited = ClipIk::new(&armature)
+        .with_travel(travel)
+        .with_reach(reach)
+        .solve(&stand)
+        .unwrap();
+    for time in [0.0, 0.2, 0.5, 0.8, 1.2, 1.5, 2.0] {
+        for bone in ["hips", "foot.l", "hand"] {
+            let on = at(&armature, &stand, bone, time) + Vec3A::from(travel) * time as f32;
+            let found = at(&armature, &edited.clip, bone, time);
+            assert!(found.distance(on) < 1e-4, "{bone} at {time}: {found} {on}");
+        }
+    }
+    assert!(at(&armature, &edited.clip, "hand", 1.0).distance(target) < 1e-3);
+}
+
 #[test]
 fn a_hand_reaches_over_its_span_and_nothing_else_changes() {
     let armature = figure();

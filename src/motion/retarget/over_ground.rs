@@ -174,3 +174,47 @@ impl Residual for OverGround {
         true
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::OverGround;
+    use crate::model::Model;
+    use crate::motion::retarget::foot_shapes::Ball;
+    use crate::motion::retarget::sole::Sole;
+    use crate::spatial::{Placement, Vector3};
+    use crate::task::Residual;
+
+    /// Deep by 5 mm a ball is raised by as much, and by 1 mm more where it is deep by that still.
+    #[test]
+    fn what_is_deep_is_raised_by_its_depth() {
+        let mut builder = Model::builder("foot");
+        let frame = builder.frame("foot", None, Placement::identity());
+        builder.build().unwrap();
+        let (at, radius) = (Vector3::zero(), 0.02);
+        let sole = Sole {
+            frame,
+            balls: vec![(Ball { frame, at, radius }, 0)],
+            level: Vec::new(),
+        };
+        let mut over = OverGround::new(&sole, 3.0, 2.0);
+        let mut pushed = |height: f64| {
+            let placed = Placement::translation(Vector3::new(0.0, 0.0, height));
+            let mut residual = [0.0];
+            over.evaluate(&[placed], &[], &mut residual);
+            let pushed = over.push_out(&residual, 2e-4);
+            (pushed, over.heights()[0])
+        };
+        for (height, expected) in [
+            (0.015, (true, 0.005)),
+            (0.019, (true, 0.006)),
+            (0.0199, (false, 0.006)),
+        ] {
+            let (was, raised) = pushed(height);
+            assert!(
+                was == expected.0 && (raised - expected.1).abs() < 1e-12,
+                "{raised}"
+            );
+        }
+    }
+}

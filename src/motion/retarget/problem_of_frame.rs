@@ -74,3 +74,30 @@ impl ProblemOfFrame {
         space.project(x);
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::ProblemOfFrame;
+    use crate::model::{Limits, Model};
+    use crate::problem::Problem;
+    use crate::spatial::{Placement, Vector3};
+    use crate::task::Posture;
+
+    #[test]
+    fn a_share_of_the_way_is_left() {
+        let mut builder = Model::builder("hinge");
+        let (at, z) = (Placement::identity(), Vector3::UNITS[2]);
+        builder.revolute("hinge", None, at, z, Limits::new(-2.0, 2.0));
+        let model = builder.build().unwrap();
+        let mut tasks = Problem::builder(&model);
+        tasks.add(Posture::new(&model, &model.neutral()));
+        let frame = ProblemOfFrame::new(tasks.build().unwrap(), 1.0);
+        let mut x = [1.1];
+        // Of 0.8 a half, and of 0.4 a quarter.
+        for (share, left) in [(0.5, 0.4), (0.25, 0.1)] {
+            frame.go_back([&[-2.0], &[2.0]], &[0.3], share, &mut x);
+            assert!((x[0] - 0.3 - left).abs() < 1e-12, "{x:?}");
+        }
+    }
+}
