@@ -5,6 +5,7 @@
 use kinopt::Solution;
 use kinopt::arm::{Arm, ArmBuilder, Goal, Search};
 use kinopt::robot::Robot;
+use kinopt::spatial::{Placement, Vector3};
 use support::arms::{Random, panda, robot};
 use support::follower_chains::follower_chain;
 use support::sample::cases;
@@ -40,6 +41,24 @@ fn same(name: &str, builder: ArmBuilder<'_>) {
         assert_eq!(own, fresh, "{name} {turn}");
     }
     assert!(told[0] > 0, "{name}: {told:?}");
+}
+
+/// Another tool or goal is no other motor.
+#[test]
+fn as_fast_as_their_joints() {
+    let (robot, base, tip) = panda();
+    let arm = Arm::builder(&robot, base, tip).with_atlas(false);
+    let arm = arm.build().unwrap();
+    // By the maker's data, radians a second.
+    let speeds = [2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61];
+    let held = Placement::translation(Vector3::new(0.0, 0.0, 0.1));
+    let others = [
+        arm.with_tool(held).unwrap(),
+        arm.with_goal(Goal::position()).unwrap(),
+    ];
+    for arm in std::iter::once(&arm).chain(&others) {
+        assert_eq!(arm.velocity_limits(), speeds);
+    }
 }
 
 #[test]

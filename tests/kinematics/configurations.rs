@@ -184,6 +184,31 @@ fn what_is_beyond_its_limits_is_told_in_the_order_of_the_configuration() {
     }
 }
 
+/// Joints and twists whose range is on one side of zero stand at its end that is nearer to it.
+#[test]
+fn what_cannot_stand_at_zero_stands_next_to_it() {
+    for (lower, upper, nearest) in [(-1.2, -0.4, -0.4), (0.3, 0.9, 0.3), (-0.5, 0.7, 0.0_f64)] {
+        let mut builder = Model::builder("twisted");
+        let (at, z) = (Placement::identity(), Vector3::UNITS[2]);
+        let limits = Limits::new(lower, upper);
+        builder.revolute("hinge", None, at, z, limits);
+        let cone = BallLimits::cone(0.5, limits);
+        let ball = builder.ball("ball", None, at, z, Some(cone));
+        let model = builder.build().unwrap();
+        let q = model.neutral();
+        assert!(model.joints_outside_limits(&q).unwrap().is_empty());
+        let hinge = model.coordinate(model.joint("hinge").unwrap()).unwrap();
+        let ball = model.coordinate(ball).unwrap();
+        let turn = [(0.5 * nearest).cos(), 0.0, 0.0, (0.5 * nearest).sin()];
+        let off = q[ball..ball + 4]
+            .iter()
+            .zip(turn)
+            .map(|(a, b)| (a - b).abs());
+        assert!(off.fold(0.0, f64::max) < 1e-12, "{q:?}");
+        assert_eq!(q[hinge], nearest);
+    }
+}
+
 #[test]
 fn a_wrong_number_or_quaternion_is_named() {
     let Figure { model, frames, .. } = Figure::new(0, 5);

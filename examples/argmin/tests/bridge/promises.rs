@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex};
 use crate::bent_arm::{
     arm, configurations, held_by_limits, point_within_reach, reachable, two_tips,
 };
+use argmin::core::checkpointing::Checkpoint;
 use argmin::core::observers::{Observe, ObserverMode};
 use argmin::core::{
     CostFunction, Error, Executor, Gradient, Hessian, IterState, Jacobian, KV, Operator, State,
@@ -142,6 +143,11 @@ where
         .run();
     assert!(failed.is_err());
     assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
+    // What was read is written as it was, before it runs on.
+    let kept = FileCheckpoint::new(path, "search", CheckpointingFrequency::Always);
+    let read: Option<(ExecutorMethod<M>, MethodState)> = kept.load().unwrap();
+    let (search, state) = read.unwrap();
+    kept.save(&search, &state).unwrap();
     let resumed = executor().run().unwrap();
     std::fs::remove_dir_all(&folder).unwrap();
     bounded.solution(&resumed).unwrap()
