@@ -266,7 +266,8 @@ impl Model {
         let reach = reach.min(f64::MAX / 100.0);
         match travel(joint) {
             _ if !joint.kind.slides() => std::f64::consts::PI,
-            travel if travel <= SAME_ORDER * reach => travel.max(reach),
+            // Where what turns has no lever, travel is all the size that there is.
+            travel if reach == 0.0 || travel <= SAME_ORDER * reach => travel.max(reach),
             _ => reach,
         }
     }
