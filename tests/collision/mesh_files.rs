@@ -138,6 +138,22 @@ fn all_formats_say_the_same() {
 }
 
 /// A backslash goes on in the next line; after the last one there is nothing, and what stands before it counts.
+/// What else is said of a corner may come before its place.
+#[test]
+fn places_are_where_a_collada_file_says() {
+    let later = dae().replacen("offset=\"0\"", "offset=\"2\"", 1).replacen(
+        "offset=\"1\"",
+        "offset=\"0\"",
+        1,
+    );
+    let corners = QUADS.iter().flatten().map(|k| format!("7 3 {k}"));
+    let corners = corners.collect::<Vec<_>>().join(" ");
+    let (before, rest) = later.split_once("<p>").unwrap();
+    let (_, after) = rest.split_once("</p>").unwrap();
+    let later = format!("{before}<p>{corners}</p>{after}");
+    is_the_box(&MeshFile::parse(later.as_bytes(), "box.dae").unwrap());
+}
+
 #[test]
 fn a_file_that_ends_in_a_backslash_has_its_last_face() {
     let whole = obj();

@@ -237,6 +237,11 @@ fn what_is_wrong_in_a_scene_is_named_with_its_line() {
             "length is 1.08",
         ),
         (scene("[0, 0, 0.6, 0.8]", "[0, 0, 0.6]"), "3 numbers, not 4"),
+        (
+            scene("[0, 0, 0.6, 0.8]", "[0, 0, 0.6, 0.8, 0]"),
+            "5 numbers, not 4",
+        ),
+        (scene("[0, 0, 10]", "[0, 0, 10, 1]"), "4 numbers, not 3"),
         (scene("id: pen", "id: Can1"), "already"),
         (scene("id: Can1", "name: Can1"), "no `id`"),
     ] {

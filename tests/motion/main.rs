@@ -7,6 +7,7 @@ mod bad_motions;
 mod ball_limits;
 mod clip_ik;
 mod clip_minima;
+mod clip_reaches;
 mod closed_loops;
 mod contact_heights;
 mod contacts;

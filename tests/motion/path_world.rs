@@ -1,8 +1,10 @@
 //! Promise: a path of an arm that keeps clear touches nothing at its points, and what is not surely free between them is told.
 
 use kinopt::Arm;
-use kinopt::collision::{Checker, CollisionModel, World};
+use kinopt::arm::Goal;
+use kinopt::collision::{Checker, CollisionModel, Fineness, SphereModel, World};
 use kinopt::motion::path::{CartesianPath, MissReason, PathSolver};
+use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
 
@@ -57,6 +59,42 @@ fn it_goes_round_what_is_in_its_elbows_way() {
             .iter()
             .any(|told| told.index == row + 1);
         assert!(jumps || is_free_between(&arm, pair[0], pair[1]), "{row}");
+    }
+}
+
+/// Three slides and a cube of 20 cm.
+const GANTRY: &str = r#"<robot name="gantry"><link name="base"/><link name="bridge"/><link name="trolley"/>
+    <link name="cube"><collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision></link>
+    <joint name="x" type="prismatic"><parent link="base"/><child link="bridge"/><axis xyz="1 0 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+    <joint name="y" type="prismatic"><parent link="bridge"/><child link="trolley"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+    <joint name="z" type="prismatic"><parent link="trolley"/><child link="cube"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+    </robot>"#;
+
+/// The spheres about a cube go into a wall that it passes by a millimetre.
+#[test]
+fn what_is_free_by_its_shapes_is_free() {
+    let robot = Robot::parse(GANTRY, "gantry.urdf").unwrap();
+    let bodies = CollisionModel::of(&robot).unwrap();
+    let spheres = SphereModel::of(&bodies, Fineness::Overhang(0.03)).unwrap();
+    let arm = Arm::builder(&robot, "base", "cube").with_goal(Goal::position());
+    let arm = arm.build().unwrap();
+    let along = (0..=40).map(|k| {
+        let y = 0.015 * f64::from(k) - 0.3;
+        Placement::translation(Vector3::new(0.5, y, 0.1))
+    });
+    let path = CartesianPath::new(along.collect::<Vec<_>>()).unwrap();
+    for (gap, free) in [(0.001, true), (-0.001, false)] {
+        let mut world = World::new();
+        let wall = Vector3::new(0.5 + 0.1 + gap + 0.05, 0.0, 0.0);
+        world.add_box("wall", [0.1, 4.0, 4.0], wall).unwrap();
+        let checker = Checker::new(bodies.clone()).with_spheres(spheres.clone());
+        let checker = checker.with_world(&world).unwrap();
+        let arm = arm.clone().with_checker(&checker, &[0.0; 3]).unwrap();
+        let solution = PathSolver::new(&arm).solve(&path).unwrap();
+        assert_eq!(solution.is_whole(), free, "{:?}", solution.missed);
+        let mut clear = [false];
+        arm.clear_by_spheres(&[0.5, 0.0, 0.1], &mut clear).unwrap();
+        assert_eq!(clear, [false]);
     }
 }
 

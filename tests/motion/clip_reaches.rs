@@ -1,0 +1,234 @@
+//! Promise: over a clip, hands reach over their spans without a jump, nothing outside of those changes, and the root moves no more than
+//! limbs are too short.
+#![allow(clippy::unwrap_used)]
+
+use glam::{DVec3, Vec3, Vec3A};
+use kinopt::animation::Clip;
+use kinopt::animation::curve::KeyedCurve;
+use kinopt::motion::clip_ik::{ClipIk, Reach};
+
+use crate::clip_ik::{HIPS, SHIN, THIGH, at, figure, pose, walk};
+
+/// Where nothing else is asked of it a figure travels all the same.
+#[test]
+fn a_hand_that_reaches_for_a_while_travels_before_and_after() {
+    let armature = figure();
+    let hand = armature.bone("hand").unwrap();
+    let poses = vec![armature.rest().clone(); 2];
+    let stand = Clip::through_poses("stand", &armature, &[0.0, 2.0], &poses).unwrap();
+    let travel = Vec3::new(0.3, 0.0, 0.5);
+    // Nearer to the shoulder, so that the root need not follow.
+    let [own, shoulder] = ["hand", "arm"].map(|bone| at(&armature, &stand, bone, 0.0));
+    let target = own.lerp(shoulder, 0.3) + Vec3A::from(travel);
+    let reach = Reach::to(hand, target.as_dvec3())
+        .unwrap()
+        .with_span(0.9..=1.1);
+    let edited = ClipIk::new(&armature)
+        .with_travel(travel)
+        .with_reach(reach)
+        .solve(&stand)
+        .unwrap();
+    for time in [0.0, 0.2, 0.5, 0.8, 1.2, 1.5, 2.0] {
+        for bone in ["hips", "foot.l", "hand"] {
+            let on = at(&armature, &stand, bone, time) + Vec3A::from(travel) * time as f32;
+            let found = at(&armature, &edited.clip, bone, time);
+            assert!(found.distance(on) < 1e-4, "{bone} at {time}: {found} {on}");
+        }
+    }
+    assert!(at(&armature, &edited.clip, "hand", 1.0).distance(target) < 1e-3);
+}
+
+#[test]
+fn a_hand_reaches_over_its_span_and_nothing_else_changes() {
+    let armature = figure();
+    let walk = walk(&armature, true);
+    let hand = armature.bone("hand").unwrap();
+    let target = DVec3::new(0.5, 1.3, 1.5);
+    let reach = Reach::to(hand, target)
+        .unwrap()
+        .with_span(0.8..=1.6)
+        .with_fade(0.3);
+    let edited = ClipIk::new(&armature)
+        .with_reach(reach)
+        .solve(&walk)
+        .unwrap();
+    for time in [1.1, 1.2, 1.3] {
+        let off = at(&armature, &edited.clip, "hand", time)
+            .as_dvec3()
+            .distance(target);
+        assert!(off < 1e-3, "{time} s: {off}");
+    }
+    for step in 0..=200 {
+        let time = f64::from(step) / 100.0;
+        let [old, new] = [&walk, &edited.clip].map(|clip| pose(&armature, clip, time));
+        for bone in armature.bone_ids() {
+            let moved =
+                ["chest", "arm", "forearm", "hand"].map(|name| armature.bone(name).unwrap());
+            let [old, new] = [old.local(bone).unwrap(), new.local(bone).unwrap()];
+            if !moved.contains(&bone) {
+                assert_eq!(old, new, "{time} s");
+            } else if !(0.8..=1.6).contains(&time) {
+                assert!(old.rotation.abs_diff_eq(new.rotation, 2e-7), "{time} s");
+            }
+        }
+    }
+    // No jump: a hundredth of a second's way is never much longer than its neighbours'.
+    let place = |step: i32| at(&armature, &edited.clip, "hand", f64::from(step) / 100.0);
+    let ways: Vec<f32> = (1..=200)
+        .map(|step| place(step).distance(place(step - 1)))
+        .collect();
+    for pair in ways.windows(2) {
+        assert!((pair[1] - pair[0]).abs() < 6e-3, "{pair:?}");
+    }
+}
+
+#[test]
+fn the_root_moves_by_what_limbs_are_too_short_for() {
+    let armature = figure();
+    let stand = Clip::through_poses(
+        "stand",
+        &armature,
+        &[0.0, 1.0],
+        &vec![armature.rest().clone(); 2],
+    )
+    .unwrap();
+    let foot = armature.bone("foot.l").unwrap();
+    // The leg hangs straight down: 5 cm lower is 5 cm too far, but for the 2 mm that it is not stretched by.
+    let hip = DVec3::new(0.1, f64::from(HIPS), 0.0);
+    let straight = f64::from(THIGH + SHIN);
+    let target = hip - DVec3::new(0.0, straight + 0.05, 0.0);
+    let edited = ClipIk::new(&armature)
+        .with_reach(Reach::to(foot, target).unwrap())
+        .solve(&stand)
+        .unwrap();
+    let hips = at(&armature, &edited.clip, "hips", 0.5).as_dvec3();
+    let expected = DVec3::new(0.0, f64::from(HIPS) - 0.05, 0.0);
+    assert!(hips.distance(expected) < 1e-3, "{hips}");
+    assert!((edited.root_moved - 0.05).abs() < 1e-3);
+    assert!(edited.led[0].miss < 1e-4, "{:?}", edited.led);
+    // Within reach nothing moves it.
+    let near = hip - DVec3::new(0.0, straight - 0.1, 0.1);
+    let edited = ClipIk::new(&armature)
+        .with_reach(Reach::to(foot, near).unwrap())
+        .solve(&stand)
+        .unwrap();
+    assert_eq!(edited.root_moved, 0.0);
+    assert!(edited.led[0].miss < 1e-5);
+}
+
+/// Led there and back over its fade, unless that is said over a fifth of a second or half of a shorter span; where the clip itself
+/// begins or ends nothing is led.
+#[test]
+fn a_hand_is_led_over_the_ends_of_its_span_that_are_within_the_clip() {
+    let armature = figure();
+    let hand = armature.bone("hand").unwrap();
+    let poses = vec![armature.rest().clone(); 2];
+    let stand = Clip::through_poses("stand", &armature, &[0.0, 2.0], &poses).unwrap();
+    let target = DVec3::new(0.55, 1.3, 0.3);
+    let own = at(&armature, &stand, "hand", 0.0).as_dvec3();
+    let smooth = |share: f64| share * share * (3.0 - 2.0 * share);
+    for (span, fade, in_use) in [
+        ([0.0, 1.0], None, 0.2),
+        ([1.0, 2.0], None, 0.2),
+        ([0.5, 1.5], None, 0.2),
+        ([0.5, 0.8], None, 0.15),
+        ([0.5, 1.5], Some(0.4), 0.4),
+        ([0.0, 2.0], None, 0.2),
+    ] {
+        let mut reach = Reach::to(hand, target)
+            .unwrap()
+            .with_span(span[0]..=span[1]);
+        if let Some(fade) = fade {
+            reach = reach.with_fade(fade);
+        }
+        let edited = ClipIk::new(&armature)
+            .with_reach(reach)
+            .solve(&stand)
+            .unwrap();
+        let side = |since: f64, at_end: bool| match (since < 0.0, at_end) {
+            (true, _) => 0.0,
+            (_, true) => 1.0,
+            _ => smooth((since / in_use).min(1.0)),
+        };
+        for frame in 0..=120 {
+            let time = f64::from(frame) / 60.0;
+            let share = side(time - span[0], span[0] == 0.0) * side(span[1] - time, span[1] == 2.0);
+            let wanted = own.lerp(target, share);
+            let found = at(&armature, &edited.clip, "hand", time).as_dvec3();
+            assert!(
+                found.distance(wanted) < 2e-3,
+                "{span:?}, {time} s: {found} {wanted}"
+            );
+        }
+    }
+}
+
+/// What is asked for goes away to where the body must follow far, and comes back: it is missed most where it is farthest.
+#[test]
+fn when_it_is_missed_most_is_told() {
+    let armature = figure();
+    let hand = armature.bone("hand").unwrap();
+    let poses = vec![armature.rest().clone(); 2];
+    let stand = Clip::through_poses("stand", &armature, &[0.0, 2.0], &poses).unwrap();
+    let own = at(&armature, &stand, "hand", 0.0).as_dvec3();
+    let far = own + DVec3::new(3.0, 0.0, 0.0);
+    let way = KeyedCurve::linear(vec![0.0, 1.5, 2.0], vec![own, far, own]).unwrap();
+    let reach = Reach::along(hand, way.clone());
+    let edited = ClipIk::new(&armature)
+        .with_reach(reach)
+        .solve(&stand)
+        .unwrap();
+    let led = &edited.led[0];
+    let off = |frame: u32| {
+        let time = f64::from(frame) / 60.0;
+        let found = at(&armature, &edited.clip, "hand", time).as_dvec3();
+        found.distance(way.at(time))
+    };
+    let worst = (0..=120)
+        .max_by(|a, b| off(*a).total_cmp(&off(*b)))
+        .unwrap();
+    assert!(
+        led.miss > 1e-4 && (led.miss - off(worst)).abs() < 1e-4,
+        "{led:?}"
+    );
+    assert!(
+        (led.at - f64::from(worst) / 60.0).abs() < 1e-6,
+        "{led:?} {worst}"
+    );
+    assert!(led.at > 1.0);
+}
+
+/// The root that follows a hand too far for its arm is where the clip has it again when that lets go, and gets there without a jump;
+/// keys at the ends of a span take the place of their neighbours.
+#[test]
+fn a_root_comes_back_within_the_span_that_it_follows() {
+    let armature = figure();
+    let hand = armature.bone("hand").unwrap();
+    let poses = vec![armature.rest().clone(); 2];
+    let stand = Clip::through_poses("stand", &armature, &[0.0, 2.0], &poses).unwrap();
+    let span = [0.501, 1.4005];
+    let target = at(&armature, &stand, "hand", 0.0).as_dvec3() + DVec3::new(0.6, 0.0, 0.0);
+    let reach = Reach::to(hand, target)
+        .unwrap()
+        .with_span(span[0]..=span[1]);
+    let edited = ClipIk::new(&armature)
+        .with_reach(reach)
+        .solve(&stand)
+        .unwrap();
+    assert!(edited.root_moved > 0.3, "{}", edited.root_moved);
+    let hips = |time: f64| at(&armature, &edited.clip, "hips", time).as_dvec3();
+    let own = DVec3::new(0.0, f64::from(HIPS), 0.0);
+    // A frame of a sixtieth about the span is as the clip has it.
+    for time in [0.0, 0.4, span[0] - 0.017, span[1] + 0.017, 1.5, 2.0] {
+        assert!(hips(time).distance(own) < 1e-5, "{time} s: {}", hips(time));
+    }
+    let ways = (1..=400).map(|k| hips(f64::from(k) / 200.0) - hips(f64::from(k - 1) / 200.0));
+    let ways: Vec<DVec3> = ways.collect();
+    let jerk = ways.windows(2).map(|pair| pair[1].distance(pair[0]));
+    let jerk = jerk.fold(0.0, f64::max);
+    assert!(jerk < 0.02, "{jerk} m");
+    for (_, channel) in edited.clip.channels(&armature).unwrap() {
+        let inner = channel.times().windows(2).map(|pair| pair[1] - pair[0]);
+        assert!(inner.fold(f32::INFINITY, f32::min) > 0.45 / 60.0);
+    }
+}
