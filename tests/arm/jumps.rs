@@ -9,6 +9,8 @@ use kinopt::arm::{Arm, Axis, Goal};
 use kinopt::spatial::Placement;
 use support::arms::{Random, distance, robot};
 
+use crate::tracks_without_flips::far_steps;
+
 const STEPS: u32 = 300;
 
 /// The same solution with each joint turned to where it is nearest to another, within its limits.
@@ -93,12 +95,7 @@ fn those_of_a_track_are_its_own() {
             points.extend(shares.map(|share| Placement::new(first.rotation, from + way * share)));
         }
         let track = arm.track(&points, &ends[0]).unwrap();
-        let mut far = Vec::new();
-        for (step, pair) in track.solutions.windows(2).enumerate() {
-            let moves = pair[0].q.iter().zip(&pair[1].q).map(|(a, b)| (a - b).abs());
-            let furthest = moves.fold(0.0, f64::max);
-            far.extend((furthest > 0.2).then_some((step + 1, furthest)));
-        }
+        let far = far_steps(&track);
         let jumps = track.jumps.iter().map(|jump| (jump.step, jump.distance));
         assert_eq!(jumps.collect::<Vec<_>>(), far, "{seed}");
         tracks += usize::from(!far.is_empty());
