@@ -138,6 +138,7 @@ impl Arm {
         let (termination, iterations) = workspace.settle(query.deadline);
         found.iterations += iterations;
         found.termination = termination;
+        self.unwrap_towards(query.start, workspace);
         self.judge(workspace, found);
     }
 }

@@ -185,7 +185,7 @@ impl Arm {
     }
 
     /// Adds whole turns to the workspace's x where joints can make them and nothing follows them.
-    fn unwrap_towards(&self, start: &[f64], workspace: &mut ArmWorkspace) {
+    pub(super) fn unwrap_towards(&self, start: &[f64], workspace: &mut ArmWorkspace) {
         let (model, map) = (&self.serial.model, &self.serial.map);
         for (i, value) in workspace.x.iter_mut().enumerate() {
             let joint = &model.joints()[model.moving_joints()[map.leaders()[i]].index()];

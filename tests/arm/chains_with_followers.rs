@@ -4,7 +4,7 @@
 //! A longer search: `KINOPT_CASES=2500 cargo test --release --test arm chains_with_followers`.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::arm::{Arm, Search};
+use kinopt::arm::{Arm, Goal, Search};
 use kinopt::robot::Robot;
 use support::arms::{Random, robot, within_limits};
 use support::follower_chains::follower_chain;
@@ -50,6 +50,39 @@ fn random_chains_reach_what_they_can() {
         let missed = missed(&arm, &Tree::parse(&text), ("l0", &tip), number, count);
         assert_eq!(missed, 0, "of {count} poses of chain {number}");
     }
+}
+
+/// Where a goal leaves freedom, every attempt ends in a solution of its own, however many there are.
+#[test]
+fn no_attempt_begins_where_another_did() {
+    const ATTEMPTS: u32 = 128;
+    let mut looked_at = 0;
+    for number in 0..12 {
+        let (text, tip) = follower_chain(number);
+        let Ok(robot) = Robot::parse(&text, "followers.urdf") else {
+            continue;
+        };
+        let search = Search::Distinct {
+            k: 1000,
+            distance: 1e-3,
+        };
+        let arm = Arm::builder(&robot, "l0", &tip)
+            .with_atlas(false)
+            .with_goal(Goal::position())
+            .with_attempts(ATTEMPTS)
+            .with_search(search)
+            .build()
+            .unwrap();
+        if arm.joint_count() < 6 {
+            continue;
+        }
+        let mut random = Random(number);
+        let wanted = arm.base_from_tool(&random.configuration(&arm)).unwrap();
+        let found = arm.solve_all(wanted, &random.configuration(&arm)).unwrap();
+        assert!(found.len() >= 110, "chain {number}: {}", found.len());
+        looked_at += 1;
+    }
+    assert!(looked_at > 2);
 }
 
 /// These were missed while only random attempts were made.

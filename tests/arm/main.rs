@@ -1,6 +1,7 @@
 //! Poses, batches and paths of arms.
 
 mod any_chain;
+mod bounded_turns;
 mod chains_with_followers;
 mod derivatives;
 mod elbow_sides;

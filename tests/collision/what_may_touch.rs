@@ -104,6 +104,44 @@ fn only_what_was_let_touch_is_passed_over() {
     }
 }
 
+/// However many other things there are, which are looked at in another way: here they are out of reach.
+#[test]
+fn spheres_may_touch_it_among_many_others_too() {
+    let robot = robot("franka_panda");
+    let rest = robot.model().neutral();
+    let bare = Arm::new(&robot, "base", "flange").unwrap();
+    let mut world = World::new();
+    let under = bare.base_from_tool(&Q).unwrap().translation - Vector3::new(0.0, 0.0, 0.30);
+    world.add_box("table", [0.3, 0.3, 0.15], under).unwrap();
+    for name in ["link7", "hand", "finger_left", "finger_right"] {
+        world.allow_touch("table", name).unwrap();
+    }
+    let arm_among = |world: &World| {
+        let checker = Checker::of(&robot).unwrap().with_world(world).unwrap();
+        bare.clone().with_checker(&checker, &rest).unwrap()
+    };
+    let few = arm_among(&world);
+    for index in 0..560 {
+        let at = Vector3::new(5.0 + 0.1 * f64::from(index), 0.0, 0.5);
+        let ball = Shape::sphere(0.04).unwrap();
+        world.add(&format!("ball {index}"), ball, at).unwrap();
+    }
+    let many = arm_among(&world);
+    let mut random = Random::new(9);
+    let mut clear_of = [0; 2];
+    for case in 0..100 {
+        let q = Q.map(|value| value + random.within(-0.6, 0.6));
+        let [of_few, of_many] = [&few, &many].map(|arm| {
+            let mut clear = [false];
+            arm.clear_by_spheres(&q, &mut clear).unwrap();
+            clear[0]
+        });
+        assert_eq!(of_few, of_many, "{case}");
+        clear_of[usize::from(of_few)] += 1;
+    }
+    assert!(clear_of[0] > 10 && clear_of[1] > 10, "{clear_of:?}");
+}
+
 /// The tool presses on a table: an arm reaches it, goes there along a path and from there away; without the permission it does neither.
 #[test]
 fn an_arm_reaches_into_what_it_may_touch() {

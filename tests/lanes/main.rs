@@ -1,6 +1,7 @@
 //! The lane engine alone.
 
 mod arithmetic;
+mod arms_on_rails;
 mod bounds;
 mod determinism;
 mod doors;

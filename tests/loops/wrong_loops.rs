@@ -8,7 +8,7 @@ use kinopt::ik::LoopClosure;
 use kinopt::model::{
     FrameId, JointId, Limits, Loop, Model, ModelBuilder, ModelError, ParameterMap,
 };
-use kinopt::robot::Robot;
+use kinopt::robot::{Mimic, Robot};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 
 use crate::mechanisms::{FourBar, TURNS, along_x};
@@ -142,6 +142,35 @@ fn what_closes_no_loops_refuses_them_by_name() {
     let problem = Problem::builder(&model).build().unwrap();
     let error = Ccd::default().solve(&problem, &[0.0; 5]).unwrap_err();
     assert!(matches!(&error, GeometricError::UnsupportedTask { task, .. } if task == "loop `pin`"));
+}
+
+/// The crank of the loop follows the elbow, which is in no loop itself.
+#[test]
+fn an_arm_that_moves_a_loop_by_what_follows_it_is_refused() {
+    let mut builder = Model::builder("two hinges beside a four-bar");
+    let shoulder = builder.revolute("shoulder", None, along_x(0.0), Z, TURNS);
+    let elbow = builder.revolute("elbow", Some(shoulder), along_x(1.0), Z, TURNS);
+    builder.frame("hand", Some(elbow), along_x(1.0));
+    let [crank, _, _] = FourBar::CRANK_ROCKER.add_to(&mut builder, None);
+    let follows = |master| Mimic {
+        joint: crank,
+        master,
+        ratio: 0.5,
+        offset: 0.0,
+    };
+    let model = builder.build().unwrap();
+    let alone = Arm::new(&model, Base::World, "hand");
+    assert!(alone.is_ok());
+    for (master, name) in [(shoulder, "shoulder"), (elbow, "elbow")] {
+        let robot = Robot::new(model.clone(), vec![follows(master)]).unwrap();
+        let error = Arm::new(&robot, Base::World, "hand").unwrap_err();
+        assert!(
+            matches!(&error, ArmError::InLoop { joint, closed } if joint == name && closed == "pin"),
+            "{error}"
+        );
+        let held = Arm::builder(&robot, Base::World, "hand").with_locked(name, 0.3);
+        assert!(held.build().is_ok());
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::{Restarts, SolveError};
-use kinopt::model::{FrameId, Model};
+use kinopt::model::{FrameId, Model, ParameterMap};
 use kinopt::problem::{Derivatives, Problem};
 use kinopt::solver::Termination;
 use kinopt::spatial::{Matrix3, Placement, Vector3, rotation_exp};
@@ -255,6 +255,30 @@ fn a_residual_without_rows_is_no_panic() {
             .unwrap()
             .reached
     );
+}
+
+/// A joint before it is held, and is no variable.
+#[test]
+fn a_start_that_is_no_number_is_named_with_what_it_was() {
+    let (model, tip) = arm();
+    let [first, second, third] = [0, 1, 2].map(|k| model.moving_joints()[k]);
+    for (held, bad) in [(first, second), (first, third), (second, third)] {
+        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let map = ParameterMap::builder(&model).with_locked(held, 0.2);
+            let mut builder = Problem::builder(&model);
+            builder.parameters(map.build().unwrap());
+            builder.add(Point::new(tip, [0.6, 0.6, 0.0]));
+            let problem = builder.build().unwrap();
+            let mut start = [0.1; 3];
+            start[model.coordinate(bad).unwrap()] = value;
+            let error = Solver::default().solve_once(&problem, &start).unwrap_err();
+            let SolveError::StartNotFinite { joint, value: told } = error else {
+                panic!("{error}")
+            };
+            assert_eq!(joint, model.joints()[bad.index()].name);
+            assert_eq!(told.to_bits(), value.to_bits());
+        }
+    }
 }
 
 /// What is told of several tasks is the largest, and of one that is no number that it is none.

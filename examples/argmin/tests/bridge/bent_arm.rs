@@ -38,7 +38,7 @@ pub(crate) fn arm() -> Model {
 }
 
 /// The pose of the tip at a configuration well within the limits, evaluated joint by joint.
-fn world_from_tip(model: &Model, q: &[f64]) -> Placement<f64> {
+pub(crate) fn world_from_tip(model: &Model, q: &[f64]) -> Placement<f64> {
     let mut placement = Placement::identity();
     for (joint, &value) in model.joints().iter().zip(q) {
         let motion = match joint.kind {

@@ -1,4 +1,5 @@
 //! argmin's solvers and executor.
 
 mod bent_arm;
+mod in_the_way;
 mod promises;

@@ -357,6 +357,24 @@ fn derivative_free_solvers_come_close_within_the_limits() {
 }
 
 #[test]
+fn outside_the_limits_the_cost_is_that_of_the_limit() {
+    let problem = held_by_limits();
+    let bounded = BoundedProblem::new(&problem);
+    for x in configurations(&problem, 12) {
+        for k in 0..x.len() {
+            let bounds = [problem.lower()[k] - 0.4, problem.upper()[k] + 0.4];
+            for beyond in bounds.into_iter().filter(|bound| bound.is_finite()) {
+                let (mut outside, mut at_limit) = (x.clone(), x.clone());
+                outside[k] = beyond;
+                at_limit[k] = beyond.clamp(problem.lower()[k], problem.upper()[k]);
+                let cost = |x: Vec<f64>| bounded.cost(&DVector::from_vec(x)).unwrap();
+                assert_eq!(cost(outside), cost(at_limit), "{k}");
+            }
+        }
+    }
+}
+
+#[test]
 fn solutions_report_the_errors_of_their_own_configuration() {
     let problem = reachable();
     for solution in by_unbounded_solvers(reachable(), &START) {

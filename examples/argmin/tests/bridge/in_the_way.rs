@@ -1,0 +1,110 @@
+//! Promise: the end of an argmin run is checked against what the problem keeps clear of, and told as reached only where it is clear.
+#![allow(clippy::unwrap_used)]
+
+use argmin::core::Executor;
+use argmin::solver::linesearch::MoreThuenteLineSearch;
+use argmin::solver::quasinewton::LBFGS;
+use kinopt::Problem;
+use kinopt::argmin_bridge::UnboundedProblem;
+use kinopt::model::FrameId;
+use kinopt::problem::{ClearanceCheck, Collision, KeepClear};
+use kinopt::scalar::Scalar;
+use kinopt::spatial::Placement;
+use kinopt::task::{Pose, Quantity, Residual, Rows, Task};
+
+use crate::bent_arm::{arm, world_from_tip};
+
+const START: [f64; 7] = [0.1, 0.3, -0.2, -1.0, 0.2, 0.6, 0.05];
+const THERE: [f64; 7] = [0.5, 0.6, -0.4, -1.3, 0.2, 0.9, 0.12];
+
+/// A wall that is only checked: nothing leads a solver away from it.
+#[derive(Clone, Debug)]
+struct Wall {
+    tip: FrameId,
+    /// Which configurations touch it: those whose first joint is turned further, radians.
+    first: f64,
+}
+
+impl Residual for Wall {
+    fn kind(&self) -> &'static str {
+        "wall"
+    }
+
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.tip]
+    }
+
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Metres, 1)]
+    }
+
+    fn evaluate<S: Scalar>(&self, _frames: &[Placement<S>], _joints: &[S], residual: &mut [S]) {
+        residual[0] = S::zero();
+    }
+}
+
+impl ClearanceCheck for Wall {
+    fn collisions(&mut self, q: &[f64]) -> Vec<Collision> {
+        let beyond = q[0] - self.first;
+        let touch = (beyond > 0.0).then(|| Collision::new("tip", "wall", -beyond));
+        touch.into_iter().collect()
+    }
+
+    fn blocked(&mut self, _from: &[f64], to: &[f64]) -> Option<Collision> {
+        self.collisions(to).pop()
+    }
+
+    fn free_share(&mut self, _from: &[f64], _to: &[f64]) -> f64 {
+        1.0
+    }
+}
+
+impl KeepClear for Wall {
+    type Clearance = Self;
+    type Check = Self;
+
+    fn configuration_len(&self) -> usize {
+        START.len()
+    }
+
+    fn clearance(&self) -> Task<Self> {
+        Task::new(self.clone())
+    }
+
+    fn check(&self) -> Self {
+        self.clone()
+    }
+}
+
+/// The tip at a pose within reach, with such a wall.
+fn beside_a_wall(first: f64) -> Problem {
+    let model = arm();
+    let tip = model.frame("tip").unwrap();
+    let mut builder = Problem::builder(&model);
+    builder.add(Pose::new(tip, world_from_tip(&model, &THERE)));
+    builder.keep_clear(&Wall { tip, first });
+    builder.build().unwrap()
+}
+
+#[test]
+fn a_run_that_ends_in_a_wall_has_not_reached_its_goal() {
+    for (first, free) in [(3.0, true), (-3.0, false)] {
+        let problem = beside_a_wall(first);
+        let unbounded = UnboundedProblem::new(&problem);
+        let start = unbounded.start(&START).unwrap();
+        let search = MoreThuenteLineSearch::new();
+        let run = Executor::new(unbounded.clone(), LBFGS::new(search, 7))
+            .configure(|state| state.param(start).max_iters(500).target_cost(1e-16))
+            .run()
+            .unwrap();
+        let solution = unbounded.solution(&run).unwrap();
+        assert!(solution.goals_reached(), "{}", solution.explain());
+        assert_eq!(solution.reached, free, "{:?}", solution.collisions());
+        let told: Vec<&str> = solution
+            .collisions()
+            .iter()
+            .map(|met| met.second.as_str())
+            .collect();
+        assert_eq!(told, if free { vec![] } else { vec!["wall"] });
+    }
+}
