@@ -222,6 +222,12 @@ fn errors_say_what_was_expected_where() {
         &late,
         &["line 22: `CHANNELS` must come before the joint's children"],
     );
+    let channels = "  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n";
+    let late = edit(channels, "").replace("  JOINT Leg\n", &format!("{channels}  JOINT Leg\n"));
+    refused(
+        &late,
+        &["line 14: `CHANNELS` must come before the joint's children"],
+    );
     refused(
         &edit("CHANNELS 1 X", "CHANNELS 7 X"),
         &["line 18: a joint has at most 6 CHANNELS"],

@@ -252,7 +252,7 @@ fn files_beside_it_go_along_to_another_folder() {
     let folder = Folder::new("beside");
     let path = |file: &str| folder.0.join(file);
     let (numbers, rest) = small();
-    let images = r#""images":[{"uri":"a%20coat.png"}]"#;
+    let images = r#""images":[{"uri":"a%20coat.png"},{ "uri" : "gone.png" },{ "uri":"data:image/png;base64,AAAA" }]"#;
     let before = numbers.document(&format!("{rest},{images}"));
     std::fs::write(path("fox.gltf"), &before).unwrap();
     let file = SceneFile::read(path("fox.gltf")).unwrap();
@@ -273,6 +273,12 @@ fn files_beside_it_go_along_to_another_folder() {
         uri("elsewhere/fox.gltf"),
         "data:image/png;base64,iVBORwD/Bw=="
     );
+    // What does not go along stays as it was written.
+    let text = std::fs::read_to_string(path("elsewhere/fox.gltf")).unwrap();
+    for (_, kept) in images.split_once("},").into_iter() {
+        let kept = kept.strip_suffix(']').unwrap();
+        assert!(text.contains(kept), "{kept} is not in {text}");
+    }
     let wrong = file.write(path("fox.obj")).unwrap_err().to_string();
     assert!(wrong.contains(".gltf"), "{wrong}");
 }

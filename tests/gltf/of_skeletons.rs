@@ -11,6 +11,8 @@ fn the_skin_goes_where_the_rig_s_does() {
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let (mesh, weights) = (rig.mesh.as_ref().unwrap(), rig.weights.as_ref().unwrap());
     let mut scene = Scene::of_skeleton(&rig.skeleton, Some((mesh, weights))).unwrap();
+    // Targets that it is given later have the armature's first weights.
+    assert_eq!(scene.meshes[0].first_morph_weight, 0);
     let mut builder = Clip::builder("keys", &scene.armature);
     builder.euler_clip(&rig.clip).unwrap();
     let clip = builder.build();

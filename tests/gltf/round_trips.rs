@@ -348,6 +348,38 @@ fn a_posed_mesh_comes_back_as_it_is() {
     );
 }
 
+/// Whatever its bones are called.
+#[test]
+fn a_scene_whose_up_is_another_axis_stands_on_a_bone_more() {
+    let bone = |name: &str, parent, translation| ArmatureBone {
+        name: name.into(),
+        parent,
+        rest: LocalTransform {
+            translation,
+            ..LocalTransform::IDENTITY
+        },
+    };
+    let bones = vec![
+        bone("up", None, Vec3A::ZERO),
+        bone("up'", Some(0), Vec3A::new(0.25, 0.0, 2.0)),
+    ];
+    let bare = Scene {
+        armature: Armature::new(bones, Vec::new()).unwrap(),
+        meshes: Vec::new(),
+        clips: Vec::new(),
+        notes: Vec::new(),
+    };
+    let mut options = WriteOptions::default();
+    options.up = Vec3::Z;
+    let read = again(&bare, &options).armature;
+    let [up, tip, stand] = ["up", "up'", "up''"].map(|name| read.bone(name).unwrap());
+    assert_eq!(read.names().len(), 3);
+    assert_eq!((read.parent(up), read.parent(tip)), (Some(stand), Some(up)));
+    assert_eq!(read.parent(stand), None);
+    let tip = read.rest_from_model()[tip.index()].inverse().translation;
+    assert!(tip.distance(Vec3A::new(0.25, 2.0, 0.0)) < 1e-6, "{tip}");
+}
+
 #[test]
 fn what_cannot_be_written_or_posed_is_said() {
     let refused = |change: &dyn Fn(&mut Scene), words: &[&str]| {

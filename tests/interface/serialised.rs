@@ -106,11 +106,34 @@ fn parameter_maps() {
         ("\"leaders\":[0,1,", "\"leaders\":[1,0,", "variables"),
         ("\"leaders\":[0,", "\"leaders\":[", "bounds"),
     ] {
-        assert!(text.contains(from), "{text}");
-        let read = serde_json::from_str::<ParameterMap>(&text.replacen(from, to, 1));
-        let problem = read.unwrap_err().to_string();
-        assert!(problem.contains(what), "{problem}");
+        refused::<ParameterMap>(&text, [from, to], what);
     }
+}
+
+/// A hinge and a ball: variables 0 and 1 to 3, coordinates 0 and 1 to 4.
+#[test]
+fn parameter_maps_of_balls() {
+    let mut builder = Model::builder("ball");
+    let (at, z) = (Placement::identity(), Vector3::UNITS[2]);
+    builder.revolute("hinge", None, at, z, Limits::UNBOUNDED);
+    builder.ball("ball", None, at, z, None);
+    let model = builder.build().unwrap();
+    same(&ParameterMap::identity(&model));
+    let text = serde_json::to_string(&ParameterMap::identity(&model)).unwrap();
+    for (from, to, what) in [
+        ("\"coordinate\":1,", "\"coordinate\":0,", "balls"),
+        ("\"coordinate\":1,", "\"coordinate\":2,", "balls"),
+        ("\"coordinate\":1,", "\"coordinate\":9,", "balls"),
+    ] {
+        refused::<ParameterMap>(&text, [from, to], what);
+    }
+}
+
+fn refused<T: DeserializeOwned>(text: &str, [from, to]: [&str; 2], what: &str) {
+    assert!(text.contains(from), "{text}");
+    let read = serde_json::from_str::<T>(&text.replacen(from, to, 1));
+    let problem = read.err().expect(to).to_string();
+    assert!(problem.contains(what), "{to}: {problem}");
 }
 
 #[test]

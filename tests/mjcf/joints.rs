@@ -132,6 +132,17 @@ fn a_joints_strongest_force_is_kept() {
         r#"actuatorfrcrange="-88 50" actuatorfrclimited="false""#,
     );
     assert_eq!(robot.effort_limit(id), None);
+    // A free joint before it is several joints, which have none.
+    let text = r#"<mujoco><worldbody><body><freejoint name="base"/>
+        <body><joint name="hip" actuatorfrcrange="-88 50"/><body><joint name="knee"/>
+        <body><joint name="ankle" actuatorfrcrange="-7 7"/></body></body></body></body></worldbody></mujoco>"#;
+    let robot = Robot::parse_mjcf(text, "joint.xml").unwrap();
+    let ids = robot.model().joint_ids();
+    let told = ids.filter_map(|id| {
+        let name = robot.model().joints()[id.index()].name.as_str();
+        Some((name, robot.effort_limit(id)?))
+    });
+    assert_eq!(told.collect::<Vec<_>>(), [("hip", 88.0), ("ankle", 7.0)]);
 }
 
 /// Of an element that a class has twice the later one counts, attribute by attribute; an inner class's before an outer one's.

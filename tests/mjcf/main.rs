@@ -1,6 +1,7 @@
 //! Robots from MJCF.
 
 mod couplings_and_loops;
+mod includes;
 mod joints;
 mod malformed;
 mod masses;

@@ -70,6 +70,29 @@ fn an_unknown_class_is_named_with_those_there_are() {
     }
 }
 
+/// Texts within programs begin with an empty line.
+#[test]
+fn lines_are_counted_from_the_first() {
+    let zero = "<body quat=\"0 0 0 0\"/>";
+    for (text, expected) in [
+        (format!("<mujoco><worldbody>{zero}</worldbody></mujoco>"), 1),
+        (
+            format!("\n<mujoco><worldbody>{zero}</worldbody></mujoco>"),
+            2,
+        ),
+        (
+            format!("\n\n<mujoco><worldbody>\n{zero}</worldbody></mujoco>"),
+            4,
+        ),
+        (
+            format!("\u{feff}\n<mujoco>\n<worldbody>{zero}</worldbody></mujoco>"),
+            3,
+        ),
+    ] {
+        assert_eq!(fault(&text).0, expected, "{text:?}");
+    }
+}
+
 #[test]
 fn each_fault_is_told_for_what_it_is() {
     let zero = |attribute| Fault::ZeroLength { attribute };
@@ -146,7 +169,15 @@ fn elements_without_end_are_refused_and_many_are_not() {
             &format!("{}{}", "<body>".repeat(levels), "</body>".repeat(levels)),
         )
     };
-    assert!(Robot::parse_mjcf(&nested(500), "deep.xml").is_ok());
+    // The document's element and the world's are above them.
+    assert!(Robot::parse_mjcf(&nested(999), "deep.xml").is_ok());
+    assert!(matches!(
+        Robot::parse_mjcf(&nested(1000), "robot.xml"),
+        Err(RobotFileError::Element {
+            fault: Fault::TooDeep { limit: 1000 },
+            ..
+        })
+    ));
     assert!(matches!(
         Robot::parse_mjcf(&nested(1100), "robot.xml"),
         Err(RobotFileError::Element {
@@ -157,7 +188,7 @@ fn elements_without_end_are_refused_and_many_are_not() {
 }
 
 /// A folder of its own for the files of a test.
-fn files(name: &str, files: &[(&str, &str)]) -> PathBuf {
+pub(crate) fn files(name: &str, files: &[(&str, &str)]) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     std::fs::create_dir_all(&folder).unwrap();
     for (name, text) in files {

@@ -155,6 +155,11 @@ fn a_rig_survives_the_disk() {
     let folder = std::env::temp_dir().join(format!("kinopt-round-trip-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let path = folder.join("arm.json");
+    let bare = Rig {
+        mesh: None,
+        ..rig.clone()
+    };
+    let without_mesh = bare.write(&path).map(|()| Rig::read(&path));
     let written = rig.write(&path);
     let again = Rig::read(&path);
     let parts = (
@@ -163,6 +168,7 @@ fn a_rig_survives_the_disk() {
     );
     let clash = rig.write(folder.join("arm.ply"));
     std::fs::remove_dir_all(&folder).unwrap();
+    assert_same(&bare, &without_mesh.unwrap().unwrap());
     written.unwrap();
     assert_same(&rig, &again.unwrap());
     assert_eq!(&parts.0.unwrap(), rig.mesh.as_ref().unwrap());

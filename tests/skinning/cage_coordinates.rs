@@ -97,6 +97,29 @@ fn points_and_linear_functions_are_reproduced() {
     }
 }
 
+/// Whatever a cage is measured in.
+#[test]
+fn coordinates_do_not_depend_on_the_unit_of_length() {
+    let (cage, points) = (pit(), points(&pit(), &mut Random::new(3)));
+    let binding = CageBinding::new(&cage, &points).unwrap();
+    // Powers of two, so that positions are the same to the bit.
+    for unit in [1e-9_f32, 1e9].map(|unit| unit.log2().round().exp2()) {
+        let scaled = |places: &[Vec3]| places.iter().map(|place| *place * unit).collect();
+        let own: Vec<Vec3> = scaled(cage.positions());
+        let own = TriangleMesh::new(own, vec![], cage.triangles().to_vec()).unwrap();
+        let points: Vec<Vec3> = scaled(&points);
+        let scaled = CageBinding::new(&own, &points).unwrap();
+        for point in 0..points.len() {
+            let [a, b] = [&binding, &scaled].map(|binding| binding.coordinates(point).unwrap());
+            let apart = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+            assert!(
+                apart.fold(0.0, f32::max) < 1e-6,
+                "point {point}, unit {unit}"
+            );
+        }
+    }
+}
+
 #[test]
 fn inside_a_convex_cage_no_coordinate_is_negative() {
     let mut random = Random::new(2);

@@ -155,6 +155,17 @@ fn what_is_not_rigid_is_refused_by_name() {
     let refused = DualQuaternionBlend::new(&weights, &scaled).unwrap_err();
     assert_eq!(refused, SkinningError::NotRigid { bone: 1 });
     assert!(refused.to_string().contains("bone 1"));
+    // Of unit length each way, but two of them not at right angles.
+    for (a, b) in [(0, 1), (1, 2), (2, 0)] {
+        let mut sheared = Affine3A::IDENTITY;
+        let column = |k: usize| glam::Vec3A::AXES[k];
+        *sheared.matrix3.col_mut(b) = 0.6 * column(a) + 0.8 * column(b);
+        assert_eq!(
+            DualQuaternionBlend::new(&weights, &with(sheared)).unwrap_err(),
+            SkinningError::NotRigid { bone: 1 },
+            "{a} {b}"
+        );
+    }
     let mirror = with(Affine3A::from_scale(Vec3::new(1.0, 1.0, -1.0)));
     assert_eq!(
         DualQuaternionBlend::new(&weights, &mirror).unwrap_err(),

@@ -193,6 +193,8 @@ fn what_cannot_be_mixed_is_refused_by_name() {
     let text = |error: MorphError| error.to_string();
     let error = text(one(&[0, 1], &[Vec3::X], &[]).unwrap_err());
     assert_eq!(error, "target `t`: 1 position deltas for 2 vertices");
+    let error = text(one(&[0, 1], &[], &[]).unwrap_err());
+    assert_eq!(error, "target `t`: 0 position deltas for 2 vertices");
     let error = text(one(&[0], &[Vec3::X], &[Vec3::X; 2]).unwrap_err());
     assert_eq!(error, "target `t`: 2 normal deltas for 1 vertices");
     for vertices in [[1, 1], [1, 0]] {

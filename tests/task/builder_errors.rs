@@ -341,6 +341,13 @@ fn problems() {
             &[name, "bounds"],
         );
     }
+    // What was asked for, not what the joint's own limits make of it.
+    names(
+        with(&|b| {
+            b.bound(elbow, Limits::new(-5.0, -7.0));
+        }),
+        &["`elbow`", "[-5, -7]"],
+    );
     let coupled = ParameterMap::builder(&model).with_coupled(wrist, elbow, 0.1, 0.1);
     let coupled = coupled.build().unwrap();
     names(

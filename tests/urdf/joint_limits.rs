@@ -6,6 +6,7 @@ use kinopt::Arm;
 use kinopt::model::{JointId, Limits};
 use kinopt::robot::Robot;
 use support::arms::robot;
+use support::planar_arm;
 
 const LIMITS: &str = "
 default_velocity_scaling_factor: 0.1
@@ -54,6 +55,22 @@ fn they_add_to_what_the_file_says() {
         [3.75, inf, 7.5, inf, inf, inf, inf]
     );
     assert_eq!(arm.velocity_limits()[..2], [1.5, inf]);
+}
+
+/// One that no file has told of, of a model that was built.
+#[test]
+fn they_are_all_that_is_known_of_a_robot_without_a_file() {
+    let bare = Robot::new(planar_arm(&[0.5, 0.4, 0.3], None), Vec::new()).unwrap();
+    let told = "joint_limits: {joint 1: {max_velocity: 1.5, max_acceleration: 3.75}}";
+    let told = bare
+        .with_joint_limits_of(told.as_bytes(), "limits.yaml")
+        .unwrap();
+    let rates = told
+        .model()
+        .joint_ids()
+        .map(|id| (told.velocity_limit(id), told.acceleration_limit(id)));
+    let (none, some) = ((None, None), (Some(1.5), Some(3.75)));
+    assert_eq!(rates.collect::<Vec<_>>(), [none, some, none]);
 }
 
 #[test]
