@@ -101,7 +101,7 @@ where
 }
 
 /// Fails at one iteration, after which the checkpoint of the iteration before is left.
-struct Interruption(usize);
+pub(crate) struct Interruption(pub(crate) usize);
 
 impl Observe<MethodState> for Interruption {
     fn observe_iter(&mut self, state: &MethodState, seen: &KV) -> Result<(), Error> {
@@ -448,6 +448,37 @@ fn the_hessian_is_exact_where_the_residual_vanishes() {
         differences.set_column(k, &(rise / (2.0 * h)));
     }
     assert!((hessian - differences).amax() < 1e-6);
+}
+
+/// ∂cost/∂x · d²x/dy² where it is not negative, and nothing else.
+#[test]
+fn the_hessian_has_the_bend_of_the_change_of_variables_where_error_is_left() {
+    let problem = held_by_limits();
+    let unbounded = UnboundedProblem::new(&problem);
+    let mut bends = 0;
+    for q in configurations(&problem, 6) {
+        let y = unbounded.start(&q).unwrap();
+        let jacobian = unbounded.jacobian(&y).unwrap();
+        let left = unbounded.hessian(&y).unwrap() - jacobian.tr_mul(&jacobian);
+        let gradient = unbounded.gradient(&y).unwrap();
+        let h = 3e-5;
+        let mut expected = DMatrix::zeros(y.len(), y.len());
+        for k in 0..y.len() {
+            let at = |step: f64| {
+                let mut moved = y.clone();
+                moved[k] += step;
+                unbounded.variables_at(&moved)[k]
+            };
+            let (behind, here, ahead) = (at(-h), at(0.0), at(h));
+            let slope = (ahead - behind) / (2.0 * h);
+            let curvature = (ahead - 2.0 * here + behind) / (h * h);
+            expected[(k, k)] = (gradient[k] / slope * curvature).max(0.0);
+            bends += usize::from(expected[(k, k)] > 1e-2);
+        }
+        let off = (left - expected).amax();
+        assert!(off < 1e-5, "{off:e}");
+    }
+    assert!(bends > 5, "{bends}");
 }
 
 #[test]

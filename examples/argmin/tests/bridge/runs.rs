@@ -1,0 +1,140 @@
+//! Promise: a run reports what it did, a method that has run can run again, and a checkpoint goes on with its own problem only.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use argmin::core::observers::ObserverMode;
+use argmin::core::{Error, Executor, IterState, KV, Problem as Counted, Solver};
+use argmin_checkpointing_file::{CheckpointingFrequency, FileCheckpoint};
+use kinopt::Problem;
+use kinopt::argmin_bridge::{BoundedProblem, ExecutorMethod, UnboundedProblem};
+use kinopt::model::ParameterMap;
+use kinopt::solver::{GaussNewton, LevenbergMarquardt, Termination};
+use kinopt::task::Point;
+use nalgebra::{DMatrix, DVector};
+
+use crate::bent_arm::{arm, point_within_reach, reachable};
+use crate::promises::Interruption;
+
+const START: [f64; 7] = [0.1, 0.3, -0.2, -1.0, 0.2, 0.6, 0.05];
+
+#[test]
+fn a_method_that_has_run_runs_again() {
+    let problem = reachable();
+    let bounded = BoundedProblem::new(&problem);
+    let run = |solver: ExecutorMethod<LevenbergMarquardt>, start: &[f64]| {
+        let start = bounded.start(start).unwrap();
+        let run = Executor::new(bounded.clone(), solver)
+            .configure(|state| state.param(start).max_iters(60))
+            .run()
+            .unwrap();
+        (bounded.solution(&run).unwrap(), run.solver)
+    };
+    let fresh = || ExecutorMethod::new(LevenbergMarquardt::default());
+    let (_, used) = run(fresh(), &START);
+    assert!(used.termination().is_some());
+    let other = [0.3, 0.2, 0.1, -0.8, 0.1, 0.4, 0.2];
+    let (again, _) = run(used, &other);
+    let (first, _) = run(fresh(), &other);
+    assert!(first.reached && first.iterations > 1 && first.attempts == 1);
+    assert_eq!((again.q, again.iterations), (first.q, first.iterations));
+}
+
+#[test]
+fn a_checkpoint_of_another_problem_is_refused() {
+    let folder = std::env::temp_dir().join(format!("kinopt-other-{}", std::process::id()));
+    let kept = || {
+        let path = folder.to_str().unwrap();
+        FileCheckpoint::new(path, "search", CheckpointingFrequency::Always)
+    };
+    let problem = reachable();
+    let bounded = BoundedProblem::new(&problem);
+    let start = bounded.start(&START).unwrap();
+    let stopped = Executor::new(bounded, ExecutorMethod::new(GaussNewton::default()))
+        .configure(|state| state.param(start))
+        .checkpointing(kept())
+        .add_observer(Interruption(1), ObserverMode::Always)
+        .run();
+    assert!(stopped.is_err());
+
+    // Of fewer joints.
+    let model = arm();
+    let mut builder = Problem::builder(&model);
+    builder.add(Point::new(model.frame("tip").unwrap(), [0.5, 0.3, 0.8]));
+    let map = ParameterMap::builder(&model).with_locked(model.joint("joint 2").unwrap(), 0.1);
+    builder.parameters(map.build().unwrap());
+    let other = builder.build().unwrap();
+    let other = BoundedProblem::new(&other);
+    let start = other.start(&START).unwrap();
+    let resumed = Executor::new(other, ExecutorMethod::new(GaussNewton::default()))
+        .configure(|state| state.param(start))
+        .checkpointing(kept())
+        .run();
+    std::fs::remove_dir_all(&folder).unwrap();
+    let error = resumed.err().unwrap().to_string();
+    assert!(error.contains("of another problem"), "{error}");
+}
+
+#[test]
+fn numbers_that_are_none_end_a_run_where_it_begins() {
+    let model = arm();
+    let mut builder = Problem::builder(&model);
+    // Its square is beyond all numbers.
+    builder.add(Point::new(model.frame("tip").unwrap(), [1e200, 0.0, 0.0]));
+    let problem = builder.build().unwrap();
+    let bounded = BoundedProblem::new(&problem);
+    let start = bounded.start(&START).unwrap();
+    let run = Executor::new(bounded.clone(), ExecutorMethod::new(GaussNewton::default()))
+        .configure(|state| state.param(start))
+        .run()
+        .unwrap();
+    assert_eq!(run.solver.termination(), Some(Termination::NonFinite));
+    let solution = bounded.solution(&run).unwrap();
+    assert_eq!(solution.iterations, 0);
+    assert_eq!(solution.termination, Termination::NonFinite);
+}
+
+/// Evaluates everything, so and so often, where it is.
+struct EachOnce;
+
+type Everything = IterState<DVector<f64>, DVector<f64>, DMatrix<f64>, DMatrix<f64>, (), f64>;
+
+impl Solver<UnboundedProblem<'_>, Everything> for EachOnce {
+    fn name(&self) -> &str {
+        "each"
+    }
+
+    fn next_iter(
+        &mut self,
+        problem: &mut Counted<UnboundedProblem<'_>>,
+        state: Everything,
+    ) -> Result<(Everything, Option<KV>), Error> {
+        let y = state.param.clone().unwrap();
+        for _ in 0..2 {
+            problem.apply(&y)?;
+        }
+        for _ in 0..3 {
+            problem.jacobian(&y)?;
+        }
+        for _ in 0..4 {
+            problem.hessian(&y)?;
+        }
+        for _ in 0..5 {
+            problem.gradient(&y)?;
+        }
+        let cost = problem.cost(&y)?;
+        Ok((state.param(y).cost(cost), None))
+    }
+}
+
+#[test]
+fn a_solution_has_the_counts_of_all_that_was_evaluated() {
+    let problem = point_within_reach();
+    let unbounded = UnboundedProblem::new(&problem);
+    let y = unbounded.start(&START).unwrap();
+    let run = Executor::new(unbounded.clone(), EachOnce)
+        .configure(|state| state.param(y).max_iters(2))
+        .run()
+        .unwrap();
+    let counts = unbounded.solution(&run).unwrap().counts;
+    let own = (counts.residuals, counts.jacobians, counts.gradients);
+    assert_eq!(own, (2 * (1 + 2), 2 * (3 + 4), 2 * 5));
+}
