@@ -178,12 +178,67 @@ fn without_a_change_the_document_is_the_same() {
 #[test]
 fn chunks_of_other_kinds_stay() {
     let (numbers, rest, _) = file();
-    let mut before = numbers.glb(&rest);
-    before.extend(4u32.to_le_bytes());
-    before.extend(b"ACMEfurs");
-    let length = before.len() as u32;
-    before[8..12].copy_from_slice(&length.to_le_bytes());
-    assert!(with_wave(&before).ends_with(b"\x04\0\0\0ACMEfurs"));
+    // The last is filled up with zeros, as chunks end at multiples of four.
+    for (length, chunk, kept) in [(4_u32, "ACMEfurs", "ACMEfurs"), (3, "ACMEfur", "ACMEfur\0")] {
+        let mut before = numbers.glb(&rest);
+        before.extend(length.to_le_bytes());
+        before.extend(chunk.bytes());
+        let length = before.len() as u32;
+        before[8..12].copy_from_slice(&length.to_le_bytes());
+        let kept = [b"\x04\0\0\0", kept.as_bytes()].concat();
+        assert!(with_wave(&before).ends_with(&kept));
+    }
+}
+
+/// A GLB file of these chunks.
+fn glb(json: &str, binary: &[u8]) -> Vec<u8> {
+    let mut file = [b"glTF", &2u32.to_le_bytes()[..], &[0; 4]].concat();
+    let mut json = json.as_bytes().to_vec();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    for (kind, bytes) in [(b"JSON", &json[..]), (b"BIN\0", binary)] {
+        file.extend((bytes.len() as u32).to_le_bytes());
+        file.extend(kind);
+        file.extend(bytes);
+    }
+    let length = file.len() as u32;
+    file[8..12].copy_from_slice(&length.to_le_bytes());
+    file
+}
+
+/// Other programs write chunks whose length is no multiple of four.
+#[test]
+fn a_clip_stands_where_numbers_may_behind_a_buffer_of_any_length() {
+    let (numbers, rest, _) = file();
+    let whole = numbers.glb(&rest);
+    let odd = [binary(&whole), &[9]].concat();
+    let before = glb(&text(&whole), &odd);
+    let after = with_wave(&before);
+    let kept = binary(&after);
+    assert!(kept.starts_with(&odd));
+    assert_eq!(kept[odd.len()..odd.len() + 3], [0; 3]);
+    let (old, new) = (scene(&before), scene(&after));
+    assert_eq!(new.clips[0], old.clips[0]);
+    let expected = Scene {
+        clips: vec![wave(&old)],
+        ..old
+    };
+    assert_eq!(sampled(&new, 1), sampled(&expected, 0));
+    // Without a clip more the chunk is filled up as the format has it.
+    let same = opened(&before).to_bytes().unwrap();
+    assert_eq!(binary(&same), [&odd[..], &[0; 3]].concat());
+}
+
+/// Only the one that grows is written anew.
+#[test]
+fn a_second_buffer_stays_the_text_that_it_was() {
+    let (numbers, rest, _) = file();
+    let whole = numbers.glb(&rest);
+    let other = r#"{ "uri" : "data:application/octet-stream;base64,AAAA" , "byteLength" : 3 }"#;
+    let text = text(&whole);
+    let (before, after) = text.split_once(r#"],"bufferViews""#).unwrap();
+    let two = format!(r#"{before},{other}],"bufferViews"{after}"#);
+    let kept = self::text(&with_wave(&glb(&two, binary(&whole))));
+    assert!(kept.contains(other), "{kept}");
 }
 
 #[test]

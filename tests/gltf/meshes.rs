@@ -167,6 +167,30 @@ fn triangles_come_without_indices_and_as_fans() {
     assert_eq!(posed.triangles()[0], [0, 2, 1]);
 }
 
+/// A corner that comes back after one or two others makes no triangle, and turns the ones behind it round.
+#[test]
+fn strips_are_stitched_by_triangles_without_area() {
+    let mut numbers = Numbers::default();
+    let corners = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0].map(|x: f32| [x, x * x, 0.0]);
+    let corners = numbers.floats(&corners);
+    let strip = [1, 0, 1, 2, 1, 3, 3, 4, 4, 5, 0];
+    let strip = numbers.shorts(&strip.map(|corner| [corner]));
+    let scene = numbers.read(&format!(
+        r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"mode":5,"indices":{strip},"attributes":{{"POSITION":{corners}}}}}]}}]"#
+    ));
+    let expected = [[0, 2, 1], [2, 3, 1], [4, 5, 0]];
+    assert_eq!(scene.meshes[0].mesh.triangles(), expected);
+}
+
+/// Nothing of it is left over.
+#[test]
+fn a_mesh_without_primitives_has_no_joints() {
+    let scene = Numbers::default()
+        .read(r#""nodes":[{"name":"nothing","mesh":0}],"meshes":[{"primitives":[]}]"#);
+    assert!(scene.notes.is_empty(), "{:?}", scene.notes);
+    assert!(scene.meshes[0].mesh.positions().is_empty() && scene.meshes[0].skin.is_none());
+}
+
 #[test]
 fn a_matrix_is_taken_apart() {
     let [scale, turn, place] = [

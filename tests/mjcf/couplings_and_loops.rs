@@ -43,6 +43,9 @@ fn a_follower_needs_no_motor() {
     };
     assert_eq!(passive(motor), ["b", "c", "ball"]);
     assert_eq!(passive(&format!("{coupled}{motor}")), ["c", "ball"]);
+    // A ball's motor may be told in the parent's axes.
+    let turned = motor.replace("</actuator>", r#"<motor jointinparent="ball"/></actuator>"#);
+    assert_eq!(passive(&turned), ["b", "c"]);
 }
 
 #[test]

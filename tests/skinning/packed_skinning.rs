@@ -178,6 +178,7 @@ fn more_influences_than_places_and_wrong_poses_are_refused() {
     assert_eq!(error.to_string(), few);
     let mut broken = still.clone();
     broken[3].translation.y = f32::INFINITY;
+    broken[BONES - 1].translation.x = f32::NAN;
     assert_eq!(
         blend.set_transforms(&broken).unwrap_err(),
         SkinningError::NonFiniteTransform { bone: 3 }

@@ -107,6 +107,40 @@ fn maps_hold_passive_joints_and_what_is_outside_a_group() {
     assert!(srdf.driven(&robot, &q[..3]).build().is_err());
 }
 
+/// A group in which each of several joints follows another outside of it has none to move.
+#[test]
+fn followers_of_a_group_follow_whatever_others_do() {
+    let joint = |k: usize, more: &str| {
+        format!(
+            r#"<link name="l{k}"/><joint name="j{k}" type="revolute"><parent link="l{}"/><child link="l{k}"/><axis xyz="0 0 1"/>
+            <limit lower="-1" upper="1" effort="1" velocity="1"/>{more}</joint>"#,
+            k - 1
+        )
+    };
+    let text = format!(
+        r#"<robot name="hand"><link name="l0"/>{}{}{}{}</robot>"#,
+        joint(1, ""),
+        joint(2, r#"<mimic joint="j1"/>"#),
+        joint(3, r#"<mimic joint="j1" multiplier="-0.5"/>"#),
+        joint(4, "")
+    );
+    let robot = Robot::parse(&text, "hand.urdf").unwrap();
+    let srdf = r#"<robot name="hand"><group name="thumb"><joint name="j1"/><joint name="j2"/></group>
+        <group name="rest"><joint name="j3"/><joint name="j4"/></group></robot>"#;
+    let srdf = Srdf::parse(srdf, "hand.srdf", &robot).unwrap();
+    let q = [0.2, 0.2, -0.1, 0.6];
+    for (group, moved) in [
+        ("thumb", [0.4, 0.4, -0.2, 0.6]),
+        ("rest", [0.2, 0.2, -0.1, 0.4]),
+    ] {
+        let map = srdf.only(&robot, group, &q).unwrap().build().unwrap();
+        assert_eq!(map.variables(), 1, "{group}");
+        let mut expanded = q;
+        map.expand(&[0.4], &mut expanded).unwrap();
+        assert_eq!(expanded, moved, "{group}");
+    }
+}
+
 #[test]
 fn states_are_configurations_also_of_a_free_base() {
     let robot = panda();

@@ -79,6 +79,16 @@ fn shapes_and_mass_are_those_of_the_file() {
     assert_eq!(link(&robot, "bare"), Link::default());
 }
 
+/// As in other programs.
+#[test]
+fn the_first_of_two_masses_counts() {
+    let more = r#"<inertial><mass value="9"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+    <visual name="shell">"#;
+    let text = BODY.replace(r#"<visual name="shell">"#, more);
+    let robot = Robot::parse(&text, "two.urdf").unwrap();
+    assert_eq!(link(&robot, "body").inertial.unwrap().mass, 3.5);
+}
+
 /// Relative paths of meshes count from its folder.
 #[test]
 fn a_robot_knows_the_file_that_it_was_read_from() {
