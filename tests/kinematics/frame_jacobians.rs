@@ -102,6 +102,25 @@ fn one_frame_by_exponentials() {
     }
 }
 
+/// What turns and slides is told from the root, not from the world's origin, however far that is.
+#[test]
+fn far_from_the_origin_no_digit_is_lost() {
+    let away = support::rigid(
+        nalgebra::Rotation3::identity(),
+        Vector3::new(1e8, -2e8, 3e8),
+    );
+    for seed in 0..10 {
+        let [near, far] =
+            [support::Rigid::identity(), away].map(|away| RandomTree::placed(seed, 9, away));
+        let q = near.configuration(&mut Random::new(seed));
+        for (&id, &other) in near.frames.iter().zip(&far.frames) {
+            let here = frame_jacobian(&near.model, id, &q).unwrap();
+            let off = (frame_jacobian(&far.model, other, &q).unwrap() - here).amax();
+            assert!(off < 1e-13, "seed {seed}: {off:e}");
+        }
+    }
+}
+
 #[test]
 fn all_frames_by_differences() {
     const H: f64 = 1e-6;
