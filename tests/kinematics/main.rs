@@ -1,5 +1,6 @@
 //! Rotations, placements and Jacobians.
 
+mod ball_limits;
 mod canonical_bones;
 mod centre_of_mass;
 mod configurations;

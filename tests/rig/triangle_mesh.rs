@@ -106,14 +106,16 @@ fn invalid_parts_are_refused_by_name() {
     );
     let few = bad(positions.clone(), vec![Vec3::X], vec![]).to_string();
     assert_eq!(few, "1 normals where there must be 3");
-    let nan = vec![Vec3::X, Vec3::X, Vec3::new(0.0, f32::NAN, 0.0)];
+    // The first of several.
+    let nan = Vec3::new(0.0, f32::NAN, 0.0);
+    let nans = vec![Vec3::X, nan, nan];
     assert_eq!(
-        bad(positions.clone(), nan.clone(), vec![]),
-        MeshError::NonFiniteNormal { vertex: 2 }
+        bad(positions.clone(), nans.clone(), vec![]),
+        MeshError::NonFiniteNormal { vertex: 1 }
     );
     assert_eq!(
-        bad(nan, vec![], vec![]),
-        MeshError::NonFinitePosition { vertex: 2 }
+        bad(nans, vec![], vec![]),
+        MeshError::NonFinitePosition { vertex: 1 }
     );
     let mesh = TriangleMesh::new(positions, vec![], vec![[0, 1, 2]]).unwrap();
     let few = mesh.with_vertices(vec![Vec3::ZERO], vec![]).unwrap_err();
