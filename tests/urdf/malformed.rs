@@ -107,6 +107,12 @@ const DEFECTS: &[(&str, &str, &str)] = &[
         r#"<axis xyz="0 1 0"/><axis xyz="0 1 0"/>"#,
         "two.urdf:10: joint `shoulder`: <axis> is given twice",
     ),
+    // The second is told, whatever comes after it.
+    (
+        r#"<axis xyz="0 1 0"/>"#,
+        "<axis xyz=\"0 1 0\"/>\n<axis xyz=\"0 1 0\"/>\n<axis xyz=\"0 1 0\"/>",
+        "two.urdf:11: joint `shoulder`: <axis> is given twice",
+    ),
     // Origins.
     (
         r#"rpy="0 0.1 0""#,
