@@ -80,6 +80,36 @@ fn close_links_keep_the_margin() {
     }
 }
 
+/// Two sides that turn on one middle, one above the other.
+const SIDES: &str = r#"<robot name="sides"><link name="middle"/>
+    <link name="low"><collision><origin xyz="0.5 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
+    <link name="high"><collision><origin xyz="0.5 0 1"/><geometry><sphere radius="0.1"/></geometry></collision></link>
+    <joint name="first" type="revolute"><parent link="middle"/><child link="low"/><axis xyz="0 0 1"/><limit lower="-2" upper="2"/></joint>
+    <joint name="second" type="revolute"><parent link="middle"/><child link="high"/><axis xyz="0 0 1"/><limit lower="-2" upper="2"/></joint>
+    </robot>"#;
+
+#[test]
+fn what_stands_is_met_where_it_is_though_a_joint_of_the_arm_turns_its_base() {
+    let robot = Robot::parse(SIDES, "sides.urdf").unwrap();
+    let mut world = World::new();
+    for (name, height) in [("below", 0.0), ("above", 1.0)] {
+        let at = Vector3::new(0.5 * 1.0_f64.cos(), 0.5 * 1.0_f64.sin(), height);
+        world.add_sphere(name, 0.1, at).unwrap();
+    }
+    let checker = Checker::covered(CollisionModel::of(&robot).unwrap());
+    let checker = checker.with_world(&world).unwrap();
+    let arm = Arm::builder(&robot, "low", "high").with_atlas(false);
+    let arm = arm.build().unwrap();
+    let arm = arm.with_checker(&checker, &[0.0; 2]).unwrap();
+    for first in [-1.0, 0.0, 0.4, 1.0, 1.7] {
+        for second in [-1.0, 0.0, 0.4, 1.0, 1.7] {
+            let mut clear = [false];
+            arm.clear_by_spheres(&[first, second], &mut clear).unwrap();
+            assert_eq!(clear[0], first != 1.0 && second != 1.0, "{first} {second}");
+        }
+    }
+}
+
 #[test]
 fn many_obstacles_are_found_through_their_tree_as_one_by_one() {
     // As many small boxes as a wall has, once as obstacles of their own and once as one.

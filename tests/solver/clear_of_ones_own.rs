@@ -3,12 +3,14 @@
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
+use kinopt::geometric::{Ccd, Fabrik, Geometric};
 use kinopt::ik::Drag;
 use kinopt::model::{FrameId, Limits, Model};
 use kinopt::problem::{ClearanceCheck, Collision, KeepClear};
 use kinopt::scalar::Scalar;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Point, Quantity, Residual, Rows, Task};
+use support::planar_arm;
 
 /// What moves stops so far before the table, metres.
 const STAND_OFF: f64 = 1e-3;
@@ -107,4 +109,34 @@ fn a_drag_into_it_comes_up_to_it() {
         assert_eq!(drag.solution().collisions()[0].second, "table");
         assert!(!drag.solution().reached);
     }
+}
+
+/// CCD and FABRIK are led round nothing: what they come to is reached only if it touches nothing, and else names what it touches.
+#[test]
+fn a_geometric_solver_tells_what_it_touches() {
+    let model = planar_arm(&[1.0, 0.8], None);
+    let tip = model.frame("tip").unwrap();
+    let mut tasks = Problem::builder(&model);
+    tasks.add(Point::new(tip, [1.2, 0.4, 0.0]));
+    let plain = tasks.clone().build().unwrap();
+    tasks.keep_clear(&Table(tip));
+    let clear = tasks.build().unwrap();
+    let mut touched = [0; 2];
+    for start in [[0.9, -1.5], [-0.3, 1.5]] {
+        let solved = |problem: &Problem| {
+            [
+                Ccd::default().solve(problem, &start).unwrap(),
+                Fabrik::default().solve(problem, &start).unwrap(),
+            ]
+        };
+        for (plain, clear) in solved(&plain).iter().zip(&solved(&clear)) {
+            let touches = clear.q[1] < 0.0;
+            assert_eq!(clear.q, plain.q);
+            assert!(plain.reached && plain.collisions().is_empty());
+            touched[usize::from(touches)] += 1;
+            assert_eq!((clear.reached, clear.goals_reached()), (!touches, true));
+            assert_eq!(clear.collisions().len(), usize::from(touches));
+        }
+    }
+    assert!(!touched.contains(&0), "{touched:?}");
 }

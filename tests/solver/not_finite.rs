@@ -2,7 +2,9 @@
 //! with a finite q within its bounds and an honest reason.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use kinopt::ik::{Restarts, SolveError};
+use kinopt::ik::{
+    DerivativeWorkspace, Existence, NoDerivative, Restarts, SolutionDerivative, SolveError,
+};
 use kinopt::model::{FrameId, Model, ParameterMap};
 use kinopt::problem::{Derivatives, Problem};
 use kinopt::solver::Termination;
@@ -230,6 +232,19 @@ fn a_derivative_that_is_nan_is_no_stationary_point() {
             assert!(restarts.solve_once(&problem, &[0.0; 3]).unwrap().reached);
         }
     }
+}
+
+/// How a place follows its target is made of slopes: where one is none, that is told.
+#[test]
+fn a_derivative_that_is_nan_gives_none_of_the_solution() {
+    let (model, tip) = arm();
+    let mut builder = Problem::builder(&model);
+    builder.add(CarelessLength { tip });
+    let problem = builder.build().unwrap();
+    let mut workspace = DerivativeWorkspace::default();
+    let derivative = SolutionDerivative::new(&problem, &[0.0; 3], &mut workspace).unwrap();
+    let none = Existence::DoesNotExist(NoDerivative::NotFinite);
+    assert_eq!(*derivative.existence(), none);
 }
 
 #[test]

@@ -2,6 +2,8 @@
 //! own are answered with NaN, nothing or a named end, never with a panic.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use std::ops::Range;
+
 use kinopt::model::{FrameId, Limits, Model, ModelError, ParameterMap};
 use kinopt::problem::{Evaluation, Problem};
 use kinopt::scalar::Scalar;
@@ -10,7 +12,7 @@ use kinopt::solver::{
     LeastSquares, Outcome, SearchError, Silent, SolverState, Stopping, Termination, minimise,
 };
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{LocalJacobian, Point, Quantity, Residual, Rows};
+use kinopt::task::{LocalJacobian, Point, Quantity, Residual, Room, Rows};
 use nalgebra::DMatrix;
 use support::methods::methods;
 use support::planar_arm;
@@ -224,4 +226,50 @@ fn a_fixed_joint_needs_no_axis() {
     );
     builder.joint(weld);
     assert!(builder.build().is_ok());
+}
+
+/// One row, and a room of any.
+#[derive(Clone)]
+struct Roomy {
+    frame: FrameId,
+    room: Range<usize>,
+}
+
+impl Residual for Roomy {
+    fn frames(&self) -> Vec<FrameId> {
+        vec![self.frame]
+    }
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::Metres, 1)]
+    }
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], residual: &mut [S]) {
+        residual[0] = frames[0].translation.z.max(S::zero());
+    }
+    fn rooms(&self) -> Vec<Room> {
+        vec![Room::new(self.room.clone(), 1)]
+    }
+    fn depths<S: Scalar>(&self, frames: &[Placement<S>], _: &[S], depths: &mut [S]) {
+        depths[0] = -frames[0].translation.z;
+    }
+}
+
+/// Its own rows are meant, however many there are of tasks before it.
+#[test]
+fn a_room_is_of_rows_that_its_residual_has() {
+    let model = planar_arm(&[0.5, 0.4, 0.3], Some((-1.0, 1.0)));
+    let frame = model.frame("tip").unwrap();
+    for before in 0..3 {
+        for (room, fits) in [(0..1, true), (0..0, false), (0..2, false), (1..2, false)] {
+            let mut builder = Problem::builder(&model);
+            for _ in 0..before {
+                builder.add(Point::new(frame, [0.6, 0.4, 0.0]));
+            }
+            let told = format!("a room of its rows {room:?}, but 1 rows");
+            builder.add(Roomy { frame, room });
+            match builder.build() {
+                Ok(_) => assert!(fits, "{before}: {told}"),
+                Err(refused) => assert!(refused.to_string().contains(&told), "{refused}"),
+            }
+        }
+    }
 }
