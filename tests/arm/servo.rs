@@ -164,6 +164,25 @@ fn it_does_not_creep_to_the_nearest_place() {
     }
 }
 
+/// Far beyond reach the way to the nearest place is flat; where a target rests there an arm comes to its end all the same, by
+/// more steps in a tick than where it moves.
+#[test]
+fn it_does_not_creep_along_a_flat_way_either() {
+    let arm = arm("universal_ur5e");
+    for seed in 24..33 {
+        let mut random = Random(seed + 1);
+        let start = random.configuration(&arm);
+        let first = arm.base_from_tool(&random.configuration(&arm)).unwrap();
+        let far = [0.9, 1.2, 2.0][(seed % 3) as usize] / first.translation.norm();
+        let target = Placement::new(first.rotation, first.translation * far);
+        let mut servo = arm.servo(&start, 10.0 * TICK).unwrap();
+        let moves = [ServoStatus::Settling, ServoStatus::SpeedLimited];
+        let ends = |_: &usize| !moves.contains(&servo.step(target).unwrap().status);
+        let ticks = (1..400).find(ends);
+        assert!(ticks.is_some_and(|ticks| ticks < 220), "{seed}: {ticks:?}");
+    }
+}
+
 /// Stretched out, straight or bent by less than a servo can tell, it comes to a target within its reach, bent to the side that it is bent to;
 /// it said that it stood at the nearest place, for ever.
 #[test]
