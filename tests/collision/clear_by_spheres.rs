@@ -2,7 +2,9 @@
 //! its spheres touches nothing, and links and obstacles of any number are apart by the margin.
 
 use kinopt::arm::{Arm, Search};
-use kinopt::collision::{Checker, CollisionModel, Fineness, Shape, SphereModel, World};
+use kinopt::collision::{
+    Checker, CollisionModel, CollisionObject, Fineness, Shape, SphereModel, World,
+};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
@@ -107,6 +109,34 @@ fn what_stands_is_met_where_it_is_though_a_joint_of_the_arm_turns_its_base() {
             arm.clear_by_spheres(&[first, second], &mut clear).unwrap();
             assert_eq!(clear[0], first != 1.0 && second != 1.0, "{first} {second}");
         }
+    }
+}
+
+/// Spheres that were made of a robot without one of its links say nothing of that link: the shapes do.
+#[test]
+fn a_link_that_has_no_spheres_is_met_by_its_shape() {
+    let robot = Robot::parse(SIDES, "sides.urdf").unwrap();
+    let model = robot.model();
+    let [low, high] = ["low", "high"].map(|name| {
+        let at = Vector3::new(0.5, 0.0, if name == "low" { 0.0 } else { 1.0 });
+        let link = model.frame(name).unwrap();
+        let ball = Shape::sphere(0.1).unwrap();
+        CollisionObject::new(name, link, Placement::translation(at), ball)
+    });
+    let few = CollisionModel::new(model, vec![low.clone()]).unwrap();
+    let spheres = SphereModel::of(&few, Fineness::Overhang(0.01)).unwrap();
+    let mut world = World::new();
+    let at = Vector3::new(0.5, 0.0, 1.0);
+    world.add_sphere("above", 0.1, at).unwrap();
+    let checker = Checker::new(CollisionModel::new(model, vec![low, high]).unwrap());
+    let checker = checker.with_world(&world).unwrap().with_spheres(spheres);
+    let arm = Arm::builder(&robot, "middle", "high").with_atlas(false);
+    let arm = arm.build().unwrap();
+    let arm = arm.with_checker(&checker, &[0.0; 2]).unwrap();
+    for (turn, is_clear) in [(0.0, false), (0.2, false), (1.0, true)] {
+        let mut clear = [!is_clear];
+        arm.clear_by_spheres(&[turn], &mut clear).unwrap();
+        assert_eq!(clear[0], is_clear, "{turn}");
     }
 }
 

@@ -120,3 +120,27 @@ fn a_first_target_that_is_far_is_answered_by_what_touches_nothing() {
     assert!(clear.collisions(&solution.q).unwrap().is_empty() == solution.reached);
     assert!(solution.reached, "{}", solution.explain());
 }
+
+/// Among ten balls, one of which is in the way of the branch: what is left of the arm's freedom leads round it by small steps or not at all.
+#[test]
+fn what_is_in_the_way_is_not_gone_round_by_a_jump() {
+    let Arms { plain, clear } = arms(&robot("franka_panda"));
+    let mut random = Random::new(1369);
+    let mut world = World::new();
+    for ball in 0..10 {
+        let around = random.within(-3.1, 3.1);
+        let (far, high) = (random.within(0.35, 0.8), random.within(0.1, 1.0));
+        let place = Vector3::new(far * around.cos(), far * around.sin(), high);
+        let (name, radius) = (format!("ball {ball}"), random.within(0.03, 0.1));
+        world.add_sphere(&name, radius, place).unwrap();
+    }
+    let clear = clear.with_world(&world, None).unwrap();
+    let path = to_the_limits(&mut random, &plain);
+    let poses = path.iter().map(|q| plain.base_from_tool(q).unwrap());
+    let poses: Vec<Placement<f64>> = poses.collect();
+    let track = clear.track(&poses, &path[0]).unwrap();
+    let ways: Vec<&[f64]> = track.solutions.iter().map(|s| &*s.q).collect();
+    assert!(is_free(&clear, &ways));
+    assert!(track.jumps.is_empty(), "{:?}", track.jumps);
+    assert!(track.solutions.iter().any(|solution| !solution.reached));
+}

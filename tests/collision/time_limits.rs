@@ -1,16 +1,17 @@
 //! Promise: among obstacles a limit of time ends a search at the next look at the clock, which is never further than a group of
-//! attempts; no time is measured for it.
+//! attempts, and an observer at once; no time is measured for it.
 
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
 use std::time::Duration;
 
 use kinopt::arm::{Arm, ArmBuilder, Search};
 use kinopt::collision::{Checker, CollisionModel, Fineness, Shape, SphereModel, World};
 use kinopt::robot::Robot;
-use kinopt::solver::{Stopping, Termination};
+use kinopt::solver::{Iteration, Stopping, Termination};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::Point;
-use kinopt::{Problem, Solver};
+use kinopt::{Problem, Solver, Workspace};
 use support::random::Random;
 use support::sample::cases;
 
@@ -109,5 +110,34 @@ fn a_body_with_no_time_is_led_nowhere() {
         assert_eq!((cut.iterations, cut.attempts), (0, 1));
         let whole = solve(Stopping::default());
         assert!(whole.attempts > 1 && whole.iterations > 10);
+    }
+}
+
+/// An observer that says stop is asked hardly more, wherever a search is: also where it is led out of what it touches.
+#[test]
+fn a_body_whose_observer_says_stop_is_led_no_further() {
+    let robot = Robot::read("../models/franka_panda.urdf").unwrap();
+    let checker = all_blocked(&robot, false);
+    let model = robot.model();
+    let tip = model.frame("flange").unwrap();
+    let mut tasks = Problem::builder(model);
+    tasks.parameters(robot.map().clone());
+    tasks.add(Point::new(tip, [0.3, 0.2, 0.6]));
+    tasks.keep_clear(&checker);
+    let problem = tasks.build().unwrap();
+    for stop in 1..30 {
+        let mut seen = 0;
+        let mut watch = |_: &Iteration<'_>| {
+            seen += 1;
+            match seen < stop {
+                true => ControlFlow::Continue(()),
+                false => ControlFlow::Break(()),
+            }
+        };
+        let (start, mut workspace) = (model.neutral(), Workspace::new());
+        let told = Solver::default().solve_observed(&problem, &start, &mut workspace, &mut watch);
+        assert_eq!(told.unwrap().termination, Termination::Cancelled, "{stop}");
+        // Where goals are met one search ends and the next begins.
+        assert!(seen <= stop + 1, "{seen} after {stop}");
     }
 }
