@@ -88,6 +88,25 @@ fn another_tool() {
     check_tools(&crane(), ("world", "hook"), Search::Start, &[far]);
 }
 
+/// A tool so far away that only rounding brings it within the tolerance is not called there, whenever the arm was given it.
+#[test]
+fn a_tool_so_far_away_that_rounding_is_all() {
+    let robot = robot("universal_ur5e");
+    let q = [0.3, -1.2, 1.1, -1.0, -1.4, 0.2];
+    for (metres, reached) in [(1e6, true), (1e9, false)] {
+        let tool = Placement::translation(Vector3::new(metres, 0.0, 0.0));
+        let builder = || Arm::builder(&robot, "base", "flange").with_goal(Goal::position());
+        let anew = builder().with_tool(tool).build().unwrap();
+        let changed = builder().build().unwrap().with_tool(tool).unwrap();
+        for arm in [anew, changed] {
+            let target = arm.base_from_tool(&q).unwrap();
+            assert_eq!(arm.solve(target, &q).unwrap().reached, reached);
+            let mut servo = arm.servo(&q, 0.01).unwrap();
+            assert_eq!(servo.step(target).unwrap().reached(), reached);
+        }
+    }
+}
+
 #[test]
 fn another_goal() {
     let robot = robot("universal_ur5e");

@@ -308,6 +308,11 @@ fn problems() {
             &["reach", "weight", "metres"],
         );
     }
+    // Each is a number, but not what they come to.
+    names(
+        problem(reach().weight(Quantity::Metres, 1e200).times(1e200)),
+        &["reach", "weight", "metres", "inf"],
+    );
     for tolerance in [-1.0, NAN] {
         names(
             problem(reach().tolerance(Quantity::Metres, tolerance)),
