@@ -4,6 +4,7 @@
 
 use kinopt::Solution;
 use kinopt::arm::{Arm, ArmBuilder, Goal, Search};
+use kinopt::model::{Limits, Model};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::{Random, panda, robot};
@@ -106,4 +107,28 @@ fn whatever_chain_they_are() {
         );
     }
     assert!(chains > 2);
+}
+
+/// A solution that is filled in again names no limits that were in the way of the place before.
+#[test]
+fn whatever_was_in_the_way() {
+    let mut builder = Model::builder("planar");
+    let [x, _, z] = Vector3::UNITS;
+    let (limits, link) = (Limits::new(-0.5, 0.5), Placement::translation(x * 0.5));
+    let first = builder.revolute("first", None, Placement::identity(), z, limits);
+    let second = builder.revolute("second", Some(first), link, z, limits);
+    builder.frame("base", None, Placement::identity());
+    builder.frame("tip", Some(second), link);
+    let model = builder.build().unwrap();
+    let arm = Arm::builder(&model, "base", "tip").with_goal(Goal::position());
+    let arm = arm.build().unwrap();
+    let (mut follower, mut solution) = (arm.follower(&[0.4; 2]).unwrap(), Solution::default());
+    for (place, held) in [([0.3, 0.8, 0.0], true), ([0.89, 0.43, 0.0], false)] {
+        let target = Placement::translation(place.into());
+        for _ in 0..40 {
+            follower.advance(target, &mut solution).unwrap();
+        }
+        assert_eq!(solution.reached, !held);
+        assert_eq!(solution.active_limits().count() > 0, held);
+    }
 }
