@@ -2,11 +2,12 @@
 //! step touches less; and is led to its targets then.
 
 use kinopt::Problem;
-use kinopt::collision::{Checker, CollisionModel, World};
+use kinopt::collision::{Checker, CollisionModel, CollisionObject, Shape, World};
 use kinopt::ik::Drag;
 use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::{Limits, Model};
 use kinopt::robot::Robot;
-use kinopt::spatial::Vector3;
+use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Point;
 use support::random::Random;
 
@@ -88,4 +89,31 @@ fn arms_that_pierce_plates_come_out() {
     // Some targets are behind a plate.
     assert!(reached * 2 > begun, "{reached} of {begun}");
     assert_eq!(free, begun);
+}
+
+/// All that it reaches is filled: it looks for a way out for a while, and rests then.
+#[test]
+fn a_body_that_finds_no_way_out_comes_to_rest() {
+    let mut builder = Model::builder("slides");
+    let [x, y, _] = Vector3::UNITS;
+    let (here, limits) = (Placement::identity(), Limits::new(-0.5, 0.5));
+    let first = builder.prismatic("x", None, here, x, limits);
+    let second = builder.prismatic("y", Some(first), here, y, limits);
+    let hand = builder.frame("hand", Some(second), here);
+    let model = builder.build().unwrap();
+    let ball = CollisionObject::new("ball", hand, here, Shape::sphere(0.05).unwrap());
+    let bodies = CollisionModel::new(&model, vec![ball]).unwrap();
+    let mut world = World::new();
+    world.add_sphere("rock", 2.0, here).unwrap();
+    let checker = Checker::new(bodies).with_world(&world).unwrap();
+    let mut tasks = Problem::builder(&model);
+    tasks.add(Point::new(hand, [0.1, 0.2, 0.0]));
+    tasks.keep_clear(&checker);
+    let mut drag = Drag::new(tasks.build().unwrap(), &[-0.2, 0.1]).unwrap();
+    let rests = (0..200).position(|_| {
+        drag.advance();
+        drag.rests()
+    });
+    assert!(rests.is_some_and(|frames| frames < 100), "{rests:?}");
+    assert!(!drag.solution().reached && !drag.solution().collisions().is_empty());
 }
