@@ -2,8 +2,10 @@
 //! whatever it is asked to keep to: nothing that was found, bounded or aimed at before counts.
 #![allow(clippy::unwrap_used)]
 
+use std::time::Duration;
+
 use kinopt::Solution;
-use kinopt::arm::{Arm, ArmBuilder, Goal, Search};
+use kinopt::arm::{Arm, ArmBuilder, Goal, PoseOutcome, Search};
 use kinopt::model::{Limits, Model};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
@@ -130,5 +132,39 @@ fn whatever_was_in_the_way() {
         }
         assert_eq!(solution.reached, !held);
         assert_eq!(solution.active_limits().count() > 0, held);
+    }
+}
+
+/// Outcomes that a batch has filled in before are filled in anew, also by arms whose questions are answered one by one.
+#[test]
+fn whatever_batch_was_there() {
+    let (robot, base, tip) = panda();
+    let patient = Duration::from_secs(3600);
+    for limit in [None, Some(patient)] {
+        let builder = Arm::builder(&robot, base, tip).with_atlas(false);
+        let builder = match limit {
+            Some(limit) => builder.with_time_limit(limit),
+            None => builder,
+        };
+        let arm = builder.build().unwrap();
+        let mut random = Random(5);
+        let near: Vec<_> = (0..6)
+            .map(|_| arm.base_from_tool(&random.configuration(&arm)).unwrap())
+            .collect();
+        let mut other = near.clone();
+        other.reverse();
+        other[0].translation.x += 5.0;
+        let starts = vec![0.1; 6 * arm.joint_count()];
+        let (mut q, mut outcomes) = (vec![0.0; starts.len()], vec![PoseOutcome::default(); 6]);
+        arm.solve_batch_into(&near, &starts, &mut q, &mut outcomes)
+            .unwrap();
+        assert!(outcomes.iter().all(|outcome| outcome.reached));
+        arm.solve_batch_into(&other, &starts, &mut q, &mut outcomes)
+            .unwrap();
+        for ((target, q), outcome) in other.iter().zip(q.chunks(7)).zip(&outcomes) {
+            let off = arm.base_from_tool(q).unwrap().translation - target.translation;
+            assert!((off.norm() - outcome.position_error).abs() < 1e-9);
+            assert_eq!(outcome.reached, off.norm() < 1e-6);
+        }
     }
 }

@@ -7,6 +7,7 @@ mod beyond_reach;
 mod bodies_keep_clear;
 mod certificates;
 mod checkers;
+mod clear_at_the_first_level;
 mod clear_by_spheres;
 mod coal;
 mod collision_models;

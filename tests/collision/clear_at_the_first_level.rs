@@ -1,0 +1,37 @@
+//! Promise: what a body keeps clear of ranks with its first goals, on whatever levels they and its preferences are: a hand that is pulled
+//! past something slides round it.
+
+use kinopt::Problem;
+use kinopt::collision::{Checker, CollisionModel, CollisionObject, Shape, World};
+use kinopt::ik::Drag;
+use kinopt::model::{Limits, Model};
+use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{Point, Posture, Task};
+
+#[test]
+fn a_ball_that_is_pulled_past_another_slides_round_it() {
+    let mut builder = Model::builder("slides");
+    let [x, y, _] = Vector3::UNITS;
+    let (here, limits) = (Placement::identity(), Limits::new(-1.0, 1.0));
+    let first = builder.prismatic("x", None, here, x, limits);
+    let second = builder.prismatic("y", Some(first), here, y, limits);
+    let hand = builder.frame("hand", Some(second), here);
+    let model = builder.build().unwrap();
+    let ball = CollisionObject::new("ball", hand, here, Shape::sphere(0.05).unwrap());
+    let bodies = CollisionModel::new(&model, vec![ball]).unwrap();
+    let mut world = World::new();
+    world.add_sphere("rock", 0.1, here).unwrap();
+    let checker = Checker::new(bodies).with_world(&world).unwrap();
+    for (goal, preference) in [(0, 0), (0, 2), (1, 0), (1, 3)] {
+        let mut tasks = Problem::builder(&model);
+        let point = Point::new(hand, [0.5, 0.0, 0.0]);
+        tasks.add(Task::new(point).at_level(goal));
+        let rest = Task::new(Posture::new(&model, &[-0.5, 0.02]));
+        tasks.add(rest.preference().at_level(preference));
+        tasks.keep_clear(&checker);
+        let mut drag = Drag::new(tasks.build().unwrap(), &[-0.5, 0.02]).unwrap();
+        let solution = drag.settle(100);
+        let (q, told) = (solution.q.clone(), solution.explain());
+        assert!(solution.reached, "{goal} {preference}: {q:?} {told}");
+    }
+}
