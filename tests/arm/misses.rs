@@ -247,6 +247,30 @@ fn attempts_in_vain_count() {
     }
 }
 
+/// More attempts never come to a worse place: where none reaches, the best of all counts, whichever it was.
+#[test]
+fn of_more_attempts_in_vain_the_best_stays() {
+    let robot = robot("aldebaran_nao");
+    let mut random = support::random::Random::new(21);
+    for _ in 0..4 {
+        let target = Placement::translation(Vector3::new(
+            random.within(-0.2, 0.2),
+            random.within(-0.4, 0.1),
+            random.within(0.6, 0.9),
+        ));
+        let mut last = f64::INFINITY;
+        for attempts in [1, 8, 40, 129, 140] {
+            let arm = Arm::builder(&robot, "left_sole", "right_sole").with_attempts(attempts);
+            let arm = arm.with_global_search_on_miss(true).build().unwrap();
+            let start = vec![0.05; arm.joint_count()];
+            let solution = arm.solve(target, &start).unwrap();
+            assert!(!solution.reached);
+            assert!(solution.cost <= last * (1.0 + 1e-6), "{attempts}: {last}");
+            last = solution.cost;
+        }
+    }
+}
+
 /// Goals with room count turns by their chords, and a miss costs what its errors say by every door.
 #[test]
 fn a_miss_of_a_goal_with_room_costs_its_chord() {

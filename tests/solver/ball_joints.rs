@@ -223,6 +223,28 @@ fn a_twist_too_far_is_held_and_named() {
     );
 }
 
+#[test]
+fn of_two_balls_the_one_that_is_held_is_named() {
+    let mut builder = Model::builder("arms");
+    let (here, along) = (Placement::identity(), Vector3::UNITS[0]);
+    let limits = || Some(BallLimits::cone(1.0, Limits::new(-0.5, 0.5)));
+    let hands = ["first", "second"].map(|name| {
+        let shoulder = builder.ball(name, None, here, along, limits());
+        builder.frame(format!("{name} hand"), Some(shoulder), here)
+    });
+    let model = builder.build().unwrap();
+    let turned = nalgebra::Rotation3::from_axis_angle(&nalgebra::Vector3::x_axis(), -1.2);
+    let turned = kinopt::spatial::Matrix3::from(turned);
+    for (hand, named) in hands.into_iter().zip(["first twist", "second twist"]) {
+        let mut tasks = Problem::builder(&model);
+        tasks.add(Orientation::new(hand, turned));
+        let solution = Solver::default().solve_once(&tasks.build().unwrap(), &model.neutral());
+        let solution = solution.unwrap();
+        let told = solution.active_limits().map(|limit| limit.joint.to_owned());
+        assert_eq!(told.collect::<Vec<_>>(), [named]);
+    }
+}
+
 /// Twisted and swung too far at once: the twist and the whole angle are both in the way, each told by its own side and value.
 #[test]
 fn a_twist_and_a_whole_angle_in_the_way_are_named_together() {
