@@ -20,15 +20,30 @@ fn an_elbow_comes_back_on_its_side() {
             for wrist in [[-1.7, -1.1, 0.2], [0.4, 1.3, -0.8], [1.9, 0.9, 1.5]] {
                 for way in [[0.0; 3], [0.1, 0.07, -0.05]] {
                     let start = [0.3, lift, elbow, wrist[0], wrist[1], wrist[2]];
-                    check(&arm, &start, way.into());
+                    check(&arm, &start, way.into(), start[0]);
                 }
             }
         }
     }
 }
 
-/// Out of reach along the way from the shoulder, or a little beside it, and back.
-fn check(arm: &Arm, start: &[f64; 6], beside: Vector3<f64>) {
+/// The side is that of late, wherever the arm came from.
+#[test]
+fn an_elbow_that_came_from_afar_does_so_too() {
+    let robot = robot("universal_ur5e");
+    let arm = Arm::builder(&robot, "base", "flange");
+    let arm = arm.with_atlas(false).build().unwrap();
+    for elbow in [0.5, -0.5] {
+        for from in [-2.5, 2.5] {
+            let start = [0.3, -1.2, elbow, -1.7, -1.1, 0.2];
+            check(&arm, &start, Vector3::zero(), from);
+        }
+    }
+}
+
+/// Out of reach along the way from the shoulder, or a little beside it, and back; before that round from where the first joint stood
+/// elsewhere.
+fn check(arm: &Arm, start: &[f64; 6], beside: Vector3<f64>, from: f64) {
     let first = arm.base_from_tool(start).unwrap();
     let way = first.translation + beside;
     let way = way * (1.0 / way.norm());
@@ -38,8 +53,17 @@ fn check(arm: &Arm, start: &[f64; 6], beside: Vector3<f64>) {
             first.translation + way * (STEP * step as f64),
         )
     };
-    let mut follower = arm.follower(start).unwrap();
+    let mut q = *start;
+    q[0] = from;
+    let mut follower = arm.follower(&q).unwrap();
     let mut solution = Solution::default();
+    let round = if from == start[0] { 0 } else { 80 };
+    for step in 0..round {
+        q[0] = from + (start[0] - from) * (f64::from(step) / f64::from(round));
+        let target = arm.base_from_tool(&q).unwrap();
+        follower.advance(target, &mut solution).unwrap();
+        assert!(solution.reached);
+    }
     let mut out = Vec::new();
     for step in 0..STEPS {
         follower.advance(at(step), &mut solution).unwrap();
