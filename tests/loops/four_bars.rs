@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::ParameterMap;
-use kinopt::task::Point;
+use kinopt::problem::Preferences;
+use kinopt::task::{Point, Posture, Task};
 use kinopt::{Problem, Solver};
 
 use crate::mechanisms::FourBar;
@@ -66,5 +67,27 @@ fn the_pen_goes_where_the_linkage_takes_it() {
         assert!(solution.reached, "{k}: {}", solution.explain());
         let off = linkage.freudenstein(solution.q[0], solution.q[2]);
         assert!(off.abs() < 1e-8, "{off:e}");
+    }
+}
+
+/// A loop is no goal that preferences could be traded off against: those keep their order.
+#[test]
+fn preferences_are_not_traded_with_a_loop() {
+    let model = FourBar::CRANK_ROCKER.model();
+    let crank = model.joint("crank").unwrap();
+    for preferences in [Preferences::WithinGoals, Preferences::Traded] {
+        let mut problem = Problem::builder(&model);
+        for (level, angle) in [(0, 0.4), (1, 1.0)] {
+            let wanted = Task::new(Posture::of_joints([(crank, angle)]));
+            problem.add(wanted.preference().at_level(level));
+        }
+        problem.preferences(preferences);
+        let solution = Solver::default().solve_once(&problem.build().unwrap(), &[0.5, 0.5, 1.5]);
+        let solution = solution.unwrap();
+        assert!(
+            solution.reached && (solution.q[0] - 0.4).abs() < 1e-4,
+            "{:?}",
+            solution.q
+        );
     }
 }
