@@ -192,3 +192,21 @@ fn the_nearer_assembly_is_the_same_in_millimetres() {
     }
     assert!(ahead * 4 > wanted && ahead * 4 < 3 * wanted, "{ahead}");
 }
+
+/// Also the numbers of a ball, which turns by a quaternion of any length.
+#[test]
+fn what_does_not_close_the_loop_keeps_its_numbers() {
+    let linkage = FourBar::CRANK_ROCKER;
+    let mut builder = Model::builder("figure");
+    let [_, coupler, rocker] = linkage.add_to(&mut builder, None);
+    let at = Placement::identity();
+    builder.ball("head", None, at, Vector3::UNITS[2], None);
+    let model = builder.build().unwrap();
+    let map = ParameterMap::builder(&model);
+    let closure = LoopClosure::new(map, &[coupler, rocker]).unwrap();
+    let mut q = vec![0.7, 0.5, 1.5, 1.2, 0.4, -0.6, 0.2];
+    let before = q.clone();
+    closure.close(&mut q).unwrap();
+    assert_eq!((q[0], &q[3..]), (before[0], &before[3..]));
+    assert!(linkage.freudenstein(q[0], q[2]).abs() < 1e-8, "{q:?}");
+}
