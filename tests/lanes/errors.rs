@@ -1,7 +1,7 @@
 //! The errors beside a q are the errors of that q, judged by nalgebra's kinematics.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::lanes::{Chain, ChainJoint, JointKind, LaneOptions, PoseSolver, Prefer};
+use kinopt::lanes::{Chain, ChainError, ChainJoint, JointKind, LaneOptions, PoseSolver, Prefer};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::lane_chains::{Random, errors, far_away, panda, planar, random_chain, target, ur5};
 
@@ -80,6 +80,49 @@ fn fixed_joints_are_no_joints_of_a_chain() {
     );
     let turning = chain(JointKind::Continuous).unwrap();
     assert_eq!(turning, chain(JointKind::Revolute).unwrap());
+}
+
+#[test]
+fn what_is_no_joint_of_a_chain_is_named() {
+    let joint = |kind, axis: [f64; 3], (lower, upper)| ChainJoint {
+        parent_from_joint: Placement::identity(),
+        axis: axis.into(),
+        kind,
+        lower,
+        upper,
+    };
+    let last = |own: ChainJoint| {
+        let first = joint(JointKind::Revolute, [1.0, 0.0, 0.0], (-1.0, 1.0));
+        Chain::new(vec![first, own], Placement::identity())
+    };
+    let (inf, up) = (f64::INFINITY, [0.0, 0.0, 1.0]);
+    for axis in [
+        [0.0; 3],
+        [1e-13, 0.0, 0.0],
+        [inf, 0.0, 0.0],
+        [0.0, f64::NAN, 1.0],
+    ] {
+        let refused = last(joint(JointKind::Prismatic, axis, (-1.0, 1.0)));
+        assert_eq!(refused, Err(ChainError::Axis(1)), "{axis:?}");
+    }
+    for (turns, slides, bounds) in [
+        (true, true, (-1.0, 1.0)),
+        (true, true, (-inf, 2.0)),
+        (true, true, (0.5, 0.5)),
+        (false, true, (-2e6, 1.0)),
+        (false, true, (0.0, 2e6)),
+        (false, false, (1.0, -1.0)),
+        (false, false, (f64::NAN, 1.0)),
+        (false, false, (0.0, f64::NAN)),
+        (false, false, (inf, inf)),
+        (false, false, (-inf, -inf)),
+    ] {
+        for (kind, fits) in [(JointKind::Revolute, turns), (JointKind::Prismatic, slides)] {
+            let told = last(joint(kind, up, bounds));
+            assert_eq!(told.is_ok(), fits, "{kind:?} {bounds:?}");
+            assert!(fits || matches!(told, Err(ChainError::Bounds { joint: 1, .. })));
+        }
+    }
 }
 
 /// Half a turn away is π away, though a rotation by it and none have the same sine.
