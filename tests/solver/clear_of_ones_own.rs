@@ -140,3 +140,21 @@ fn a_geometric_solver_tells_what_it_touches() {
     }
     assert!(!touched.contains(&0), "{touched:?}");
 }
+
+/// Goals count as reached where something is touched only if all of them are.
+#[test]
+fn goals_are_reached_in_contact_only_together() {
+    let model = planar_arm(&[1.0, 0.8], None);
+    let tip = model.frame("tip").unwrap();
+    for (second, all) in [([1.2, 0.4, 0.0], true), ([1.2, 0.4, 0.3], false)] {
+        let mut tasks = Problem::builder(&model);
+        tasks.add(Task::new(Point::new(tip, [1.2, 0.4, 0.0])).tolerance(Quantity::Metres, 0.2));
+        tasks.add(Task::new(Point::new(tip, second)));
+        tasks.keep_clear(&Table(tip));
+        let solution = Ccd::default().solve(&tasks.build().unwrap(), &[0.9, -1.5]);
+        let solution = solution.unwrap();
+        assert!(!solution.reached && !solution.collisions().is_empty());
+        assert_eq!(solution.goals_reached(), all);
+        assert!(solution.tasks().next().unwrap().reached);
+    }
+}
