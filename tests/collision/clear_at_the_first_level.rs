@@ -6,7 +6,7 @@ use kinopt::collision::{Checker, CollisionModel, CollisionObject, Shape, World};
 use kinopt::ik::Drag;
 use kinopt::model::{Limits, Model};
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Point, Posture, Task};
+use kinopt::task::{Plane, Point, Posture, Task};
 
 #[test]
 fn a_ball_that_is_pulled_past_another_slides_round_it() {
@@ -23,15 +23,22 @@ fn a_ball_that_is_pulled_past_another_slides_round_it() {
     world.add_sphere("rock", 0.1, here).unwrap();
     let checker = Checker::new(bodies).with_world(&world).unwrap();
     for (goal, preference) in [(0, 0), (0, 2), (1, 0), (1, 3)] {
-        let mut tasks = Problem::builder(&model);
-        let point = Point::new(hand, [0.5, 0.0, 0.0]);
-        tasks.add(Task::new(point).at_level(goal));
-        let rest = Task::new(Posture::new(&model, &[-0.5, 0.02]));
-        tasks.add(rest.preference().at_level(preference));
-        tasks.keep_clear(&checker);
-        let mut drag = Drag::new(tasks.build().unwrap(), &[-0.5, 0.02]).unwrap();
-        let solution = drag.settle(100);
-        let (q, told) = (solution.q.clone(), solution.explain());
-        assert!(solution.reached, "{goal} {preference}: {q:?} {told}");
+        for later in [None, Some(goal + 1)] {
+            let mut tasks = Problem::builder(&model);
+            let point = Point::new(hand, [0.5, 0.0, 0.0]);
+            tasks.add(Task::new(point).at_level(goal));
+            let rest = Task::new(Posture::new(&model, &[-0.5, 0.02]));
+            tasks.add(rest.preference().at_level(preference));
+            if let Some(later) = later {
+                // It is never missed.
+                let flat = Plane::new(hand, [0.0; 3], Vector3::UNITS[2]);
+                tasks.add(Task::new(flat).at_level(later));
+            }
+            tasks.keep_clear(&checker);
+            let mut drag = Drag::new(tasks.build().unwrap(), &[-0.5, 0.02]).unwrap();
+            let solution = drag.settle(100);
+            let (q, told) = (solution.q.clone(), solution.explain());
+            assert!(solution.reached, "{goal} {preference}: {q:?} {told}");
+        }
     }
 }

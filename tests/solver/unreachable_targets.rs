@@ -106,6 +106,8 @@ fn a_limit_that_blocks_is_named() {
         assert!((limits[0].push - stop.cos()).abs() < 1e-12);
         assert_eq!(solution.termination, Termination::Stationary);
         let explanation = solution.explain();
+        // Of what touches nothing nothing is told.
+        assert!(!explanation.contains("In the way"), "{explanation}");
         assert!(
             explanation.contains("the upper limit 0.5236 rad (30.00°) of `joint 0`"),
             "{explanation}"
