@@ -251,3 +251,21 @@ fn an_error_that_overflows_is_infinite() {
         assert_eq!(told.position_error, f64::INFINITY, "{far:?}");
     }
 }
+
+#[test]
+fn options_that_are_not_set_are_as_they_are_told() {
+    let told = LaneOptions::default()
+        .with_position_tolerance(1e-6)
+        .with_orientation_tolerance(1e-6)
+        .with_metres_per_radian(0.3)
+        .with_axes(AxisGoal::full_pose())
+        .with_damping(0.07)
+        .with_stall_limit(6)
+        .with_iterations(100)
+        .with_attempts(200)
+        .with_total_iterations(3000)
+        .with_seed(0)
+        .with_atlas(true)
+        .with_portable(false);
+    assert_eq!(LaneOptions::default(), told);
+}
