@@ -6,11 +6,12 @@ use kinopt::ik::{DerivativeWorkspace, SolutionDerivative};
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{Limits, Model};
 use kinopt::problem::ParameterVector;
-use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{FrameVelocity, Point};
+use kinopt::spatial::{Placement, Vector3, rotation_exp};
+use kinopt::task::{FrameVelocity, Point, Pose};
 use kinopt::{Problem, Solver};
 use nalgebra as na;
 use support::changed_bodies::{Case, Change, case};
+use support::planar_arm;
 use support::random::Random;
 use support::sample::cases;
 use support::stationary::{Conditions, Limit, limits_at};
@@ -261,5 +262,35 @@ fn slopes_by_velocity_are_those_along_the_manifold() {
         };
         let expected = (value(1e-5) - value(-1e-5)) / 2e-5;
         assert!((slope - expected).abs() < 1e-8, "{k}: {slope} {expected}");
+    }
+}
+
+/// A pose that is missed lies between its place and its turn: each of the two weights alone has its derivative.
+#[test]
+fn the_weights_of_a_pose_count_each_by_itself() {
+    let model = planar_arm(&[0.5, 0.4, 0.3], Some((-2.0, 2.0)));
+    let tip = model.frame("tip").unwrap();
+    let turned = rotation_exp(Vector3::new(0.0, 0.0, 1.4));
+    let mut tasks = Problem::builder(&model);
+    let target = Placement::new(turned, Vector3::new(1.1, 0.5, 0.0));
+    tasks.add(Pose::new(tip, target));
+    let problem = tasks.build().unwrap();
+    let solution = Solver::default().solve_once(&problem, &[0.3, 0.2, 0.4]);
+    let solution = solution.unwrap();
+    assert!(!solution.reached);
+    let mut workspace = DerivativeWorkspace::default();
+    let mut derivative = SolutionDerivative::new(&problem, &solution.q, &mut workspace).unwrap();
+    let slope = [0.4, 0.7, -0.2];
+    let mut gradient = ParameterVector::new(&problem);
+    derivative.gradient(&slope, &mut gradient).unwrap();
+    assert_eq!(gradient.weights().len(), 2);
+    for (weight, backward) in gradient.weights().iter().enumerate() {
+        let mut rates = ParameterVector::new(&problem);
+        rates.weights_mut()[weight] = 1.0;
+        let mut velocity = [0.0; 3];
+        derivative.velocity(&rates, &mut velocity).unwrap();
+        let forward: f64 = slope.iter().zip(velocity).map(|(s, v)| s * v).sum();
+        let near = (forward - backward).abs() < 1e-7 * backward.abs();
+        assert!(near && forward.abs() > 1e-3, "{forward} {backward}");
     }
 }
