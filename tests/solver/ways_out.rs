@@ -93,7 +93,8 @@ impl Scene {
 fn a_hand_comes_to_its_target_by_any_course_of_the_mouse() {
     let mut short = 0;
     let courses = cases(160, 40);
-    for seed in 0..courses as u64 {
+    // The last is one that would not come to rest without a way out.
+    for seed in (0..courses as u64).chain([62]) {
         let random = &mut Random::new(seed);
         let mut scene = Scene::new();
         let (moves, up) = (1 + random.below(100), random.within(0.36, 0.5));
