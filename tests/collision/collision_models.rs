@@ -73,6 +73,7 @@ fn a_cylinder_with_other_spheres_is_none() {
         (0.12, [0.1, -0.1]),
         (0.08, [0.1, -0.1]),
         (0.1, [0.1, -0.09]),
+        (0.1, [0.1, -0.0995]),
         (0.1, [0.1, 0.1]),
     ] {
         let sphere = |z: f64| {
@@ -219,13 +220,18 @@ fn meshes_are_found_beside_above_and_in_packages() {
         .unwrap();
     assert_eq!((left_out.objects().len(), left_out.notes().len()), (2, 1));
 
-    // The third has another mesh.
+    // The third has another mesh, the last a larger one of the same name.
     let (packages, own, another) = (folder.join("elsewhere"), others.clone(), meshes.clone());
+    let late = folder.join("late");
+    std::fs::create_dir_all(late.join("stand_description")).unwrap();
+    let larger = cube.replacen("v 1", "v 3", 1);
+    std::fs::write(late.join("stand_description/foot.obj"), larger).unwrap();
     for folders in [
         vec![&packages],
         vec![&own],
         vec![&packages, &another],
         vec![&another, &own],
+        vec![&packages, &late],
     ] {
         let builder = CollisionModel::builder(&robot);
         let builder = (folders.iter()).fold(builder, |builder, folder| {

@@ -1,5 +1,7 @@
 //! Promise: the convex pieces of a mesh hold it, inside and all, and leave its hollows free.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use kinopt::collision::{CollisionModel, MeshUse, ShapeKind};
 use kinopt::robot::Robot;
 use kinopt::spatial::Vector3;
@@ -55,11 +57,13 @@ fn is_in_channel(p: Vector3<f64>) -> bool {
     inside(p.x, 0.0, 3.0) && inside(p.y, 0.0, 1.0) && inside(p.z, 0.0, 3.0) && !hollow
 }
 
-fn shapes(meshes: MeshUse) -> CollisionModel {
-    let folder =
-        std::env::temp_dir().join(format!("kinopt-pieces-{}-{meshes:?}", std::process::id()));
+fn shapes(mesh: &str, meshes: MeshUse) -> CollisionModel {
+    static COUNT: AtomicUsize = AtomicUsize::new(0);
+    let (process, count) = (std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
+    let name = format!("kinopt-pieces-{process}-{count}");
+    let folder = std::env::temp_dir().join(name);
     std::fs::create_dir_all(&folder).unwrap();
-    std::fs::write(folder.join("u.obj"), channel()).unwrap();
+    std::fs::write(folder.join("u.obj"), mesh).unwrap();
     let mesh = r#"<collision><geometry><mesh filename="u.obj"/></geometry></collision>"#;
     let text = format!(r#"<robot name="u"><link name="u">{mesh}</link></robot>"#);
     let robot = Robot::parse(&text, "u.urdf")
@@ -73,16 +77,16 @@ fn shapes(meshes: MeshUse) -> CollisionModel {
     model
 }
 
+fn holds(model: &CollisionModel, p: Vector3<f64>) -> bool {
+    let distances = model.objects().iter();
+    let distances = distances.map(|object| object.shape.signed_distance(p));
+    distances.fold(f64::INFINITY, f64::min) <= 1e-9
+}
+
 #[test]
 fn a_channel_stays_open() {
-    let (pieces, hull) = (shapes(MeshUse::Pieces(16)), shapes(MeshUse::Hull));
-    let holds = |model: &CollisionModel, p| {
-        let distances = model
-            .objects()
-            .iter()
-            .map(|object| object.shape.signed_distance(p));
-        distances.fold(f64::INFINITY, f64::min) <= 1e-9
-    };
+    let [pieces, hull] =
+        [MeshUse::Pieces(16), MeshUse::Hull].map(|meshes| shapes(&channel(), meshes));
     assert!(
         (2..=16).contains(&pieces.objects().len()),
         "{}",
@@ -112,5 +116,92 @@ fn a_channel_stays_open() {
     }
     assert!(20 * filled < hollow, "{filled} of {hollow}");
     // One is the hull.
-    assert_eq!(shapes(MeshUse::Pieces(1)).objects().len(), 1);
+    assert_eq!(shapes(&channel(), MeshUse::Pieces(1)).objects().len(), 1);
+}
+
+/// A block of 4 × 4 × 4 dice with a pocket of 2 × 2 × 2 in its top.
+fn is_die_of_block(die: [i32; 3]) -> bool {
+    let [x, y, z] = die;
+    let inner = |along: i32| along == 1 || along == 2;
+    die.iter().all(|along| (0..4).contains(along)) && !(inner(x) && inner(y) && z >= 2)
+}
+
+/// Leaning, so that cuts go through its sides aslant.
+fn leant([x, y, z]: [f64; 3]) -> Vector3<f64> {
+    Vector3::new(x + 0.31 * z, y - 0.17 * x, z)
+}
+
+/// The sides of its dice that are its surface.
+fn block() -> String {
+    let (mut text, mut count) = (String::new(), 0);
+    for index in 0..64 {
+        let die = [index % 4, index / 4 % 4, index / 16];
+        for (axis, side) in (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]) {
+            let mut beyond = die;
+            beyond[axis] += 2 * side - 1;
+            if !is_die_of_block(die) || is_die_of_block(beyond) {
+                continue;
+            }
+            let mut around = [[0, 0], [1, 0], [1, 1], [0, 1]];
+            if side == 0 {
+                around.reverse();
+            }
+            for [a, b] in around {
+                let mut corner = die;
+                corner[axis] += side;
+                corner[(axis + 1) % 3] += a;
+                corner[(axis + 2) % 3] += b;
+                let Vector3 { x, y, z } = leant(corner.map(f64::from));
+                text += &format!("v {x} {y} {z}\n");
+            }
+            let [a, b, c, d] = [1, 2, 3, 4].map(|k| count + k);
+            text += &format!("f {a} {b} {c} {d}\n");
+            count += 4;
+        }
+    }
+    text
+}
+
+/// Most of what the cuts of a solid body meet is within it, where no surface says that it is there.
+#[test]
+fn a_block_is_held_to_its_middle() {
+    let pieces = shapes(&block(), MeshUse::Pieces(10));
+    assert!(pieces.objects().len() > 6);
+    let mut random = Random::new(22);
+    for _ in 0..600 {
+        let p = [(); 3].map(|()| random.within(0.0, 4.0));
+        let is_in = is_die_of_block(p.map(|along| along as i32));
+        assert!(!is_in || holds(&pieces, leant(p)), "{p:?}");
+    }
+}
+
+/// A cube of 2 whose top is dented by so much, about some place.
+fn dented(by: f64, about: [f64; 3]) -> String {
+    let mut text = String::new();
+    let mut corner = |at: [f64; 3]| {
+        let [x, y, z] = [0, 1, 2].map(|k| at[k] + about[k]);
+        text += &format!("v {x} {y} {z}\n");
+    };
+    for z in [-1.0, 1.0] {
+        for [x, y] in [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]] {
+            corner([x, y, z]);
+        }
+    }
+    corner([0.0, 0.0, 1.0 - by]);
+    for [a, b] in [[1, 2], [2, 3], [3, 4], [4, 1]] {
+        text += &format!("f {a} {b} {} {}\nf {} {} 9\n", b + 4, a + 4, a + 4, b + 4);
+    }
+    text + "f 4 3 2 1\n"
+}
+
+/// A hundredth of the diagonal of 3.46, wherever the mesh has its origin.
+#[test]
+fn what_is_convex_nearly_is_one_piece() {
+    for about in [[0.0; 3], [50.0, -20.0, 30.0]] {
+        for (by, is_one) in [(0.03, true), (0.04, false)] {
+            let pieces = shapes(&dented(by, about), MeshUse::Pieces(4));
+            let count = pieces.objects().len();
+            assert_eq!(count == 1, is_one, "{by} {about:?}: {count}");
+        }
+    }
 }

@@ -243,3 +243,19 @@ fn corners_that_are_one_but_for_roundings_close_a_mesh() {
         }
     }
 }
+
+/// Which side is out is told by what a mesh encloses, of dice of a millimetre some kilometres away too.
+#[test]
+fn a_small_mesh_far_from_its_origin_has_an_inside() {
+    let mut random = Random::new(9);
+    for _ in 0..20 {
+        let middle = Vector3::from(random.vector(10_000.0));
+        let corner = |k: u32| {
+            let along = |axis: u32| (f64::from(k >> axis & 1) - 0.5) * 1e-3;
+            middle + Vector3::new(along(0), along(1), along(2))
+        };
+        let mesh = Shape::mesh((0..8).map(corner).collect(), box_triangles()).unwrap();
+        let inside = mesh.signed_distance(middle);
+        assert!((inside + 0.5e-3).abs() < 1e-9, "{middle:?}: {inside}");
+    }
+}

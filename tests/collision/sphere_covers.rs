@@ -201,6 +201,16 @@ fn capsules_get_no_more_spheres_than_they_need() {
     assert_eq!(spheres.count(), 9);
 }
 
+/// About the middle of a section of 0.1 × 0.1 a sphere may have a radius of 0.1, of which the bar's corners leave it 0.1414 of its length:
+/// eight do. Found one by one they are up to some more than twice as many.
+#[test]
+fn bars_get_few_more_spheres_than_they_need() {
+    let bar = Shape::cuboid([1.0, 0.1, 0.1]).unwrap();
+    let model = one_link([(bar, Placement::identity())]);
+    let spheres = SphereModel::of(&model, Fineness::Overhang(0.05)).unwrap();
+    assert!((8..=20).contains(&spheres.count()), "{}", spheres.count());
+}
+
 /// Nine spheres stick out by e from a capsule of radius 0.1 and length 1, where (0.1 + e)² = 0.1² + ((1 − 2e) / 16)²: at its
 /// poles as far as where two of them meet. One that holds a capsule of length 0.01 sticks out by 0.005.
 #[test]
@@ -286,6 +296,12 @@ fn of_links_that_are_spheres_all_is_known() {
             world
                 .add_sphere(&format!("ball {ball}"), 0.1, place)
                 .unwrap();
+        }
+        if case % 2 == 1 {
+            let heights = (0..16).map(|_| random.within(-0.1, 0.1)).collect();
+            let hills = Shape::height_field(heights, 4, [0.8; 2]).unwrap();
+            let place = Placement::translation(Vector3::new(0.0, 0.0, -0.3));
+            world.add("hills", hills, place).unwrap();
         }
         let bodies = CollisionModel::new(&model, objects).unwrap();
         let spheres = SphereModel::of(&bodies, Fineness::Overhang(0.01)).unwrap();

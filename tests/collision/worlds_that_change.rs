@@ -218,6 +218,54 @@ fn many_obstacles() {
     go_along(1000, cases(8, 2), 3);
 }
 
+fn add_small(world: &mut World, index: usize) {
+    let at = Vector3::new(0.4, 0.0, 1.0) * (1.0 + 1e-4 * index as f64);
+    let name = format!("small {index}");
+    world.add_sphere(&name, 1e-4, at).unwrap();
+}
+
+/// So many small balls, and a big one in the way.
+fn around_a_big_one(count: usize) -> World {
+    let mut world = World::new();
+    let beside = Vector3::new(0.3, 0.0, 0.6);
+    world.add_sphere("big", 0.25, beside).unwrap();
+    (0..count).for_each(|index| add_small(&mut world, index));
+    world
+}
+
+/// Up to 512 are looked at one by one, more through a tree.
+#[test]
+fn what_is_taken_out_is_gone_also_where_many_become_few_or_the_other_way() {
+    let robot = robot("franka_panda");
+    let plain = Checker::of(&robot).unwrap();
+    let rest = robot.model().neutral();
+    let arm = Arm::builder(&robot, "base", "flange").with_atlas(false);
+    let arm = arm.build().unwrap();
+    let mut random = Random::new(12);
+    let q: Vec<f64> = (0..40).flat_map(|_| drawn(&arm, &mut random)).collect();
+    let clear_among = |arm: &Arm| {
+        let mut clear = [false; 40];
+        arm.clear_by_spheres(&q, &mut clear).unwrap();
+        clear
+    };
+    for (before, after) in [(513_usize, 510), (510, 514), (520, 519), (20, 22)] {
+        let mut world = around_a_big_one(before);
+        let known = plain.clone().with_world(&world).unwrap();
+        let arm = arm.clone().with_checker(&known, &rest).unwrap();
+        let among_all = clear_among(&arm);
+        world.remove("big").unwrap();
+        for index in after..before {
+            world.remove(&format!("small {index}")).unwrap();
+        }
+        (before..after).for_each(|index| add_small(&mut world, index));
+        let changed = clear_among(&arm.with_world(&world, None).unwrap());
+        let fresh = plain.clone().with_world(&anew(&world)).unwrap();
+        let fresh = arm.with_checker(&fresh, &rest).unwrap();
+        assert_eq!(changed, clear_among(&fresh), "{before} to {after}");
+        assert!(changed != among_all, "{before} to {after}");
+    }
+}
+
 #[test]
 fn names_are_found_in_any_order() {
     let mut random = Random::new(4);

@@ -193,3 +193,36 @@ fn far_from_the_origin_differences_are_longer() {
         );
     }
 }
+
+/// Joints count either way from zero.
+#[test]
+fn far_along_a_slide_differences_are_longer() {
+    #[derive(Clone)]
+    struct Along(JointId);
+    impl NumericResidual for Along {
+        fn frames(&self) -> Vec<FrameId> {
+            Vec::new()
+        }
+        fn joints(&self) -> Vec<JointId> {
+            vec![self.0]
+        }
+        fn rows(&self) -> Vec<Rows> {
+            vec![Rows::new(Quantity::Metres, 1)]
+        }
+        fn evaluate(&self, _frames: &[Placement<f64>], joints: &[f64], residual: &mut [f64]) {
+            residual[0] = 0.3 * joints[0];
+        }
+    }
+    let mut model = Model::builder("long");
+    let x = Vector3::new(1.0, 0.0, 0.0);
+    let limits = Limits::new(-1e7, 1e7);
+    model.prismatic("slide", None, Placement::identity(), x, limits);
+    let model = model.build().unwrap();
+    let mut tasks = Problem::builder(&model);
+    tasks.add(Numeric(Along(model.moving_joints()[0])));
+    let problem = tasks.build().unwrap();
+    for at in [-1e6, 0.1, 1e6] {
+        let slope = jacobian(&problem, &[at])[(0, 0)];
+        assert!((slope - 0.3).abs() < 1e-9, "{at}: {slope}");
+    }
+}
