@@ -86,13 +86,16 @@ fn a_plane_is_kept_where_models_are_copied_and_told_where_it_cannot_be() {
     assert!(!again.is_checked("world", "c").unwrap() && again.is_checked("world", "b").unwrap());
     let found = Checker::new(model).collisions(&[1.0, 0.0, 0.0]).unwrap();
     assert_eq!(found.len(), 1);
-    // Of two planes that are one body's the pair is written once.
-    let beside = r#"<geom name="ramp" type="plane" size="0 0 .1" pos="0 0 -1"/>"#;
-    let two = robot(&format!("{FLOOR}{beside}"), [""; 3], "");
-    let model = CollisionModel::of(&two).unwrap();
-    let text = model.with_ignored("c", "world").unwrap().to_srdf();
-    let of_c = |line: &&str| line.contains("\"world\"") && line.contains("\"c\"");
-    assert_eq!(text.lines().filter(of_c).count(), 1, "{text}");
+    // Of two planes that are one body's the pair is written once, and where the body has other shapes.
+    let ramp = r#"<geom name="ramp" type="plane" size="0 0 .1" pos="0 0 -1"/>"#;
+    let slab = r#"<geom type="box" size=".1 .1 .1" pos="-1 0 .1"/>"#;
+    for beside in [ramp, slab] {
+        let two = robot(&format!("{FLOOR}{beside}"), [""; 3], "");
+        let model = CollisionModel::of(&two).unwrap();
+        let text = model.with_ignored("c", "world").unwrap().to_srdf();
+        let of_c = |line: &&str| line.contains("\"world\"") && line.contains("\"c\"");
+        assert_eq!(text.lines().filter(of_c).count(), 1, "{text}");
+    }
     // Carried by a joint it would be a half-space that moves.
     let carried = arm.with_base_joint(BaseJoint::FREE).unwrap();
     let model = CollisionModel::of(&carried).unwrap();

@@ -3,6 +3,7 @@
 
 use kinopt::arm::{Arm, Search};
 use kinopt::collision::{Checker, CollisionModel, Fineness, SphereModel, World};
+use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
 use support::random::Random;
@@ -75,4 +76,24 @@ fn all_distinct_solutions_are_those_of_the_shapes() {
 #[test]
 fn the_nearest_solution_is_that_of_the_shapes() {
     same_answers(Search::Nearest);
+}
+
+/// A bar that turns over a post, 0.3 rad beside where it begins.
+const BAR: &str = r#"<robot name="bar"><link name="post"><collision><origin xyz="0.4777 0.1478 0"/>
+    <geometry><box size="0.02 0.02 0.1"/></geometry></collision></link>
+    <link name="bar"><collision><origin xyz="0.3 0 0"/><geometry><box size="0.6 0.02 0.02"/></geometry></collision></link>
+    <joint name="turn" type="continuous"><parent link="post"/><child link="bar"/><axis xyz="0 0 1"/></joint></robot>"#;
+
+/// Each link is in its own spheres where they stand.
+#[test]
+fn what_spheres_tell_apart_is_apart() {
+    let robot = Robot::parse(BAR, "bar.urdf").unwrap();
+    let bodies = CollisionModel::of(&robot).unwrap();
+    let bodies = bodies.with_checked("post", "bar").unwrap();
+    let spheres = SphereModel::of(&bodies, Fineness::Overhang(0.03)).unwrap();
+    let checker = Checker::new(bodies).with_spheres(spheres);
+    for (turn, touches) in [(0.3, true), (0.2, false), (-0.3, false)] {
+        let found = checker.collisions(&[turn]).unwrap();
+        assert_eq!(!found.is_empty(), touches, "{turn}: {found:?}");
+    }
 }

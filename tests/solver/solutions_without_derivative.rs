@@ -13,9 +13,13 @@ use kinopt::{Problem, Solver};
 
 /// So many links of a metre in the plane.
 fn chain(links: usize, limits: Limits) -> (Model, FrameId) {
+    chain_of(links, 1.0, limits)
+}
+
+fn chain_of(links: usize, length: f64, limits: Limits) -> (Model, FrameId) {
     let mut builder = Model::builder("chain");
     let z = Vector3::new(0.0, 0.0, 1.0);
-    let link = Placement::translation([1.0, 0.0, 0.0].into());
+    let link = Placement::translation([length, 0.0, 0.0].into());
     let mut joint = None;
     for k in 0..links {
         let at = if k == 0 { Placement::identity() } else { link };
@@ -51,6 +55,27 @@ fn of_many_the_shortest_is_the_pseudoinverse() {
     let jacobian = jacobian.rows(0, 3).into_owned();
     let inverse = jacobian.pseudo_inverse(1e-9).unwrap();
     assert!((derivative.by_target(0).unwrap() - inverse).amax() < 1e-12);
+}
+
+/// Whether an arm is stretched does not depend on the unit of length.
+#[test]
+fn an_arm_nearly_stretched_has_one_in_any_unit() {
+    let q = [0.3, 1e-4];
+    let of = |length: f64| {
+        let (model, tip) = chain_of(2, length, Limits::new(-2.0, 2.0));
+        let mut tasks = Problem::builder(&model);
+        tasks.add(Point::new(tip, tip_of(&model, &q)));
+        let problem = tasks.build().unwrap();
+        let mut workspace = DerivativeWorkspace::default();
+        let mut derivative = SolutionDerivative::new(&problem, &q, &mut workspace).unwrap();
+        assert_eq!(*derivative.existence(), Existence::Unique, "{length}");
+        derivative.by_target(0).unwrap() * length
+    };
+    let expected = of(1.0);
+    for length in [1e-4, 1e-2, 1e3] {
+        let off = (of(length) - &expected).amax() / expected.amax();
+        assert!(off < 1e-9, "{length}: {off:e}");
+    }
 }
 
 /// A joint that others follow counts with all that it moves: the shortest is so in all joints' velocities.
