@@ -224,46 +224,81 @@ fn add_small(world: &mut World, index: usize) {
     world.add_sphere(&name, 1e-4, at).unwrap();
 }
 
-/// So many small balls, and a big one in the way.
-fn around_a_big_one(count: usize) -> World {
-    let mut world = World::new();
+fn add_big(world: &mut World) {
     let beside = Vector3::new(0.3, 0.0, 0.6);
     world.add_sphere("big", 0.25, beside).unwrap();
-    (0..count).for_each(|index| add_small(&mut world, index));
-    world
+}
+
+/// An arm that keeps clear of nothing yet, and some of its configurations.
+struct Asked {
+    plain: Checker,
+    rest: Vec<f64>,
+    arm: Arm,
+    q: Vec<f64>,
+}
+
+impl Asked {
+    fn new() -> Self {
+        let robot = robot("franka_panda");
+        let arm = Arm::builder(&robot, "base", "flange").with_atlas(false);
+        let arm = arm.build().unwrap();
+        let mut random = Random::new(12);
+        Self {
+            plain: Checker::of(&robot).unwrap(),
+            rest: robot.model().neutral(),
+            q: (0..40).flat_map(|_| drawn(&arm, &mut random)).collect(),
+            arm,
+        }
+    }
+
+    fn clear_among(&self, arm: &Arm) -> [bool; 40] {
+        let mut clear = [false; 40];
+        arm.clear_by_spheres(&self.q, &mut clear).unwrap();
+        clear
+    }
+
+    /// An arm that goes along from one world to another is clear there as one that never saw the first, and not as before.
+    fn goes_along(&self, from: &World, to: &World) {
+        let [known, fresh] = [from, &anew(to)].map(|world| {
+            let checker = self.plain.clone().with_world(world).unwrap();
+            self.arm.clone().with_checker(&checker, &self.rest).unwrap()
+        });
+        let clear = self.clear_among(&known.with_world(to, None).unwrap());
+        assert_eq!(clear, self.clear_among(&fresh));
+        assert!(clear != self.clear_among(&known));
+    }
 }
 
 /// Up to 512 are looked at one by one, more through a tree.
 #[test]
 fn what_is_taken_out_is_gone_also_where_many_become_few_or_the_other_way() {
-    let robot = robot("franka_panda");
-    let plain = Checker::of(&robot).unwrap();
-    let rest = robot.model().neutral();
-    let arm = Arm::builder(&robot, "base", "flange").with_atlas(false);
-    let arm = arm.build().unwrap();
-    let mut random = Random::new(12);
-    let q: Vec<f64> = (0..40).flat_map(|_| drawn(&arm, &mut random)).collect();
-    let clear_among = |arm: &Arm| {
-        let mut clear = [false; 40];
-        arm.clear_by_spheres(&q, &mut clear).unwrap();
-        clear
-    };
-    for (before, after) in [(513_usize, 510), (510, 514), (520, 519), (20, 22)] {
-        let mut world = around_a_big_one(before);
-        let known = plain.clone().with_world(&world).unwrap();
-        let arm = arm.clone().with_checker(&known, &rest).unwrap();
-        let among_all = clear_among(&arm);
+    let asked = Asked::new();
+    for (before, after) in [(513, 510), (510, 514), (520, 519), (20, 22)] {
+        let mut world = World::new();
+        add_big(&mut world);
+        (0..before).for_each(|index| add_small(&mut world, index));
+        let known = world.clone();
         world.remove("big").unwrap();
         for index in after..before {
             world.remove(&format!("small {index}")).unwrap();
         }
         (before..after).for_each(|index| add_small(&mut world, index));
-        let changed = clear_among(&arm.with_world(&world, None).unwrap());
-        let fresh = plain.clone().with_world(&anew(&world)).unwrap();
-        let fresh = arm.with_checker(&fresh, &rest).unwrap();
-        assert_eq!(changed, clear_among(&fresh), "{before} to {after}");
-        assert!(changed != among_all, "{before} to {after}");
+        asked.goes_along(&known, &world);
     }
+}
+
+#[test]
+fn of_a_copy_that_went_another_way_all_is_gone() {
+    let mut one = World::new();
+    (0..3).for_each(|index| add_small(&mut one, index));
+    let mut other = one.clone();
+    add_small(&mut one, 3);
+    one.remove("small 3").unwrap();
+    add_big(&mut one);
+    add_small(&mut other, 4);
+    let asked = Asked::new();
+    asked.goes_along(&one, &other);
+    asked.goes_along(&other, &one);
 }
 
 #[test]

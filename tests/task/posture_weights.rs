@@ -105,3 +105,24 @@ fn upright_a_back_is_stiff_whatever_frames_its_limbs_have() {
         assert_eq!(posture.upright(&model), expected, "{before} {after}");
     }
 }
+
+/// How long a limb is, is told against all of the body, from its root on.
+#[test]
+fn fingers_on_a_long_arm_are_no_limbs() {
+    let mut builder = Model::builder("arm");
+    let [x, y, _] = Vector3::UNITS;
+    let limits = Limits::new(-2.0, 2.0);
+    let shoulder = builder.revolute("shoulder", None, at(0.0, 0.0, 0.0), x, limits);
+    let wrist = builder.revolute("wrist", Some(shoulder), at(0.0, 0.0, 1.0), y, limits);
+    for (name, side) in [("thumb", 0.02), ("finger", -0.02)] {
+        let place = at(0.0, side, 0.0);
+        let first = builder.revolute(format!("{name} 1"), Some(wrist), place, x, limits);
+        let place = at(0.0, 0.0, 0.1);
+        let second = builder.revolute(format!("{name} 2"), Some(first), place, x, limits);
+        builder.frame(name, Some(second), at(0.0, 0.0, 0.1));
+    }
+    let model = builder.build().unwrap();
+    let posture = Posture::new(&model, &model.neutral());
+    let expected = posture.clone().with_weights([1.0; 6]);
+    assert_eq!(posture.upright(&model), expected);
+}
