@@ -60,21 +60,41 @@ fn of_many_the_shortest_is_the_pseudoinverse() {
 /// Whether an arm is stretched does not depend on the unit of length.
 #[test]
 fn an_arm_nearly_stretched_has_one_in_any_unit() {
-    let q = [0.3, 1e-4];
-    let of = |length: f64| {
+    let of = |q: &[f64; 2], length: f64| {
         let (model, tip) = chain_of(2, length, Limits::new(-2.0, 2.0));
         let mut tasks = Problem::builder(&model);
-        tasks.add(Point::new(tip, tip_of(&model, &q)));
+        tasks.add(Point::new(tip, tip_of(&model, q)));
         let problem = tasks.build().unwrap();
         let mut workspace = DerivativeWorkspace::default();
-        let mut derivative = SolutionDerivative::new(&problem, &q, &mut workspace).unwrap();
-        assert_eq!(*derivative.existence(), Existence::Unique, "{length}");
-        derivative.by_target(0).unwrap() * length
+        let mut derivative = SolutionDerivative::new(&problem, q, &mut workspace).unwrap();
+        let by_target = derivative.by_target(0).unwrap() * length;
+        (derivative.existence().clone(), by_target)
     };
-    let expected = of(1.0);
-    for length in [1e-4, 1e-2, 1e3] {
-        let off = (of(length) - &expected).amax() / expected.amax();
+    let (nearly, fully) = ([0.3, 1e-4], [0.3, 0.0]);
+    let (_, expected) = of(&nearly, 1.0);
+    for length in [1e-4, 1e-2, 1.0, 1e3] {
+        let (existence, by_target) = of(&nearly, length);
+        assert_eq!(existence, Existence::Unique, "{length}");
+        let off = (by_target - &expected).amax() / expected.amax();
         assert!(off < 1e-9, "{length}: {off:e}");
+        let singular = NoDerivative::Singular { directions: 1 };
+        let (existence, _) = of(&fully, length);
+        assert_eq!(existence, Existence::DoesNotExist(singular), "{length}");
+    }
+}
+
+#[test]
+fn what_is_asked_twice_is_asked_once_in_any_unit() {
+    let q = [0.3, 0.5, -0.4, 0.9];
+    for length in [1e-3, 1.0, 1e3, 1e5] {
+        let (model, tip) = chain_of(4, length, Limits::new(-2.0, 2.0));
+        let mut tasks = Problem::builder(&model);
+        for _ in 0..2 {
+            tasks.add(Point::new(tip, tip_of(&model, &q)));
+        }
+        let told = existence(&tasks.build().unwrap(), &q);
+        let many = Existence::ShortestOfMany { directions: 2 };
+        assert_eq!(told, many, "{length}");
     }
 }
 
