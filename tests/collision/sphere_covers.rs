@@ -302,6 +302,17 @@ fn of_links_that_are_spheres_all_is_known() {
             let hills = Shape::height_field(heights, 4, [0.8; 2]).unwrap();
             let place = Placement::translation(Vector3::new(0.0, 0.0, -0.3));
             world.add("hills", hills, place).unwrap();
+            // A mesh of more triangles than are looked at one by one.
+            let corner = |_| Vector3::from(random.direction().into_inner() * 0.3);
+            let points: Vec<_> = (0..30).map(corner).collect();
+            let hull = Shape::convex(&points).unwrap();
+            if let ShapeKind::Convex(hull) = hull.kind() {
+                let (corners, triangles) = (hull.vertices(), hull.triangles());
+                assert!(triangles.len() > 32);
+                let rock = Shape::mesh(corners.to_vec(), triangles.to_vec()).unwrap();
+                let place = Placement::translation(three(&mut random, 0.8));
+                world.add("rock", rock, place).unwrap();
+            }
         }
         let bodies = CollisionModel::new(&model, objects).unwrap();
         let spheres = SphereModel::of(&bodies, Fineness::Overhang(0.01)).unwrap();

@@ -42,8 +42,9 @@ fn by_range_each_joint_counts_in_half_its_own() {
 }
 
 /// A back of two joints with two arms of a shoulder, an elbow and a hand each, on a base of two legs; with frames for a camera and a bolt in
-/// each elbow, before the hand or after it.
-fn body(before: bool, after: bool) -> Model {
+/// each elbow, before the hand or after it; so many metres for each metre.
+fn body(size: f64, before: bool, after: bool) -> Model {
+    let at = |x: f64, y: f64, z: f64| at(size * x, size * y, size * z);
     let mut builder = Model::builder("body");
     let [x, y, _] = Vector3::UNITS;
     let limits = Limits::new(-2.0, 2.0);
@@ -96,13 +97,15 @@ fn body(before: bool, after: bool) -> Model {
 #[test]
 fn upright_a_back_is_stiff_whatever_frames_its_limbs_have() {
     for (before, after) in [(false, false), (true, false), (false, true), (true, true)] {
-        let model = body(before, after);
-        let stiff = ["pelvis", "waist", "back"].map(|name| model.joint(name).unwrap());
-        let joints = model.moving_joints().iter();
-        let weights = joints.map(|joint| if stiff.contains(joint) { 5.0 } else { 1.0 });
-        let posture = Posture::new(&model, &model.neutral());
-        let expected = posture.clone().with_weights(weights);
-        assert_eq!(posture.upright(&model), expected, "{before} {after}");
+        for size in [0.01, 1.0, 100.0] {
+            let model = body(size, before, after);
+            let stiff = ["pelvis", "waist", "back"].map(|name| model.joint(name).unwrap());
+            let joints = model.moving_joints().iter();
+            let weights = joints.map(|joint| if stiff.contains(joint) { 5.0 } else { 1.0 });
+            let posture = Posture::new(&model, &model.neutral());
+            let expected = posture.clone().with_weights(weights);
+            assert_eq!(posture.upright(&model), expected, "{size} {before} {after}");
+        }
     }
 }
 
