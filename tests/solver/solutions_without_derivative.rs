@@ -13,13 +13,9 @@ use kinopt::{Problem, Solver};
 
 /// So many links of a metre in the plane.
 fn chain(links: usize, limits: Limits) -> (Model, FrameId) {
-    chain_of(links, 1.0, limits)
-}
-
-fn chain_of(links: usize, length: f64, limits: Limits) -> (Model, FrameId) {
     let mut builder = Model::builder("chain");
     let z = Vector3::new(0.0, 0.0, 1.0);
-    let link = Placement::translation([length, 0.0, 0.0].into());
+    let link = Placement::translation([1.0, 0.0, 0.0].into());
     let mut joint = None;
     for k in 0..links {
         let at = if k == 0 { Placement::identity() } else { link };
@@ -55,47 +51,6 @@ fn of_many_the_shortest_is_the_pseudoinverse() {
     let jacobian = jacobian.rows(0, 3).into_owned();
     let inverse = jacobian.pseudo_inverse(1e-9).unwrap();
     assert!((derivative.by_target(0).unwrap() - inverse).amax() < 1e-12);
-}
-
-/// Whether an arm is stretched does not depend on the unit of length.
-#[test]
-fn an_arm_nearly_stretched_has_one_in_any_unit() {
-    let of = |q: &[f64; 2], length: f64| {
-        let (model, tip) = chain_of(2, length, Limits::new(-2.0, 2.0));
-        let mut tasks = Problem::builder(&model);
-        tasks.add(Point::new(tip, tip_of(&model, q)));
-        let problem = tasks.build().unwrap();
-        let mut workspace = DerivativeWorkspace::default();
-        let mut derivative = SolutionDerivative::new(&problem, q, &mut workspace).unwrap();
-        let by_target = derivative.by_target(0).unwrap() * length;
-        (derivative.existence().clone(), by_target)
-    };
-    let (nearly, fully) = ([0.3, 1e-4], [0.3, 0.0]);
-    let (_, expected) = of(&nearly, 1.0);
-    for length in [1e-4, 1e-2, 1.0, 1e3] {
-        let (existence, by_target) = of(&nearly, length);
-        assert_eq!(existence, Existence::Unique, "{length}");
-        let off = (by_target - &expected).amax() / expected.amax();
-        assert!(off < 1e-9, "{length}: {off:e}");
-        let singular = NoDerivative::Singular { directions: 1 };
-        let (existence, _) = of(&fully, length);
-        assert_eq!(existence, Existence::DoesNotExist(singular), "{length}");
-    }
-}
-
-#[test]
-fn what_is_asked_twice_is_asked_once_in_any_unit() {
-    let q = [0.3, 0.5, -0.4, 0.9];
-    for length in [1e-3, 1.0, 1e3, 1e5] {
-        let (model, tip) = chain_of(4, length, Limits::new(-2.0, 2.0));
-        let mut tasks = Problem::builder(&model);
-        for _ in 0..2 {
-            tasks.add(Point::new(tip, tip_of(&model, &q)));
-        }
-        let told = existence(&tasks.build().unwrap(), &q);
-        let many = Existence::ShortestOfMany { directions: 2 };
-        assert_eq!(told, many, "{length}");
-    }
 }
 
 /// A joint that others follow counts with all that it moves: the shortest is so in all joints' velocities.
