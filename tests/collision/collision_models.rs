@@ -225,7 +225,11 @@ fn meshes_are_found_beside_above_and_in_packages() {
     let late = folder.join("late");
     std::fs::create_dir_all(late.join("stand_description")).unwrap();
     let larger = cube.replacen("v 1", "v 3", 1);
-    std::fs::write(late.join("stand_description/foot.obj"), larger).unwrap();
+    std::fs::write(late.join("stand_description/foot.obj"), &larger).unwrap();
+    // Nor is what lies deeper in the package under its name taken before its own.
+    let deeper = folder.join("lamp_description/lamp_description/meshes");
+    std::fs::create_dir_all(&deeper).unwrap();
+    std::fs::write(deeper.join("arm.obj"), larger).unwrap();
     for folders in [
         vec![&packages],
         vec![&own],

@@ -96,6 +96,12 @@ fn a_plane_is_kept_where_models_are_copied_and_told_where_it_cannot_be() {
         let of_c = |line: &&str| line.contains("\"world\"") && line.contains("\"c\"");
         assert_eq!(text.lines().filter(of_c).count(), 1, "{text}");
     }
+    // What stands as it does is no matter to it.
+    let stand = r#"<body name="stand" pos="1 0 .5"><geom type="box" size=".1 .1 .1"/></body>"#;
+    let exclude = r#"<contact><exclude body1="world" body2="stand"/></contact>"#;
+    let beside = robot(&format!("{FLOOR}{stand}"), [""; 3], exclude);
+    let text = CollisionModel::of(&beside).unwrap().to_srdf();
+    assert!(!text.contains("stand"), "{text}");
     // Carried by a joint it would be a half-space that moves.
     let carried = arm.with_base_joint(BaseJoint::FREE).unwrap();
     let model = CollisionModel::of(&carried).unwrap();

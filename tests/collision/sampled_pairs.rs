@@ -71,3 +71,17 @@ fn a_pair_that_nearly_always_touches_is_left_out() {
         }
     }
 }
+
+/// Of a robot on which nothing moves, what is apart stays so.
+#[test]
+fn what_nothing_moves_is_left_out() {
+    let text = r#"<robot name="still"><link name="base"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+        <link name="tip"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+        <joint name="slide" type="prismatic"><parent link="base"/><child link="tip"/><origin xyz="0.5 0 0"/><axis xyz="1 0 0"/>
+        <limit lower="0" upper="0" effort="1" velocity="1"/></joint></robot>"#;
+    let robot = Robot::parse(text, "still.urdf").unwrap();
+    let all = CollisionModel::of(&robot).unwrap();
+    let all = all.with_checked("base", "tip").unwrap();
+    let kept = all.with_pairs_sampled(100, 1).unwrap();
+    assert!(kept.pairs().is_empty());
+}

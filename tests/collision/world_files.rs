@@ -438,3 +438,21 @@ fn a_mesh_has_the_scale_that_is_asked_for() {
     assert_eq!(bounds.max.to_array(), [2.0, 1.0, 0.5]);
     assert_eq!(bounds.min.to_array(), [0.0; 3]);
 }
+
+#[test]
+fn a_file_that_is_written_is_read_again_and_says_so_in_its_name() {
+    let folder = std::env::temp_dir().join(format!("kinopt-worlds-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let world = any_world(&mut Random::new(6));
+    for name in ["world.json", "world.JSON"] {
+        world.write(folder.join(name)).unwrap();
+        let again = World::read(folder.join(name)).unwrap();
+        assert_eq!(again.to_json(), world.to_json());
+    }
+    for name in ["world", "world.yaml"] {
+        let told = world.write(folder.join(name)).unwrap_err().to_string();
+        assert!(told.contains("must end in .json"), "{name}: {told}");
+        assert!(!folder.join(name).exists(), "{name}");
+    }
+    std::fs::remove_dir_all(folder).unwrap();
+}
