@@ -278,6 +278,8 @@ fn spheres_that_are_grown_stay_within_the_one_around_them() {
     let checker = Checker::new(shapes).with_spheres(small.clone());
     let grown = checker.spheres().unwrap();
     assert_eq!(grown.gap(), 0.0);
+    let sticks_out = small.overhang() + small.gap();
+    assert!((grown.overhang() - sticks_out).abs() < 1e-12 && small.gap() > 0.0);
     for ((group, small), gap) in grown.groups().iter().zip(small.groups()).zip(gaps) {
         for (ball, before) in group.spheres.iter().zip(&small.spheres) {
             assert_eq!(
