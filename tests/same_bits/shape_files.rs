@@ -337,6 +337,25 @@ fn capsules() -> u64 {
     digest.value()
 }
 
+/// Plates, of which the first balls that are found make some needless that came before.
+fn plates() -> u64 {
+    let (mut digest, robot) = (Digest::new(), Robot::parse(ROBOT, "r.urdf").unwrap());
+    let link = robot.model().frame("hand").unwrap();
+    for size in [[0.4, 0.4, 0.05], [0.5, 0.3, 0.06]] {
+        let plate = Shape::cuboid(size).unwrap();
+        let plate = CollisionObject::new("plate", link, Vector3::zero(), plate);
+        let bodies = CollisionModel::new(robot.model(), vec![plate]).unwrap();
+        let cover = SphereModel::of(&bodies, Fineness::Overhang(0.05)).unwrap();
+        spheres_of(&mut digest, &cover);
+    }
+    digest.value()
+}
+
+#[test]
+fn of_plates() {
+    check(&[("spheres that cover plates", plates())]);
+}
+
 #[test]
 fn of_capsules_and_clouds() {
     check(&[("capsules of robots and clouds, mixed", capsules())]);
