@@ -6,7 +6,7 @@ mod ball_joints;
 mod boxes;
 mod clear_of_ones_own;
 mod contradicting_targets;
-mod derivatives_near_full_stretch;
+mod derivatives_in_any_unit;
 mod drags;
 mod every_kind_of_limit;
 mod first_steps;

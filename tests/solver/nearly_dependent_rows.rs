@@ -6,7 +6,7 @@ use kinopt::model::{Limits, Model};
 use kinopt::problem::Problem;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Point;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use crate::pulls::linearised;
 
@@ -37,7 +37,14 @@ fn a_tip_goes_where_its_target_does_near_full_stretch() {
             let mut derivative = SolutionDerivative::new(&problem, &q, &mut memory).unwrap();
             let moved = derivative.by_target(0).unwrap();
             let (_, jacobian) = linearised(&problem, &q);
-            let off = (jacobian * &moved - DMatrix::identity(3, 3)).amax();
+            let off = (&jacobian * &moved - DMatrix::identity(3, 3)).amax();
+            assert!(off < 1e-12, "bent by {bend}: {off:e}");
+            // Backward as well: Jᵀ · gradient is the slope.
+            let slope = [0.3, -0.2, 0.9];
+            let mut gradient = derivative.parameters();
+            derivative.gradient(&slope, &mut gradient).unwrap();
+            let told = DVector::from_column_slice(gradient.target(0));
+            let off = (jacobian.transpose() * told - DVector::from_column_slice(&slope)).amax();
             assert!(off < 1e-12, "bent by {bend}: {off:e}");
         }
     }
