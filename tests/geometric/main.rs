@@ -5,3 +5,4 @@ mod fabrik;
 mod geometric_limits;
 mod triangles;
 mod two_bone;
+mod what_is_in_the_way;

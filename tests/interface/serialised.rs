@@ -9,7 +9,7 @@ use kinopt::animation::curve::{BezierHandle, KeyedCurve, TensionContinuityBias};
 use kinopt::animation::rotation::{EulerOrder, RotationCurve};
 use kinopt::animation::{
     Armature, Channel, Clip, Cursor, Easing, EulerClip, EulerCurve, EulerInterpolation, EulerKey,
-    EulerTrack, KeyTolerance, Playback,
+    EulerTrack, KeyTolerance, Playback, Pose,
 };
 use kinopt::arm::Search;
 use kinopt::collision::{Shape, World};
@@ -391,6 +391,16 @@ fn what_is_wrong_is_refused() {
     let orders = ["\"configuration_order\":[", "\"configuration_order\":[9,"];
     let error = serde_json::from_str::<Model>(&text.replace(orders[0], orders[1])).unwrap_err();
     assert!(error.to_string().contains("moving joints once"), "{error}");
+
+    let armature = Armature::of_skeleton(&RandomRig::new(4).skeleton);
+    let text = serde_json::to_string(armature.rest()).unwrap();
+    for bone in 0..2 {
+        let mut parts: serde_json::Value = serde_json::from_str(&text).unwrap();
+        parts["scales"][bone][1] = 1e39.into();
+        let error = serde_json::from_value::<Pose>(parts).unwrap_err();
+        let told = format!("bone {bone}:");
+        assert!(error.to_string().contains(&told), "{error}");
+    }
 
     let backwards = r#"[[{"bone":0,"keys":[{"time":1.0,"angles":[0,0,0]},
         {"time":0.5,"angles":[0,0,0]}]},"Linear"]]"#;

@@ -196,6 +196,23 @@ fn the_unit_of_length_does_not_matter() {
     }
 }
 
+/// A tail need not hang on the body: with a root of its own it stays as well.
+#[test]
+fn a_limb_with_a_root_of_its_own_is_held_too() {
+    let mut bones = CHARACTER.to_vec();
+    for (name, parent, y) in [
+        ("tail", None, 1.0),
+        ("tail's middle", Some(CHARACTER.len()), 0.7),
+        ("tail's end", Some(CHARACTER.len() + 1), 0.4),
+    ] {
+        bones.push((name, parent, [0.0, y], FREE));
+    }
+    let (still, ends) = held(&skeleton(&bones), &["left hand"]);
+    assert_eq!(still, ["scene", "root", "hips"]);
+    let others = ["left foot", "right foot", "right finger", "tail's end"];
+    assert_eq!(ends, others);
+}
+
 /// A limb is as long as its longest way on, whatever short bone branches off before.
 #[test]
 fn a_short_bone_on_a_limb_takes_nothing_from_it() {

@@ -69,6 +69,40 @@ fn a_live_follower_stands_where_the_person_does() {
     assert!(live.step(&lost[..2]).is_err());
 }
 
+/// A frame whose places are lost changes nothing, though a foot comes to stand in it: the next one is answered as without it.
+#[test]
+fn a_follower_goes_on_from_before_lost_places() {
+    let (robot, capture) = (nao(), sway(16, 16));
+    let map = BodyMap::from_json(MAP, "").unwrap();
+    let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
+    let mut follower = retargeting.follower().unwrap();
+    for frame in 0..capture.frames() {
+        let places = retargeting.targets(frame).unwrap();
+        let stands = [4, 8].map(|from| if frame < from { 0.0 } else { 1.0 });
+        let stands = [0.0, stands[0], stands[1]];
+        let mut interrupted = follower.clone();
+        let lost = [Vector3::new(0.0, f64::NAN, 0.0); 3];
+        let kept = interrupted.advance(&lost, &stands).unwrap();
+        assert_eq!(kept, follower.q(), "frame {frame}");
+        let own = follower.advance(places, &stands).unwrap();
+        let after = interrupted.advance(places, &stands).unwrap();
+        assert_eq!(own, after, "frame {frame}");
+    }
+}
+
+#[test]
+fn a_speed_of_a_ball_is_refused_by_name() {
+    let limits =
+        "joint_limits:\n  root_joint/rotation: {has_velocity_limits: true, max_velocity: 2.0}";
+    let robot = nao()
+        .with_joint_limits_of(limits.as_bytes(), "limits")
+        .unwrap();
+    let (map, capture) = (BodyMap::from_json(MAP, "").unwrap(), sway(4, 4));
+    let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
+    let refused = retargeting.follower().unwrap_err().to_string();
+    assert!(refused.contains("root_joint/rotation"), "{refused}");
+}
+
 #[test]
 fn limits_and_errors_are_told_as_they_are() {
     let (robot, capture) = (nao(), sway(20, 10));

@@ -1,0 +1,62 @@
+//! Promise: an angle without a limit, or with one on one side, is keyed as one whose limit is far away.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::animation::{EulerClip, EulerKey, EulerTrack};
+use kinopt::model::Limits;
+use kinopt::motion::clip_ik::{KeyframeIk, Reach};
+use kinopt::skeleton::{Bone, Skeleton};
+use kinopt::spatial::{Placement, Vector3};
+
+fn arm(limits: Limits) -> Skeleton {
+    let mut builder = Skeleton::builder("arm");
+    let mut parent = None;
+    for (k, name) in ["upper", "lower", "hand"].into_iter().enumerate() {
+        parent = Some(builder.add(Bone {
+            name: name.into(),
+            parent,
+            length: 0.4,
+            model_from_rest: Placement::translation(Vector3::new(0.4 * k as f64, 0.0, 0.0)),
+            limits: [limits; 3],
+        }));
+    }
+    builder.build().unwrap()
+}
+
+#[test]
+fn a_limit_that_there_is_not_is_one_far_away() {
+    let solved = |limits: Limits| {
+        let skeleton = arm(limits);
+        let tracks = skeleton.bone_ids().map(|bone| EulerTrack {
+            bone,
+            keys: (0..6)
+                .map(|k| EulerKey {
+                    time: 0.2 * f64::from(k),
+                    angles: [0.0, 0.1 + 0.02 * f64::from(k), 0.0],
+                })
+                .collect(),
+        });
+        let clip = EulerClip::new(tracks.collect()).unwrap();
+        let hand = skeleton.bone("hand").unwrap();
+        let reach = Reach::to(hand, [0.6, 0.7, 0.2]).unwrap();
+        let reach = reach.with_span(0.2..=0.8);
+        let edited = KeyframeIk::new(&skeleton).with_reach(reach);
+        let edited = edited.solve(&clip).unwrap();
+        assert!(edited.beyond.is_empty() && edited.led[0].miss < 0.05);
+        edited.clip
+    };
+    let far = solved(Limits::new(-1e3, 1e3));
+    for limits in [
+        Limits::UNBOUNDED,
+        Limits::new(-1e3, f64::INFINITY),
+        Limits::new(f64::NEG_INFINITY, 1e3),
+    ] {
+        let own = solved(limits);
+        for (own, far) in own.tracks().iter().zip(far.tracks()) {
+            for (own, far) in own.keys.iter().zip(&far.keys) {
+                for (own, far) in own.angles.iter().zip(far.angles) {
+                    assert!((own - far).abs() < 1e-3, "{limits:?}: {own} {far}");
+                }
+            }
+        }
+    }
+}
