@@ -196,21 +196,31 @@ fn the_unit_of_length_does_not_matter() {
     }
 }
 
-/// A tail need not hang on the body: with a root of its own it stays as well.
+/// A tail need not hang on the body: with a root of its own it stays as well, before the body's bones or behind them.
 #[test]
 fn a_limb_with_a_root_of_its_own_is_held_too() {
-    let mut bones = CHARACTER.to_vec();
-    for (name, parent, y) in [
-        ("tail", None, 1.0),
-        ("tail's middle", Some(CHARACTER.len()), 0.7),
-        ("tail's end", Some(CHARACTER.len() + 1), 0.4),
-    ] {
-        bones.push((name, parent, [0.0, y], FREE));
+    let tail = |first: usize| {
+        [
+            ("tail", None, 1.0),
+            ("tail's middle", Some(first), 0.7),
+            ("tail's end", Some(first + 1), 0.4),
+        ]
+        .map(|(name, parent, y)| (name, parent, [0.0, y], FREE))
+    };
+    let mut behind = CHARACTER.to_vec();
+    behind.extend(tail(CHARACTER.len()));
+    let mut before = tail(0).to_vec();
+    before.extend(
+        CHARACTER
+            .map(|(name, parent, at, limits)| (name, parent.map(|parent| parent + 3), at, limits)),
+    );
+    for bones in [behind, before] {
+        let (still, mut ends) = held(&skeleton(&bones), &["left hand"]);
+        assert_eq!(still, ["scene", "root", "hips"]);
+        ends.sort_unstable();
+        let others = ["left foot", "right finger", "right foot", "tail's end"];
+        assert_eq!(ends, others);
     }
-    let (still, ends) = held(&skeleton(&bones), &["left hand"]);
-    assert_eq!(still, ["scene", "root", "hips"]);
-    let others = ["left foot", "right foot", "right finger", "tail's end"];
-    assert_eq!(ends, others);
 }
 
 /// A limb is as long as its longest way on, whatever short bone branches off before.

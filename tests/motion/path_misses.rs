@@ -155,3 +155,65 @@ fn what_can_be_reached_from_a_neighbour_is_not_missed() {
     }
     assert!(bordering > 20, "{bordering}");
 }
+
+/// Where joints have hardly any room, not every way between two places of a point is one of the arm's: what is told to be reached is.
+#[test]
+fn a_way_that_is_shortened_stays_on_its_points() {
+    let whole = robot("franka_panda");
+    for (q, low, high, way, turn) in [
+        (
+            [
+                0.261878, 1.238528, -1.773319, -0.473370, 2.438892, 1.791326, -0.811011,
+            ],
+            [
+                0.028696, 0.836832, -1.773319, -0.716780, 1.949183, 1.563625, -1.134103,
+            ],
+            [
+                0.637441, 1.383773, -1.268140, -0.412828, 2.452355, 2.035399, -0.798644,
+            ],
+            [-0.0414226, -0.0083487, -0.0516888],
+            [-0.1372834, 0.0668517, 0.0668295],
+        ),
+        (
+            [
+                2.258280, -1.636299, -2.374528, -0.305755, 2.701696, 1.537500, -1.813487,
+            ],
+            [
+                1.487223, -1.636299, -2.654579, -0.462867, 2.167886, 0.811908, -2.605508,
+            ],
+            [
+                2.380062, -1.119653, -2.027474, -0.069800, 2.897300, 2.172094, -1.424098,
+            ],
+            [-0.0318106, 0.0516569, -0.0363880],
+            [0.1626424, 0.1357640, -0.0094559],
+        ),
+    ] {
+        let mut text = "joint_limits:\n".to_owned();
+        for (k, (low, high)) in low.into_iter().zip(high).enumerate() {
+            let joint = k + 1;
+            text += &format!("  joint{joint}: {{min_position: {low}, max_position: {high}}}\n");
+        }
+        let narrow = whole
+            .clone()
+            .with_joint_limits_of(text.as_bytes(), "limits");
+        let narrow = narrow.unwrap();
+        let [base, flange] = ["base", "flange"].map(|name| narrow.model().frame(name).unwrap());
+        let arm = Arm::builder(&narrow, base, flange).with_atlas(false);
+        let arm = arm.build().unwrap();
+        let begin = arm.base_from_tool(&q).unwrap();
+        let points = (0..25).map(|k| {
+            let share = f64::from(k) / 24.0;
+            let turned = rotation_exp(Vector3::from(turn) * share) * begin.rotation;
+            Placement::new(turned, begin.translation + Vector3::from(way) * share)
+        });
+        let points: Vec<_> = points.collect();
+        let path = CartesianPath::new(points.clone()).unwrap();
+        let told = PathSolver::new(&arm).with_samples(24).solve(&path).unwrap();
+        let missed: Vec<usize> = told.missed.iter().map(|missed| missed.index).collect();
+        for (k, (q, point)) in told.rows().zip(&points).enumerate() {
+            let at = arm.base_from_tool(q).unwrap();
+            let off = (at.translation - point.translation).norm();
+            assert!(missed.contains(&k) || off < 1.1e-6, "point {k}: {off}");
+        }
+    }
+}
