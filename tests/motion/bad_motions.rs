@@ -79,6 +79,12 @@ fn errors_name_what_is_wrong() {
         let told = told(3, ask);
         assert!(words.iter().all(|word| told.contains(word)), "{told}");
     }
+    // Of the first task as of any other.
+    let mut first = MotionProblem::builder(&model, 3, 0.01);
+    first.add(below.clone().at_level(1));
+    first.add(Point::new(tip, [1.0, 1.0, 0.0]));
+    let told_of_first = first.build().unwrap_err().to_string();
+    assert!(told_of_first.contains("gaze"), "{told_of_first}");
     assert_eq!(told(0, &|_| {}), "a motion of no frames");
     for (weights, words) in [(&[1.0][..], "instead of 2"), (&[1.0, f64::NAN], "frame 1")] {
         let told = told(2, &|motion| {

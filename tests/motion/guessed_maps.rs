@@ -117,7 +117,7 @@ fn all_known_skeletons_are_told_by_their_names_and_drive_all_of_the_humanoid() {
 #[test]
 fn names_of_many_kinds_tell_of_the_same_parts() {
     let humanoid = model(&HUMANOID);
-    let kinds: [[&str; 10]; 7] = [
+    let kinds: [[&str; 10]; 8] = [
         [
             "pelvis",
             "thigh_01_l",
@@ -189,6 +189,18 @@ fn names_of_many_kinds_tell_of_the_same_parts() {
             "leftHand",
             "rightUpperLeg",
             "head",
+        ],
+        [
+            "Pelvis",
+            "LHip",
+            "LKnee",
+            "LAnkle",
+            "LFoot",
+            "LShoulder",
+            "LElbow",
+            "LWrist",
+            "RHip",
+            "Head",
         ],
         [
             "Pelvis",

@@ -1,6 +1,7 @@
 //! Promise: a live follower answers each frame by itself, within limits of position and speed, holds what stands once it is known
 //! to, keeps where it is while places are lost, and refuses other joints; limits and errors are told as they are.
 
+use kinopt::collision::{Checker, CollisionModel};
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::motion::clip::MotionBound;
 use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting};
@@ -74,19 +75,23 @@ fn a_live_follower_stands_where_the_person_does() {
 fn a_follower_goes_on_from_before_lost_places() {
     let (robot, capture) = (nao(), sway(16, 16));
     let map = BodyMap::from_json(MAP, "").unwrap();
-    let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
-    let mut follower = retargeting.follower().unwrap();
-    for frame in 0..capture.frames() {
-        let places = retargeting.targets(frame).unwrap();
-        let stands = [4, 8].map(|from| if frame < from { 0.0 } else { 1.0 });
-        let stands = [0.0, stands[0], stands[1]];
-        let mut interrupted = follower.clone();
-        let lost = [Vector3::new(0.0, f64::NAN, 0.0); 3];
-        let kept = interrupted.advance(&lost, &stands).unwrap();
-        assert_eq!(kept, follower.q(), "frame {frame}");
-        let own = follower.advance(places, &stands).unwrap();
-        let after = interrupted.advance(places, &stands).unwrap();
-        assert_eq!(own, after, "frame {frame}");
+    let options = RetargetOptions::default();
+    let retargeting = Retargeting::new(&robot, &map, &capture, options).unwrap();
+    let checker = Checker::new(CollisionModel::new(robot.model(), Vec::new()).unwrap());
+    for retargeting in [retargeting.clone(), retargeting.keep_clear(&checker)] {
+        let mut follower = retargeting.follower().unwrap();
+        for frame in 0..capture.frames() {
+            let places = retargeting.targets(frame).unwrap();
+            let stands = [4, 8].map(|from| if frame < from { 0.0 } else { 1.0 });
+            let stands = [0.0, stands[0], stands[1]];
+            let mut interrupted = follower.clone();
+            let lost = [Vector3::new(0.0, f64::NAN, 0.0); 3];
+            let kept = interrupted.advance(&lost, &stands).unwrap();
+            assert_eq!(kept, follower.q(), "frame {frame}");
+            let own = follower.advance(places, &stands).unwrap();
+            let after = interrupted.advance(places, &stands).unwrap();
+            assert_eq!(own, after, "frame {frame}");
+        }
     }
 }
 
@@ -229,6 +234,57 @@ fn a_limb_on_a_follower_goes_where_it_would_alone() {
             assert!(off < 2e-8, "{ratio}, frame {frame}: {off}");
         }
     }
+}
+
+/// What no place tells comes to its posture, of a robot without a free base as well: where its hand rests, no change of the joints
+/// that leaves the hand there brings them nearer to zero.
+#[test]
+fn an_arm_on_a_table_rests_near_its_posture() {
+    let joint = |name: &str, parent: &str, child: &str, out: f64| {
+        format!(
+            "<link name=\"{child}\"/><joint name=\"{name}\" type=\"revolute\"><parent link=\"{parent}\"/>\
+             <child link=\"{child}\"/><origin xyz=\"{out} 0 0\"/><axis xyz=\"0 0 1\"/>\
+             <limit lower=\"-2\" upper=\"2\" effort=\"1\" velocity=\"50\"/></joint>"
+        )
+    };
+    let text = format!(
+        "<robot name=\"arm\"><link name=\"base\"/>{}{}{}{}<link name=\"hand\"/><joint name=\"end\" type=\"fixed\">\
+         <parent link=\"fourth\"/><child link=\"hand\"/><origin xyz=\"0.3 0 0\"/></joint></robot>",
+        joint("1", "base", "first", 0.0),
+        joint("2", "first", "second", 0.3),
+        joint("3", "second", "third", 0.3),
+        joint("4", "third", "fourth", 0.3),
+    );
+    let robot = Robot::parse(&text, "arm.urdf").unwrap();
+    let map = r#"{"joints": ["base", "hand"], "drives": {"base": "base", "hand": "hand"}}"#;
+    let map = BodyMap::from_json(map, "").unwrap();
+    // Aside and back to where it rests.
+    let places = (0..300).flat_map(|frame| {
+        let share = 0.05 * f64::from(frame.min(40));
+        let (sin, cos) = (std::f64::consts::PI * share).sin_cos();
+        [0.0, 0.0, 0.0, 0.8 - 0.1 * (1.0 - cos), 0.4 * sin, 0.0]
+    });
+    let places: Vec<f64> = places.collect();
+    let capture = Capture::new(map.joints.clone(), &places, 30.0).unwrap();
+    let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
+    let found = retargeting.per_frame().unwrap();
+    let q = nalgebra::DVector::from_column_slice(&found.q[4 * 299..]);
+    // How the hand moves with each joint: across the way from there to it.
+    let angles = (0..4).map(|link| q.rows(0, link + 1).sum());
+    let links: Vec<f64> = angles.collect();
+    let slopes = nalgebra::DMatrix::from_fn(2, 4, |axis, joint| {
+        let beyond = links[joint..].iter();
+        let way = beyond.map(|angle| if axis == 0 { -angle.sin() } else { angle.cos() });
+        0.3 * way.sum::<f64>()
+    });
+    let told = slopes.transpose() * slopes.clone().pseudo_inverse(1e-9).unwrap().transpose();
+    let free = &q - told * &q;
+    assert!(
+        free.norm() < 0.01 * q.norm(),
+        "{} of {}",
+        free.norm(),
+        q.norm()
+    );
 }
 
 /// The slip that is told is how far any foot that stands ever is from where it came to stand, not where it ends.

@@ -27,6 +27,7 @@ mod path_files;
 mod path_malformed;
 mod path_misses;
 mod path_reconfigurations;
+mod path_rings;
 mod path_times;
 mod path_told;
 mod path_traversals;

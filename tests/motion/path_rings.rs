@@ -1,0 +1,46 @@
+//! Promise: a ring of an arm with a joint to spare has no seam, also where a joint without limits goes round with it.
+
+use std::f64::consts::TAU;
+
+use kinopt::Arm;
+use kinopt::motion::path::{CartesianPath, PathSolver, Traversal};
+use kinopt::robot::Robot;
+use kinopt::spatial::{Placement, Vector3, rotation_exp};
+
+#[test]
+fn a_ring_on_which_a_joint_goes_round_is_as_long_from_any_of_its_points() {
+    let text = std::fs::read_to_string("../models/franka_panda.urdf").unwrap();
+    let endless = text.replace(
+        r#"<joint name="joint7" type="revolute">"#,
+        r#"<joint name="joint7" type="continuous">"#,
+    );
+    assert_ne!(text, endless);
+    let robot = Robot::parse(&endless, "endless.urdf").unwrap();
+    let arm = Arm::new(&robot, "base", "flange").unwrap();
+    let down = rotation_exp(Vector3::new(std::f64::consts::PI, 0.0, 0.0));
+    let point = |k: u32| {
+        let angle = TAU * f64::from(k) / 50.0;
+        let (sin, cos) = angle.sin_cos();
+        let at = Vector3::new(0.45 + 0.12 * cos, 0.2 * sin, 0.3);
+        Placement::new(rotation_exp(Vector3::new(0.0, 0.0, angle)) * down, at)
+    };
+    let lengths = [0, 20].map(|begin| {
+        let points: Vec<_> = (begin..begin + 50).map(point).collect();
+        let path = CartesianPath::new(points).unwrap();
+        let path = path.with_traversal(Traversal::Cyclic);
+        let told = PathSolver::new(&arm)
+            .with_max_step(0.4)
+            .solve(&path)
+            .unwrap();
+        assert!(told.is_whole(), "{:?}", told.reconfigurations);
+        let rows: Vec<&[f64]> = told.rows().collect();
+        let back = rows[49].iter().zip(rows[0]).map(|(a, b)| (a - b).abs());
+        let back: Vec<f64> = back.collect();
+        assert!((back[6] - TAU).abs() < 0.3 && back[..6].iter().all(|by| *by < 0.2));
+        told.length
+    });
+    let (least, most) = (lengths.iter()).fold((f64::MAX, 0.0_f64), |(least, most), length| {
+        (least.min(*length), most.max(*length))
+    });
+    assert!(most < least * (1.0 + 5e-4), "{lengths:?}");
+}
