@@ -150,6 +150,21 @@ fn parts_of_a_local_transform() {
     assert!(near(&read.to_affine(), &mirror, 1e-5));
 }
 
+/// Whichever two axes lean, and to whichever side: a translation, a rotation and a scale do not say so.
+#[test]
+fn what_leans_is_no_local_transform() {
+    let turned = glam::Mat3A::from_quat(Quat::from_rotation_y(0.4));
+    for (leaning, towards) in [(0, 1), (1, 2), (2, 0)] {
+        for by in [-0.1, 0.1] {
+            let mut columns = [Vec3A::X, Vec3A::Y, Vec3A::Z];
+            columns[leaning] += columns[towards] * by;
+            let [x, y, z] = columns.map(|column| turned * column);
+            let leans = Affine3A::from_mat3(glam::Mat3A::from_cols(x, y, z).into());
+            assert_eq!(LocalTransform::of_affine(&leans), None, "{leans}");
+        }
+    }
+}
+
 #[test]
 fn what_cannot_be_is_told_and_changes_nothing() {
     let bone = |name: &str, parent, scale| ArmatureBone {

@@ -14,6 +14,7 @@ mod contacts;
 mod driven_points;
 mod far_from_the_origin;
 mod figure_targets;
+mod fixed_robots;
 mod ground_speeds;
 mod guessed_maps;
 mod keyframe_ik;

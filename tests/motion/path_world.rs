@@ -3,7 +3,7 @@
 use kinopt::Arm;
 use kinopt::arm::Goal;
 use kinopt::collision::{Checker, CollisionModel, Fineness, SphereModel, World};
-use kinopt::motion::path::{CartesianPath, MissReason, PathSolver};
+use kinopt::motion::path::{CartesianPath, MissReason, PathError, PathSolver};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
@@ -60,6 +60,44 @@ fn it_goes_round_what_is_in_its_elbows_way() {
             .any(|told| told.index == row + 1);
         assert!(jumps || is_free_between(&arm, pair[0], pair[1]), "{row}");
     }
+}
+
+/// Where something stands in the way of a configuration that is given for an end, a path does not begin or end there.
+#[test]
+fn an_end_that_touches_is_refused() {
+    let alone = panda(&World::new());
+    let path = CartesianPath::new(sideways(&alone, 2)).unwrap();
+    let rows = PathSolver::new(&alone).solve(&path).unwrap();
+    let ends = [rows.rows().next().unwrap(), rows.rows().last().unwrap()];
+    let mut world = World::new();
+    world
+        .add_sphere("ball", 0.3, Vector3::new(0.0, 0.0, 0.8))
+        .unwrap();
+    let arm = panda(&world);
+    for end in ends {
+        assert!(!arm.collisions(end).unwrap().is_empty());
+    }
+    let begun = |arm: &Arm| {
+        PathSolver::new(arm)
+            .with_start(ends[0])
+            .solve(&path)
+            .map(|_| ())
+    };
+    let ended = |arm: &Arm| {
+        PathSolver::new(arm)
+            .with_end(ends[1])
+            .solve(&path)
+            .map(|_| ())
+    };
+    assert!(begun(&alone).is_ok() && ended(&alone).is_ok());
+    assert!(matches!(
+        begun(&arm),
+        Err(PathError::End { which: "start", .. })
+    ));
+    assert!(matches!(
+        ended(&arm),
+        Err(PathError::End { which: "end", .. })
+    ));
 }
 
 /// Three slides and a cube of 20 cm.
