@@ -22,6 +22,7 @@ mod keys_without_limits;
 mod known_skeletons;
 mod live_followers;
 mod movement_folders;
+mod one_sided_limits;
 mod path_bounds;
 mod path_entries;
 mod path_files;
