@@ -2,10 +2,13 @@
 //! limbs are too short.
 #![allow(clippy::unwrap_used)]
 
-use glam::{DVec3, Vec3, Vec3A};
-use kinopt::animation::Clip;
+use glam::{Affine3A, DVec3, Quat, Vec3, Vec3A};
 use kinopt::animation::curve::KeyedCurve;
+use kinopt::animation::{Armature, Clip};
+use kinopt::model::Limits;
 use kinopt::motion::clip_ik::{ClipIk, Reach};
+use kinopt::skeleton::{Bone, Skeleton};
+use kinopt::spatial::{Placement, Vector3};
 
 use crate::clip_ik::{HIPS, SHIN, THIGH, at, figure, pose, walk};
 
@@ -230,5 +233,64 @@ fn a_root_comes_back_within_the_span_that_it_follows() {
     for (_, channel) in edited.clip.channels(&armature).unwrap() {
         let inner = channel.times().windows(2).map(|pair| pair[1] - pair[0]);
         assert!(inner.fold(f32::INFINITY, f32::min) > 0.45 / 60.0);
+    }
+}
+
+/// Of a rig the tip of a bone is led, from where the clip has it.
+#[test]
+fn a_rig_s_tip_is_led_from_where_it_is() {
+    let mut builder = Skeleton::builder("arm");
+    let (mut parent, mut along) = (None, 0.0);
+    for (name, length) in [("root", 0.1), ("upper", 0.5), ("lower", 0.4), ("hand", 0.2)] {
+        parent = Some(builder.add(Bone {
+            name: name.into(),
+            parent,
+            length,
+            model_from_rest: Placement::translation(Vector3::new(along, 0.0, 0.0)),
+            limits: [Limits::new(-2.0, 2.0); 3],
+        }));
+        along += length;
+    }
+    let skeleton = builder.build().unwrap();
+    let armature = Armature::of_skeleton(&skeleton);
+    let mut bent = armature.rest().clone();
+    for (name, by) in [("upper", 0.6), ("lower", -1.0), ("hand", 0.3)] {
+        let bone = armature.bone(name).unwrap();
+        let local = bent.local(bone).unwrap();
+        bent.set_rotation(bone, local.rotation * Quat::from_rotation_z(by))
+            .unwrap();
+    }
+    let stand =
+        Clip::through_poses("stand", &armature, &[0.0, 1.0], &[bent.clone(), bent]).unwrap();
+    let hand = armature.bone("hand").unwrap();
+    let tip = |clip: &Clip, time: f64| {
+        let mut model = vec![Affine3A::IDENTITY; 4];
+        armature
+            .local_to_model(&pose(&armature, clip, time), &mut model)
+            .unwrap();
+        model[3].transform_point3a(Vec3A::X * 0.2).as_dvec3()
+    };
+    let own = tip(&stand, 0.5);
+    let target = own + DVec3::new(-0.1, 0.15, 0.05);
+    let reach = Reach::to(hand, target)
+        .unwrap()
+        .with_span(0.2..=0.8)
+        .with_fade(0.2);
+    let edited = ClipIk::new(&armature)
+        .with_root(armature.bone("root").unwrap())
+        .with_joints_of(&skeleton)
+        .with_reach(reach)
+        .solve(&stand)
+        .unwrap();
+    for (time, share) in [
+        (0.1, 0.0),
+        (0.2, 0.0),
+        (0.3, 0.5),
+        (0.5, 1.0),
+        (0.7, 0.5),
+        (0.8, 0.0),
+    ] {
+        let off = tip(&edited.clip, time).distance(own.lerp(target, share));
+        assert!(off < 1e-4, "{time}: {off}");
     }
 }

@@ -30,6 +30,9 @@ fn a_path_that_leaves_the_workspace_says_where() {
         let path = CartesianPath::new(points.clone()).unwrap();
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
         assert_eq!(solution.rows().len(), 81);
+        // Between points that are missed the tool is not led.
+        let off = solution.largest_deviation.metres;
+        assert!(off < 5e-3, "{name}: {off}");
         let missed: Vec<usize> = solution.missed.iter().map(|missed| missed.index).collect();
         assert!(
             missed.contains(&40) && !missed.contains(&0) && !missed.contains(&80),
