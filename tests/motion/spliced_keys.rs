@@ -1,9 +1,10 @@
 //! Promise: new keys are in the stretches that were solved, and a clip's own elsewhere.
 #![allow(clippy::unwrap_used)]
 
-use glam::{DVec3, Quat};
-use kinopt::animation::rotation::RotationCurve;
-use kinopt::animation::{Armature, Channel, Clip};
+use glam::{DVec3, Quat, Vec3A};
+use kinopt::animation::curve::KeyedCurve;
+use kinopt::animation::rotation::{EulerOrder, RotationCurve};
+use kinopt::animation::{Armature, Channel, Clip, EulerCurve};
 use kinopt::motion::clip_ik::{ClipIk, Reach};
 
 use crate::clip_ik::{figure, pose};
@@ -67,6 +68,36 @@ fn what_one_key_holds_gets_keys_over_the_span_alone() {
                 let [old, new] = [&old, &new].map(|pose| pose.local(bone).unwrap());
                 assert!(old.rotation.abs_diff_eq(new.rotation, 2e-7), "{time} s");
             }
+        }
+    }
+}
+
+/// What is drawn by angles between few keys goes the same way where nothing is solved.
+#[test]
+fn a_channel_of_angles_keeps_its_way() {
+    let armature = figure();
+    let id = |name: &str| armature.bone(name).unwrap();
+    let mut builder = Clip::builder("wave", &armature);
+    for bone in ["arm", "forearm"] {
+        let angles = [[0.0, 0.0, 0.0], [0.9, 0.4, -0.5], [-0.6, 0.8, 0.7]].map(Vec3A::from);
+        let curve = EulerCurve {
+            order: EulerOrder::Zxy,
+            before: Quat::from_rotation_x(0.2),
+            angles: KeyedCurve::catmull_rom(vec![0.0, 1.0, 2.0], angles.to_vec()).unwrap(),
+        };
+        builder.channel(id(bone), Channel::Euler(curve)).unwrap();
+    }
+    let clip = builder.build();
+    let reach = Reach::to(id("hand"), DVec3::new(0.5, 1.3, 0.3)).unwrap();
+    let reach = reach.with_span(0.9..=1.1).with_fade(0.05);
+    let edited = ClipIk::new(&armature).with_reach(reach);
+    let edited = edited.with_keys_per_second(30.0).solve(&clip).unwrap();
+    for time in [0.0, 0.2, 0.4, 0.6, 0.8, 1.2, 1.4, 1.6, 1.8, 2.0] {
+        let [old, new] = [&clip, &edited.clip].map(|clip| pose(&armature, clip, time));
+        for bone in armature.bone_ids() {
+            let [old, new] = [&old, &new].map(|pose| pose.local(bone).unwrap());
+            let apart = old.rotation.angle_between(new.rotation);
+            assert!(apart < 2e-3, "{time} s: {apart}");
         }
     }
 }
