@@ -2,7 +2,7 @@
 //! without them where there is one, and says so where it cannot close them.
 
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::model::{Limits, Loop, Model};
+use kinopt::model::{Limits, Loop, Model, ModelBuilder};
 use kinopt::motion::clip::{
     MotionProblem, MotionSolution, MotionSolver, MotionTermination, RateCost, Windows,
 };
@@ -22,22 +22,27 @@ fn along(length: f64) -> Placement<f64> {
 /// A crank and a rocker of one length, and between them a coupler as long as they are apart: it stays level.
 fn parallelogram(weld: bool, limits: Limits) -> Model {
     let mut builder = Model::builder("parallelogram");
+    add_parallelogram(&mut builder, "", weld, limits);
+    builder.build().unwrap()
+}
+
+fn add_parallelogram(builder: &mut ModelBuilder, whose: &str, weld: bool, limits: Limits) {
+    let own = |name: &str| format!("{whose}{name}");
     let (z, any) = (Vector3::UNITS[2], Limits::new(-3.2, 3.2));
-    let crank = builder.revolute("crank", None, Placement::identity(), z, limits);
-    let coupler = builder.revolute("coupler", Some(crank), along(0.3), z, any);
-    let rocker = builder.revolute("rocker", None, along(0.4), z, any);
-    let last = builder.revolute("wrist", Some(rocker), along(0.3), z, any);
-    builder.frame("tip", Some(crank), along(0.3));
-    let coupler_end = builder.frame("coupler end", Some(coupler), along(0.4));
+    let crank = builder.revolute(own("crank"), None, Placement::identity(), z, limits);
+    let coupler = builder.revolute(own("coupler"), Some(crank), along(0.3), z, any);
+    let rocker = builder.revolute(own("rocker"), None, along(0.4), z, any);
+    let last = builder.revolute(own("wrist"), Some(rocker), along(0.3), z, any);
+    builder.frame(own("tip"), Some(crank), along(0.3));
+    let coupler_end = builder.frame(own("coupler end"), Some(coupler), along(0.4));
     let ends = [
-        builder.frame("rocker end", Some(rocker), along(0.3)),
-        builder.frame("wrist", Some(last), Placement::identity()),
+        builder.frame(own("rocker end"), Some(rocker), along(0.3)),
+        builder.frame(own("wrist"), Some(last), Placement::identity()),
     ];
     builder.close(match weld {
-        true => Loop::weld("pin", [coupler_end, ends[1]]),
-        false => Loop::connect("pin", [coupler_end, ends[0]]),
+        true => Loop::weld(own("pin"), [coupler_end, ends[1]]),
+        false => Loop::connect(own("pin"), [coupler_end, ends[0]]),
     });
-    builder.build().unwrap()
 }
 
 fn crank_alone(limits: Limits) -> Model {
@@ -87,6 +92,43 @@ fn a_linkage_stays_closed_and_comes_to_the_minimum_of_its_crank() {
         let alone = MotionSolver::default().solve(&alone, &[0.8]).unwrap();
         let model = parallelogram(weld, limits);
         check(&model, &following(&model, 1e-4), end, alone.cost());
+    }
+}
+
+/// Of several loops each is closed, and moves as it would alone.
+#[test]
+fn two_linkages_stay_closed_both() {
+    let limits = Limits::new(0.5, 2.2);
+    let mut builder = Model::builder("two parallelograms");
+    for whose in ["", "other "] {
+        add_parallelogram(&mut builder, whose, false, limits);
+    }
+    let both = builder.build().unwrap();
+    let one = parallelogram(false, limits);
+    let solved = [&one, &both].map(|model| {
+        let mut motion = MotionProblem::builder(model, FRAMES, STEP);
+        for tip in ["tip", "other tip"].into_iter().take(model.loops().len()) {
+            let point = motion.add(Point::new(model.frame(tip).unwrap(), [0.3, 0.0, 0.0]));
+            motion.follow(point, |frame, point| {
+                let angle = if frame < FRAMES / 2 { 0.8 } else { 2.0_f64 };
+                point.set_target([0.3 * angle.cos(), 0.3 * angle.sin(), 0.0]);
+            });
+        }
+        motion.rate_cost(RateCost::acceleration(1e-4));
+        let start = [0.8, -0.8, 0.8, -0.8].repeat(model.loops().len());
+        let motion = motion.build().unwrap();
+        MotionSolver::default().solve(&motion, &start).unwrap()
+    });
+    for whose in ["", "other "] {
+        let ends = ["coupler end", "rocker end"].map(|end| format!("{whose}{end}"));
+        let gap = gap(&both, &solved[1], [&ends[0], &ends[1]]);
+        assert!(gap <= 1e-9, "{whose}: {gap}");
+    }
+    assert!(solved[1].loop_gap() <= 1e-9);
+    for (one, both) in solved[0].q().chunks(4).zip(solved[1].q().chunks(8)) {
+        let moves = one.iter().cycle().zip(both);
+        let apart = moves.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(apart < 1e-4, "{apart}");
     }
 }
 
