@@ -1,9 +1,10 @@
-//! Promise: a goal that counts for nothing in a frame is not missed there, wherever its target is; one that counts is told by its frame.
+//! Promise: a goal that counts for nothing in a frame is not missed there, wherever its target is; one that counts is told by its frame,
+//! and counts there by its weight.
 
 use crate::slide::{rail, slide};
 use kinopt::ik::Side;
 use kinopt::motion::clip::{MotionBound, MotionProblem, MotionSolver, RateCost};
-use kinopt::task::Point;
+use kinopt::task::{Point, Task};
 
 const FRAMES: usize = 9;
 
@@ -34,6 +35,31 @@ fn what_a_frame_does_not_ask_is_not_missed_there() {
             }
         }
     }
+}
+
+/// The only goal counts by its weights as one does beside another.
+#[test]
+fn a_goal_alone_counts_by_its_weight() {
+    let (model, tool) = slide();
+    let solved = [false, true].map(|beside| {
+        let mut motion = MotionProblem::builder(&model, FRAMES, 0.1);
+        if beside {
+            // Which counts for nothing.
+            motion.add(Task::new(Point::new(tool, [0.0; 3])).times(1e-9));
+        }
+        let task = motion.add(Point::new(tool, [0.0; 3]));
+        motion.follow(task, |frame, own| {
+            own.set_target([if frame % 2 == 0 { -0.4 } else { 0.4 }, 0.0, 0.0])
+        });
+        let weights: Vec<f64> = (0..FRAMES).map(|k| 0.3 + 0.5 * (k % 4) as f64).collect();
+        motion.weights(task, &weights);
+        motion.rate_cost(RateCost::velocity(0.1));
+        let motion = motion.build().unwrap();
+        MotionSolver::default().solve(&motion, &[0.0]).unwrap()
+    });
+    let apart = solved[0].q().iter().zip(solved[1].q());
+    let apart = apart.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(apart < 1e-6, "{apart} m");
 }
 
 /// A limit that is far from where a joint goes holds it nowhere, however loosely the motion was solved; one that it goes to does.
