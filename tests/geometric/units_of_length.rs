@@ -1,0 +1,38 @@
+//! Promise: a geometric method answers alike in any unit of length.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::Problem;
+use kinopt::geometric::{Fabrik, Geometric};
+use kinopt::ik::Restarts;
+use kinopt::task::{Point, Quantity};
+use support::bones::RandomRig;
+
+/// What stands at one place does so in any unit of length: the angles are the same.
+#[test]
+fn the_unit_of_length_does_not_matter() {
+    for seed in 0..6 {
+        let solved = [-20, 0, 20].map(|power| {
+            let unit = f64::powi(2.0, power);
+            let rig = RandomRig::scaled(seed, unit);
+            let model = rig.skeleton.model();
+            let goal: Vec<f64> = model.random_configuration(seed);
+            let goal: Vec<f64> = goal.iter().map(|value| 0.3 * value).collect();
+            let placed = rig.skeleton.pose(&goal).unwrap();
+            let mut builder = Problem::builder(model);
+            for &tip in &rig.tips[..2] {
+                let target = placed.tip(&rig.skeleton, tip).unwrap();
+                builder.add(Point::new(rig.skeleton.tip(tip), target));
+            }
+            builder.tolerance(Quantity::Metres, 1e-6 * unit);
+            let problem = builder.build().unwrap();
+            let fabrik = Fabrik::default().with_restarts(Restarts::none());
+            let solution = fabrik.solve(&problem, &vec![0.0; goal.len()]).unwrap();
+            (solution.iterations, solution.q)
+        });
+        for (iterations, q) in &solved {
+            assert_eq!(*iterations, solved[1].0, "{seed}");
+            let apart = q.iter().zip(&solved[1].1).map(|(a, b)| (a - b).abs());
+            assert!(apart.fold(0.0, f64::max) < 1e-9, "{seed}");
+        }
+    }
+}
