@@ -122,7 +122,11 @@ fn text_that_is_not_the_json_of_a_rig() {
         &["trailing characters"],
     );
     text("an array", "[1]", &["invalid"]);
-    text("no comma", r#"{"here":{} "there":1}"#, &["small.json: here: "]);
+    text(
+        "no comma",
+        r#"{"here":{} "there":1}"#,
+        &["small.json: here: "],
+    );
     text(
         "NaN",
         &support::small_rig::JSON.replace("0.5", "NaN"),
