@@ -70,7 +70,8 @@ fn a_live_follower_stands_where_the_person_does() {
     assert!(live.step(&lost[..2]).is_err());
 }
 
-/// A frame whose places are lost changes nothing, though a foot comes to stand in it: the next one is answered as without it.
+/// A frame in which a place is lost changes nothing, though a foot comes to stand in it or is let go: the next one is answered as
+/// without it.
 #[test]
 fn a_follower_goes_on_from_before_lost_places() {
     let (robot, capture) = (nao(), sway(16, 16));
@@ -82,12 +83,17 @@ fn a_follower_goes_on_from_before_lost_places() {
         let mut follower = retargeting.follower().unwrap();
         for frame in 0..capture.frames() {
             let places = retargeting.targets(frame).unwrap();
-            let stands = [4, 8].map(|from| if frame < from { 0.0 } else { 1.0 });
+            let stands = [4..10, 8..13].map(|span| f64::from(u8::from(span.contains(&frame))));
             let stands = [0.0, stands[0], stands[1]];
             let mut interrupted = follower.clone();
-            let lost = [Vector3::new(0.0, f64::NAN, 0.0); 3];
-            let kept = interrupted.advance(&lost, &stands).unwrap();
-            assert_eq!(kept, follower.q(), "frame {frame}");
+            for k in 0..3 {
+                let mut lost = places.to_vec();
+                lost[k].y = f64::NAN;
+                let kept = interrupted.advance(&lost, &stands).unwrap();
+                assert_eq!(kept, follower.q(), "frame {frame}");
+            }
+            let kept = interrupted.advance(places, &[0.0, f64::NAN, 0.0]);
+            assert_eq!(kept.unwrap(), follower.q(), "frame {frame}");
             let own = follower.advance(places, &stands).unwrap();
             let after = interrupted.advance(places, &stands).unwrap();
             assert_eq!(own, after, "frame {frame}");

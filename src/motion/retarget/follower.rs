@@ -70,8 +70,7 @@ pub(super) fn posture(model: &Model) -> Task<Posture> {
 
 /// The joints that are no part of a free base, and where they are in the posture.
 fn hinges(model: &Model) -> impl Iterator<Item = (JointId, f64)> {
-    let mut joints = model.moving_joints().to_vec();
-    joints.dedup();
+    let joints = model.moving_joints().to_vec();
     let free = move |id: &JointId| {
         let first = model.free_joints();
         first
@@ -107,9 +106,8 @@ impl BodyFollower {
             obstacles.add_to(&mut tasks);
         }
         let problem = tasks.build()?;
-        let mut x = vec![0.0; problem.variables()];
+        let x = vec![0.0; problem.variables()];
         let q = model.neutral();
-        problem.parameters().gather(&q, &mut x);
         let speeds = robot.moves_within(1.0);
         let weights: Vec<f64> = limbs.all.iter().map(|limb| limb.weight).collect();
         let size = weights
@@ -183,6 +181,11 @@ impl BodyFollower {
                     expected: n,
                 }));
             }
+        }
+        // Nothing that stands is let go for them.
+        let is_finite = |at: &Vector3<f64>| at.to_array().iter().all(|number| number.is_finite());
+        if !places.iter().all(is_finite) || stands.iter().any(|stands| stands.is_nan()) {
+            return Ok(&self.q);
         }
         self.aim(places, stands)?;
         let mut whole = self.descend();
