@@ -88,7 +88,11 @@ impl Solver {
         }
         let once = self.clone().with_restarts(Restarts::none());
         once.run(question.fenced(fence.yielding()), &q, &mut room.fenced, run)?;
-        let found = Found::of(&workspace.solution).refined_by(&room.fenced.solution);
+        let mut found = Found::of(&workspace.solution).refined_by(&room.fenced.solution);
+        if found.termination == Termination::Reached {
+            // That search's goals are met; that nothing touches is none of them.
+            found.termination = Termination::Stationary;
+        }
         let end = &room.fenced.search.keeper.x;
         self.report_at(question, end, found, workspace, run.observer);
         let after = room.engine.least_distance(&workspace.solution.q);

@@ -3,6 +3,7 @@
 use kinopt::collision::{Checker, CollisionModel, CollisionObject, Shape, World};
 use kinopt::ik::Restarts;
 use kinopt::model::{Limits, Model};
+use kinopt::solver::Termination;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Plane, Posture, Task};
 use kinopt::{Problem, Solver};
@@ -36,6 +37,7 @@ fn the_depth_told_is_the_least_that_goals_and_limits_allow() {
             let solver = Solver::default().with_restarts(Restarts::none());
             let solution = solver.solve_once(&problem, &[0.02, start]).unwrap();
             assert!(!solution.reached && solution.goals_reached());
+            assert_eq!(solution.termination, Termination::Stationary);
             let depth = solution.collisions()[0].depth();
             assert!((depth - (0.15 - y.abs())).abs() < 1e-6, "{start} {depth}");
             assert!((solution.q[1] - y).abs() < 1e-6, "{:?}", solution.q);
