@@ -144,7 +144,7 @@ fn four_joints_and_a_slide() {
 #[test]
 fn joints_of_two_turns_begin_so_that_they_need_not_turn_back() {
     for (name, cases) in [
-        ("universal_ur5e", &[94, 214, 245, 899][..]),
+        ("universal_ur5e", &[29, 94, 214, 245, 899][..]),
         ("adept_cobra_s600", &[99, 243, 299, 321]),
     ] {
         let arm = Arm::new(&robot(name), "base", "flange").unwrap();
