@@ -149,16 +149,12 @@ pub(super) fn lay_straight(
     };
     let along = direction(target - root, tip - root);
     let longest = lengths.iter().copied().fold(0.0, f64::max);
-    let mut towards = matches!(span, Span::TooNear(_));
     let mut at = root;
     for (point, &length) in points.iter_mut().skip(1).zip(lengths) {
         let sign = match span {
             // Of several longest links none is longer than the rest, so there is one.
-            Span::TooNear(_) if !(towards && length == longest) => -1.0,
-            _ => {
-                towards = false;
-                1.0
-            }
+            Span::TooNear(_) if length != longest => -1.0,
+            _ => 1.0,
         };
         at = along.mul_add(sign * length, at);
         *point = at;

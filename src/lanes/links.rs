@@ -178,21 +178,17 @@ impl Links {
         }
     }
 
-    /// Where the tip stands at a q of the solver, in its lengths.
-    pub(crate) fn base_from_tip(&self, q: &[f64]) -> Placement<f64> {
+    /// How the tip is turned at a q of the solver.
+    pub(crate) fn tip_rotation(&self, q: &[f64]) -> Matrix3<f64> {
         let mut r = self.base_from_first.rotation;
-        let mut p = self.base_from_first.translation;
         for (link, &q) in self.links.iter().zip(q) {
-            if link.kind.turns() {
-                r = r.rotated_about_z(elementary::sin_cos(q + link.offset));
-            } else {
-                p += r.z * q;
-                r = r.rotated_about_z(link.offset_sin_cos);
-            }
-            p = p + r.x * link.along_x + r.y * link.along_y;
-            r = r.rotated_about_x(link.twist);
+            let turn = match link.kind.turns() {
+                true => elementary::sin_cos(q + link.offset),
+                false => link.offset_sin_cos,
+            };
+            r = r.rotated_about_z(turn).rotated_about_x(link.twist);
         }
-        Placement::new(r * self.last_from_tip, p)
+        r * self.last_from_tip
     }
 
     /// Where the chain stands after so many joints, metres: first the base itself. Values are radians and metres.

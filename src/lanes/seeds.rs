@@ -65,8 +65,8 @@ impl QuerySeeds {
                     if prepared.settings.axes.orientation_weights == [0.0; 3] {
                         // Any orientation will do: the start's is the nearest.
                         fill_start(links, query.start, q);
-                        let tip = links.base_from_tip(q);
-                        let target = Placement::new(tip.rotation, query.target.translation);
+                        let target =
+                            Placement::new(links.tip_rotation(q), query.target.translation);
                         goal = links.goal_from_first(&target, false);
                     }
                 }

@@ -93,7 +93,7 @@ pub(super) fn segments(
             };
             id.index() != index || !fits
         });
-        let whole = parts == 1 || at + parts <= order.len();
+        let whole = at + parts <= order.len();
         if !whole || (parts > 1 && broken.any(|broken| broken)) {
             return Err(ModelError::BrokenFreeJoint {
                 joint: own.name.clone(),

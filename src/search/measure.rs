@@ -118,7 +118,6 @@ impl Solution {
     ) {
         let limits = question.problem;
         let space = question.space();
-        self.blocked.clear();
         for (variable, &g) in gradient.iter().enumerate() {
             let Some(side) = space.held_at(x, variable, g, negligible) else {
                 continue;

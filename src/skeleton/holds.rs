@@ -113,7 +113,7 @@ impl Skeleton {
                 };
             is_end[bone] = goes_on[bone] && furthest[bone].is_none() && limbs_here[bone] < 2;
         }
-        let has_limbs = (0..bones).any(|bone| !branched[bone] && limbs[bone] > 1);
+        let has_limbs = limbs.iter().any(|&limbs| limbs > 1);
         let ids = |wanted: &dyn Fn(usize) -> bool| {
             let wanted = (0..bones).filter(|&bone| has_limbs && wanted(bone));
             wanted.map(BoneId::new).collect()

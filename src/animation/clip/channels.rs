@@ -100,8 +100,6 @@ impl Clip {
         for (target, curve) in morphs {
             let _ = builder.morph_weight(target, weight_now(curve));
         }
-        let [start, end] = self.span();
-        let _ = builder.span(start, end);
         let mut rebuilt = builder.build().with_events_of(self);
         // An empty one stays so.
         rebuilt.span = self.span;

@@ -30,7 +30,7 @@ impl Clip {
             };
             let (first, last) = (first.clone(), last.clone());
             for (time, pose) in times.iter().zip(&mut *poses) {
-                let share = ((f64::from(*time) - lead) / seconds).clamp(0.0, 1.0) as f32;
+                let share = ((f64::from(*time) - lead) / seconds) as f32;
                 if share > 0.0 {
                     let ease = share * share * (3.0 - 2.0 * share);
                     add_difference(armature, pose, [&last, &first], ease);

@@ -235,9 +235,9 @@ impl<V: CurveValue> KeyedCurve<V> {
     pub fn rate(&self, time: V::Real) -> V {
         let (key, u) = self.place(time);
         let start = self.values[key];
-        let last = self.times[self.times.len() - 1];
-        let within = time >= self.times[0] && time < last;
-        let next = self.values.get(key + 1).filter(|_| within);
+        // From the last key on there is no next one.
+        let begun = time >= self.times[0];
+        let next = self.values.get(key + 1).filter(|_| begun);
         let one = V::Real::from(1.0);
         let per_time = |key: usize| one / (self.times[key + 1] - self.times[key]);
         match (&self.between, next) {

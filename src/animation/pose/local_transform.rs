@@ -67,10 +67,8 @@ impl LocalTransform {
     /// Whether all its numbers are finite and the rotation is one.
     #[must_use]
     pub fn is_valid(&self) -> bool {
-        self.translation.is_finite()
-            && self.scale.is_finite()
-            && self.rotation.is_finite()
-            && self.rotation.is_normalized()
+        // No length of what is not finite is 1.
+        self.translation.is_finite() && self.scale.is_finite() && self.rotation.is_normalized()
     }
 }
 

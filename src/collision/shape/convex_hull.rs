@@ -182,12 +182,10 @@ fn grow(mut surface: ConvexSurface, points: &[Vector3<f64>]) -> ConvexSurface {
     let mut loose: Vec<u32> = (0..points.len() as u32).collect();
     assign(&surface, points, &mut loose, &facets, &mut outside);
     while let Some(facet) = facets.pop() {
-        if !surface.facets[facet as usize].alive || outside[facet as usize].is_empty() {
-            continue;
-        }
         let [a, b, c] = surface.corners(facet);
         let normal = (b - a).cross(c - a);
         let above = |&i: &u32| normal.dot(points[i as usize] - a);
+        // None of a facet that is hidden, whose points others were given.
         let candidates = &outside[facet as usize];
         let Some(&top) = candidates
             .iter()
@@ -200,7 +198,6 @@ fn grow(mut surface: ConvexSurface, points: &[Vector3<f64>]) -> ConvexSurface {
         for &hidden in &surface.hidden {
             loose.append(&mut outside[hidden as usize]);
         }
-        loose.retain(|&i| i != top);
         assign(&surface, points, &mut loose, &surface.made, &mut outside);
         facets.extend(&surface.made);
     }

@@ -51,8 +51,6 @@ impl Descent {
                 break;
             }
         }
-        let own = newton.weights.len() - pulls.len();
-        newton.weights[own..].copy_from_slice(pulls);
         release(&mut newton.slope, fixed);
     }
 }

@@ -54,7 +54,6 @@ impl System {
                 limits.weak = Some(on_limit(question, first.variable));
             }
         }
-        self.balance(place);
         limits
     }
 

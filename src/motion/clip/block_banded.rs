@@ -60,9 +60,9 @@ impl BlockBanded {
         self.entries[at] += by;
     }
 
-    /// A row of the block (`block`, `block + ahead`).
-    pub(super) fn row_mut(&mut self, block: usize, ahead: usize, row: usize) -> &mut [f64] {
-        let at = self.at(block, row) + ahead * self.padded;
+    /// A row of a block on the diagonal.
+    pub(super) fn row_mut(&mut self, block: usize, row: usize) -> &mut [f64] {
+        let at = self.at(block, row);
         &mut self.entries[at..at + self.order]
     }
 

@@ -185,7 +185,7 @@ impl<'a> Evaluator<'a> {
                 }
             }
             for row in 0..n {
-                let entries = &mut hessian.row_mut(local, 0, row)[row..];
+                let entries = &mut hessian.row_mut(local, row)[row..];
                 for (column, entry) in entries.iter_mut().enumerate() {
                     *entry += self.gram[(row + column) * n + row];
                 }

@@ -247,7 +247,7 @@ impl<'a> Curve<'a> {
         }
         let [metres, chord] = bounds;
         let free = bands[3..].iter().all(|band| *band == f64::INFINITY);
-        let radians = match sure || free {
+        let radians = match sure {
             true => angle(chord),
             false => std::f64::consts::PI,
         };

@@ -129,7 +129,6 @@ pub(super) fn given(bodies: &[Body<'_>]) -> Read<[FreshNames; 2]> {
     let site_tags = bodies
         .iter()
         .flat_map(|body| body.sites.iter().map(|site| site.tag));
-    frames.take(WORLD);
     once(joint_tags, &mut joints, None)?;
     once(body_tags.skip(1), &mut frames, Some(WORLD))?;
     once(site_tags, &mut frames, None)?;

@@ -158,10 +158,8 @@ impl Srdf {
         group: &str,
         q: &[f64],
     ) -> Result<ParameterMapBuilder<'r>, UnknownName> {
-        let followers = robot.mimics();
-        let leads = |joint: &JointId| !followers.iter().any(|mimic| mimic.joint == *joint);
-        let joints = self.group(group)?.joints.iter().copied().filter(leads);
-        let joints: Vec<JointId> = joints.collect();
-        Ok(robot.parameters().with_only(&joints, q))
+        // Those that follow others do so in either case.
+        let joints = &self.group(group)?.joints;
+        Ok(robot.parameters().with_only(joints, q))
     }
 }

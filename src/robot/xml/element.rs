@@ -24,9 +24,10 @@ pub(crate) struct Element<'a> {
 /// Whether a node is an element of this name in the document's own namespace: extensions such as
 /// `<drake:joint>` are none of ours.
 pub(crate) fn is(node: Node<'_, '_>, name: &str) -> bool {
+    // Empty for what is no element.
     let tag = node.tag_name();
     let own = node.document().root_element().tag_name().namespace();
-    node.is_element() && tag.name() == name && tag.namespace() == own
+    tag.name() == name && tag.namespace() == own
 }
 
 impl<'a> Element<'a> {

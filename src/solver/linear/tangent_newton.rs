@@ -73,7 +73,6 @@ impl TangentNewton {
             for column in 0..=row {
                 let mean = 0.5 * (hessian[row * count + column] + hessian[column * count + row]);
                 hessian[row * count + column] = mean;
-                hessian[column * count + row] = mean;
             }
             self.stiffest = self.stiffest.max(hessian[row * count + row].abs());
         }

@@ -169,9 +169,7 @@ fn weights(
     };
     let mut outputs = Vec::new();
     let columns = own.iter().enumerate().map(|(place, curve)| {
-        let moving = curve.filter(|curve| {
-            curve.values().len() > 1 || sides == 1 && curve.values().len() == first.values().len()
-        });
+        let moving = curve.filter(|curve| curve.values().len() > 1);
         match moving.and_then(exact) {
             Some((_, outputs)) => outputs,
             None => {
