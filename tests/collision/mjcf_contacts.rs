@@ -47,6 +47,14 @@ fn a_plane_is_what_all_that_moves_stands_over() {
     // What stands on the world by itself stands there too, turned and moved.
     let stand = r#"<body name="stand" pos="0 0 .1"><body pos="0 0 -1"><geom type="plane" size="1 1 1" pos="0 0 1"/></body></body>"#;
     assert_eq!(told(&robot(stand, [""; 3], ""), &[1.0, 0.0, 0.0]).len(), 2);
+    // Its x is down, so that the plane is 0.2 m under the ground.
+    let turned = r#"<body name="stand" pos="0 0 .1" euler="0 90 0"><geom type="plane" size="1 1 1" pos=".3 0 0" zaxis="-1 0 0"/></body>"#;
+    let found = told(&robot(turned, [""; 3], ""), &[1.0, 0.0, 0.0]);
+    let depths: Vec<f64> = found.iter().map(|(_, _, distance)| *distance).collect();
+    assert_eq!(depths.len(), 2, "{found:?}");
+    for (depth, length) in depths.iter().zip([0.9, 0.8]) {
+        assert!((depth - (below(length) + 0.3)).abs() < 1e-12, "{found:?}");
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Promise: no pair of links that can touch is left out because a thousand samples did not find where it does.
 
-use kinopt::collision::{Checker, CollisionModel};
+use kinopt::collision::{Checker, CollisionModel, Fineness, SphereModel};
 use kinopt::robot::Robot;
 use support::arms::robot;
 use support::lines::ROBOTS;
@@ -84,4 +84,20 @@ fn what_nothing_moves_is_left_out() {
     let all = all.with_checked("base", "tip").unwrap();
     let kept = all.with_pairs_sampled(100, 1).unwrap();
     assert!(kept.pairs().is_empty());
+}
+
+/// Spheres that are there already change nothing of which pairs are looked at.
+#[test]
+fn with_spheres_of_ones_own_the_same_pairs_are_kept() {
+    let mut fewer = 0;
+    for (name, ..) in ROBOTS {
+        let robot = robot(name);
+        let all = CollisionModel::of(&robot).unwrap();
+        let sampled = all.clone().with_pairs_sampled(1000, 0).unwrap();
+        let spheres = SphereModel::of(&all, Fineness::PerLink(1)).unwrap();
+        let checker = Checker::sampled_with_spheres(all.clone(), spheres);
+        assert_eq!(checker.model().pairs(), sampled.pairs(), "{name}");
+        fewer += usize::from(sampled.pairs().len() < all.pairs().len());
+    }
+    assert!(fewer > 1);
 }

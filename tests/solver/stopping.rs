@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::time::Duration;
 
 use kinopt::geometric::{Ccd, Geometric};
-use kinopt::ik::Restarts;
+use kinopt::ik::{Drag, Restarts};
 use kinopt::problem::{Preferences, Problem};
 use kinopt::solver::{FirstStep, Iteration, ProjectedGradient, Stopping, Termination};
 use kinopt::task::{Point, Posture};
@@ -35,6 +35,18 @@ fn a_time_limit_of_nothing_ends_at_once() {
         assert!(!solution.reached);
         assert!(solution.explain().contains("time limit"));
     }
+}
+
+/// So does a drag's frame, which stays where it was.
+#[test]
+fn a_frame_whose_time_is_over_says_so() {
+    let stopping = Stopping::default().with_time_limit(Duration::ZERO);
+    let start = [0.1, 0.2, 0.3];
+    let drag = Drag::new(problem([0.2, 0.5, 0.0]), &start).unwrap();
+    let mut drag = drag.with_solver(Solver::default(), stopping).unwrap();
+    drag.advance();
+    assert_eq!(drag.solution().termination, Termination::TimeLimit);
+    assert!(!drag.solution().reached);
 }
 
 #[test]
