@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod drags;
+mod drawn_configurations;
 mod four_bars;
 mod grippers;
 mod knees;
