@@ -4,23 +4,31 @@
 use kinopt::Problem;
 use kinopt::collision::{Checker, CollisionModel, CollisionObject, Shape, World};
 use kinopt::ik::Drag;
-use kinopt::model::{Limits, Model};
+use kinopt::model::{FrameId, Limits, Model};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Plane, Point, Posture, Task};
 
-#[test]
-fn a_ball_that_is_pulled_past_another_slides_round_it() {
+/// A ball of 5 cm that slides along x and y, so far to either side.
+pub(crate) fn ball_on_slides(far: f64) -> (FrameId, CollisionModel) {
     let mut builder = Model::builder("slides");
     let [x, y, _] = Vector3::UNITS;
-    let (here, limits) = (Placement::identity(), Limits::new(-1.0, 1.0));
+    let (here, limits) = (Placement::identity(), Limits::new(-far, far));
     let first = builder.prismatic("x", None, here, x, limits);
     let second = builder.prismatic("y", Some(first), here, y, limits);
     let hand = builder.frame("hand", Some(second), here);
     let model = builder.build().unwrap();
     let ball = CollisionObject::new("ball", hand, here, Shape::sphere(0.05).unwrap());
-    let bodies = CollisionModel::new(&model, vec![ball]).unwrap();
+    (hand, CollisionModel::new(&model, vec![ball]).unwrap())
+}
+
+#[test]
+fn a_ball_that_is_pulled_past_another_slides_round_it() {
+    let (hand, bodies) = ball_on_slides(1.0);
+    let model = bodies.model().clone();
     let mut world = World::new();
-    world.add_sphere("rock", 0.1, here).unwrap();
+    world
+        .add_sphere("rock", 0.1, Placement::identity())
+        .unwrap();
     let checker = Checker::new(bodies).with_world(&world).unwrap();
     for (goal, preference) in [(0, 0), (0, 2), (1, 0), (1, 3)] {
         for later in [None, Some(goal + 1)] {

@@ -2,14 +2,15 @@
 //! step touches less; and is led to its targets then.
 
 use kinopt::Problem;
-use kinopt::collision::{Checker, CollisionModel, CollisionObject, Shape, World};
+use kinopt::collision::{Checker, CollisionModel, World};
 use kinopt::ik::Drag;
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::model::{Limits, Model};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Point;
 use support::random::Random;
+
+use crate::clear_at_the_first_level::ball_on_slides;
 
 /// An arm among thin plates, which it may pierce: either side of a plate looks like a way out to the links that are near to it, and
 /// neither is one for the arm.
@@ -94,17 +95,12 @@ fn arms_that_pierce_plates_come_out() {
 /// All that it reaches is filled: it looks for a way out for a while, and rests then.
 #[test]
 fn a_body_that_finds_no_way_out_comes_to_rest() {
-    let mut builder = Model::builder("slides");
-    let [x, y, _] = Vector3::UNITS;
-    let (here, limits) = (Placement::identity(), Limits::new(-0.5, 0.5));
-    let first = builder.prismatic("x", None, here, x, limits);
-    let second = builder.prismatic("y", Some(first), here, y, limits);
-    let hand = builder.frame("hand", Some(second), here);
-    let model = builder.build().unwrap();
-    let ball = CollisionObject::new("ball", hand, here, Shape::sphere(0.05).unwrap());
-    let bodies = CollisionModel::new(&model, vec![ball]).unwrap();
+    let (hand, bodies) = ball_on_slides(0.5);
+    let model = bodies.model().clone();
     let mut world = World::new();
-    world.add_sphere("rock", 2.0, here).unwrap();
+    world
+        .add_sphere("rock", 2.0, Placement::identity())
+        .unwrap();
     let checker = Checker::new(bodies).with_world(&world).unwrap();
     let mut tasks = Problem::builder(&model);
     tasks.add(Point::new(hand, [0.1, 0.2, 0.0]));
