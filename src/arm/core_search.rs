@@ -1,14 +1,12 @@
 //! The way of chains that the lane engine cannot express: the core's solver on the same problem.
 
-use std::f64::consts::TAU;
-
 use super::arm::Arm;
 use super::batch::outcome_of;
 use super::core_seeds::SeedTable;
 use super::lanes_or_core::Query;
 use super::workspace::{ArmWorkspace, stopping};
 use crate::ik::Restarts;
-use crate::lanes::reduced;
+use crate::lanes::turned_towards;
 use crate::problem::Share;
 use crate::random::RandomStream;
 use crate::search::{Found, Schedule, run};
@@ -189,16 +187,9 @@ impl Arm {
         let (model, map) = (&self.serial.model, &self.serial.map);
         for (i, value) in workspace.x.iter_mut().enumerate() {
             let joint = &model.joints()[model.moving_joints()[map.leaders()[i]].index()];
-            let (lower, upper) = (workspace.question.lower[i], workspace.question.upper[i]);
-            let slides = joint.kind.slides();
-            if slides || self.serial.followed[i] || upper - lower < TAU {
-                continue;
-            }
-            let (lowest, highest) = ((lower - *value) / TAU, (upper - *value) / TAU);
-            let turns = ((reduced(start[i]) - *value) / TAU).round();
-            let turned = *value + turns.min(highest.floor()).max(lowest.ceil()) * TAU;
-            if lower <= turned && turned <= upper {
-                *value = turned;
+            let bounds = (workspace.question.lower[i], workspace.question.upper[i]);
+            if !joint.kind.slides() && !self.serial.followed[i] {
+                *value = turned_towards(start[i], *value, bounds);
             }
         }
     }

@@ -48,4 +48,4 @@ pub(crate) use links::Links;
 pub use options::{LaneError, LaneOptions, PoseOutcome, Prefer};
 pub use pose_solver::PoseSolver;
 pub(crate) use query::{Answer, Query};
-pub(crate) use whole_turns::reduced;
+pub(crate) use whole_turns::turned_towards;

@@ -114,6 +114,11 @@ impl Vector3<f64> {
             z: 1.0,
         },
     ];
+
+    /// Whether each component is a finite number.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.to_array().iter().all(|number| number.is_finite())
+    }
 }
 
 impl<S: Scalar> From<[S; 3]> for Vector3<S> {

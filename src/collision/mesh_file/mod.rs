@@ -71,8 +71,7 @@ impl MeshFile {
         if mesh.triangles.is_empty() {
             return Err(malformed("has no triangles".to_owned()));
         }
-        let finite = |point: &Vector3<f64>| point.to_array().iter().all(|x| x.is_finite());
-        if let Some(point) = mesh.points.iter().position(|point| !finite(point)) {
+        if let Some(point) = mesh.points.iter().position(|point| !point.is_finite()) {
             let place = Place::Element("point", point);
             return Err(ReadError::malformed(file, place, "is not finite"));
         }

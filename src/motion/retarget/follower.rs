@@ -70,7 +70,6 @@ pub(super) fn posture(model: &Model) -> Task<Posture> {
 
 /// The joints that are no part of a free base, and where they are in the posture.
 fn hinges(model: &Model) -> impl Iterator<Item = (JointId, f64)> {
-    let joints = model.moving_joints().to_vec();
     let free = move |id: &JointId| {
         let first = model.free_joints();
         first
@@ -78,7 +77,7 @@ fn hinges(model: &Model) -> impl Iterator<Item = (JointId, f64)> {
             .any(|free| (free.index()..free.index() + 4).contains(&id.index()))
     };
     let neutral = model.neutral();
-    joints.into_iter().filter_map(move |id| {
+    model.moving_joints().iter().filter_map(move |&id| {
         let joint = &model.joints()[id.index()];
         let counts = joint.kind.moves() && joint.kind.coordinates() == 1 && !free(&id);
         Some((id, *neutral.get(model.coordinate(id)?)?)).filter(|_| counts)
@@ -183,8 +182,7 @@ impl BodyFollower {
             }
         }
         // Nothing that stands is let go for them.
-        let is_finite = |at: &Vector3<f64>| at.to_array().iter().all(|number| number.is_finite());
-        if !places.iter().all(is_finite) || stands.iter().any(|stands| stands.is_nan()) {
+        if !places.iter().all(Vector3::is_finite) || stands.iter().any(|stands| stands.is_nan()) {
             return Ok(&self.q);
         }
         self.aim(places, stands)?;

@@ -74,8 +74,7 @@ impl LiveFollower {
                 joints: self.joints,
             });
         }
-        let is_finite = |at: &Vector3<f64>| at.to_array().iter().all(|number| number.is_finite());
-        if !captured.iter().all(is_finite) {
+        if !captured.iter().all(Vector3::is_finite) {
             return Ok(self.follower.q());
         }
         self.limbs.place(captured, &mut self.places);
