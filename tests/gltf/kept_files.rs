@@ -10,7 +10,7 @@ use kinopt::io::ReadError;
 use kinopt::io::gltf::{self, Scene, SceneFile, ScenePosing, UnwritableScene, WriteOptions};
 use kinopt::skinning::SkinningMethod;
 use serde_json::Value;
-use support::gltf_text::{Numbers, at, small};
+use support::gltf_text::{Numbers, at, glb, small};
 
 /// What no reader here looks at, with odd spacing and numbers whose text says more than a double holds.
 const UNKNOWN: &str = r#""materials":[{"name":"fur" , "pbrMetallicRoughness":{"baseColorTexture":{"index":0,"texCoord":1},"roughnessFactor":0.300000000000000044},"extensions":{"ACME_fur":{"hairs":[1,2e0,3]}}}],
@@ -188,21 +188,6 @@ fn chunks_of_other_kinds_stay() {
         let kept = [b"\x04\0\0\0", kept.as_bytes()].concat();
         assert!(with_wave(&before).ends_with(&kept));
     }
-}
-
-/// A GLB file of these chunks.
-fn glb(json: &str, binary: &[u8]) -> Vec<u8> {
-    let mut file = [b"glTF", &2u32.to_le_bytes()[..], &[0; 4]].concat();
-    let mut json = json.as_bytes().to_vec();
-    json.resize(json.len().next_multiple_of(4), b' ');
-    for (kind, bytes) in [(b"JSON", &json[..]), (b"BIN\0", binary)] {
-        file.extend((bytes.len() as u32).to_le_bytes());
-        file.extend(kind);
-        file.extend(bytes);
-    }
-    let length = file.len() as u32;
-    file[8..12].copy_from_slice(&length.to_le_bytes());
-    file
 }
 
 /// Other programs write chunks whose length is no multiple of four.

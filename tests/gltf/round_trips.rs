@@ -9,6 +9,7 @@ use kinopt::animation::{Armature, ArmatureBone, Channel, Clip, LocalTransform};
 use kinopt::io::gltf::{self, Scene, SceneMesh, ScenePosing, Skin, WriteOptions};
 use kinopt::mesh::TriangleMesh;
 use kinopt::skinning::{MorphTarget, MorphTargets, SkinWeights, SkinningMethod};
+use support::armatures::bone;
 use support::gltf_text::at;
 use support::random::Random;
 
@@ -351,14 +352,6 @@ fn a_posed_mesh_comes_back_as_it_is() {
 /// Whatever its bones are called.
 #[test]
 fn a_scene_whose_up_is_another_axis_stands_on_a_bone_more() {
-    let bone = |name: &str, parent, translation| ArmatureBone {
-        name: name.into(),
-        parent,
-        rest: LocalTransform {
-            translation,
-            ..LocalTransform::IDENTITY
-        },
-    };
     let bones = vec![
         bone("up", None, Vec3A::ZERO),
         bone("up'", Some(0), Vec3A::new(0.25, 0.0, 2.0)),

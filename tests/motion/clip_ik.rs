@@ -4,9 +4,10 @@
 use std::f32::consts::TAU;
 
 use glam::{DVec3, Quat, Vec3, Vec3A};
-use kinopt::animation::{Armature, ArmatureBone, Clip, Cursor, LocalTransform, Playback, Pose};
+use kinopt::animation::{Armature, Clip, Cursor, Playback, Pose};
 use kinopt::motion::clip_ik::{ClipIk, ClipIkError, Reach, ground_speed};
 use kinopt::skeleton::BoneId;
+use support::armatures::bone;
 
 /// Metres.
 pub(crate) const THIGH: f32 = 0.45;
@@ -18,14 +19,6 @@ const SPEED: f32 = 1.2;
 
 /// Hips with two legs and an arm on a chest.
 pub(crate) fn figure() -> Armature {
-    let bone = |name: &str, parent, at: [f32; 3]| ArmatureBone {
-        name: name.into(),
-        parent,
-        rest: LocalTransform {
-            translation: at.into(),
-            ..LocalTransform::IDENTITY
-        },
-    };
     let bones = vec![
         bone("hips", None, [0.0, HIPS, 0.0]),
         bone("thigh.l", Some(0), [0.1, 0.0, 0.0]),

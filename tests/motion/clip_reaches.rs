@@ -7,18 +7,24 @@ use kinopt::animation::curve::KeyedCurve;
 use kinopt::animation::{Armature, Clip};
 use kinopt::model::Limits;
 use kinopt::motion::clip_ik::{ClipIk, Reach};
-use kinopt::skeleton::{Bone, Skeleton};
+use kinopt::skeleton::{Bone, BoneId, Skeleton};
 use kinopt::spatial::{Placement, Vector3};
 
 use crate::clip_ik::{HIPS, SHIN, THIGH, at, figure, pose, walk};
 
-/// Where nothing else is asked of it a figure travels all the same.
-#[test]
-fn a_hand_that_reaches_for_a_while_travels_before_and_after() {
+/// The figure, its hand, and a clip of two seconds in which it stands at rest.
+fn standing() -> (Armature, BoneId, Clip) {
     let armature = figure();
     let hand = armature.bone("hand").unwrap();
     let poses = vec![armature.rest().clone(); 2];
     let stand = Clip::through_poses("stand", &armature, &[0.0, 2.0], &poses).unwrap();
+    (armature, hand, stand)
+}
+
+/// Where nothing else is asked of it a figure travels all the same.
+#[test]
+fn a_hand_that_reaches_for_a_while_travels_before_and_after() {
+    let (armature, hand, stand) = standing();
     let travel = Vec3::new(0.3, 0.0, 0.5);
     // Nearer to the shoulder, so that the root need not follow.
     let [own, shoulder] = ["hand", "arm"].map(|bone| at(&armature, &stand, bone, 0.0));
@@ -123,10 +129,7 @@ fn the_root_moves_by_what_limbs_are_too_short_for() {
 /// begins or ends nothing is led.
 #[test]
 fn a_hand_is_led_over_the_ends_of_its_span_that_are_within_the_clip() {
-    let armature = figure();
-    let hand = armature.bone("hand").unwrap();
-    let poses = vec![armature.rest().clone(); 2];
-    let stand = Clip::through_poses("stand", &armature, &[0.0, 2.0], &poses).unwrap();
+    let (armature, hand, stand) = standing();
     let target = DVec3::new(0.55, 1.3, 0.3);
     let own = at(&armature, &stand, "hand", 0.0).as_dvec3();
     let smooth = |share: f64| share * share * (3.0 - 2.0 * share);
@@ -169,10 +172,7 @@ fn a_hand_is_led_over_the_ends_of_its_span_that_are_within_the_clip() {
 /// What is asked for goes away to where the body must follow far, and comes back: it is missed most where it is farthest.
 #[test]
 fn when_it_is_missed_most_is_told() {
-    let armature = figure();
-    let hand = armature.bone("hand").unwrap();
-    let poses = vec![armature.rest().clone(); 2];
-    let stand = Clip::through_poses("stand", &armature, &[0.0, 2.0], &poses).unwrap();
+    let (armature, hand, stand) = standing();
     let own = at(&armature, &stand, "hand", 0.0).as_dvec3();
     let far = own + DVec3::new(3.0, 0.0, 0.0);
     let way = KeyedCurve::linear(vec![0.0, 1.5, 2.0], vec![own, far, own]).unwrap();
@@ -205,10 +205,7 @@ fn when_it_is_missed_most_is_told() {
 /// keys at the ends of a span take the place of their neighbours.
 #[test]
 fn a_root_comes_back_within_the_span_that_it_follows() {
-    let armature = figure();
-    let hand = armature.bone("hand").unwrap();
-    let poses = vec![armature.rest().clone(); 2];
-    let stand = Clip::through_poses("stand", &armature, &[0.0, 2.0], &poses).unwrap();
+    let (armature, hand, stand) = standing();
     let span = [0.501, 1.4005];
     let target = at(&armature, &stand, "hand", 0.0).as_dvec3() + DVec3::new(0.6, 0.0, 0.0);
     let reach = Reach::to(hand, target)

@@ -4,18 +4,12 @@ use std::f64::consts::TAU;
 
 use kinopt::Arm;
 use kinopt::motion::path::{CartesianPath, PathSolver, Traversal};
-use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
+use support::arms::with_endless_joint;
 
 #[test]
 fn a_ring_on_which_a_joint_goes_round_is_as_long_from_any_of_its_points() {
-    let text = std::fs::read_to_string("../models/franka_panda.urdf").unwrap();
-    let endless = text.replace(
-        r#"<joint name="joint7" type="revolute">"#,
-        r#"<joint name="joint7" type="continuous">"#,
-    );
-    assert_ne!(text, endless);
-    let robot = Robot::parse(&endless, "endless.urdf").unwrap();
+    let robot = with_endless_joint("franka_panda", "joint7");
     let arm = Arm::new(&robot, "base", "flange").unwrap();
     let down = rotation_exp(Vector3::new(std::f64::consts::PI, 0.0, 0.0));
     let point = |k: u32| {

@@ -6,9 +6,8 @@ use std::f64::consts::TAU;
 use kinopt::Arm;
 use kinopt::model::Limits;
 use kinopt::motion::path::{CartesianPath, PathError, PathSolution, PathSolver, Traversal};
-use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
-use support::arms::{planar_with_hand, robot};
+use support::arms::{planar_with_hand, robot, with_endless_joint};
 
 fn circle(begin: &Placement<f64>, radius: f64, points: u32) -> Vec<Placement<f64>> {
     let point = |k: u32| {
@@ -293,13 +292,7 @@ fn points_for_two_tools() {
 /// The same turn by an arm whose last joint has no limits: it goes on round, and nothing is taken back.
 #[test]
 fn a_joint_without_limits_goes_round_and_round() {
-    let text = std::fs::read_to_string("../models/universal_ur5e.urdf").unwrap();
-    let endless = text.replace(
-        r#"<joint name="joint6" type="revolute">"#,
-        r#"<joint name="joint6" type="continuous">"#,
-    );
-    assert_ne!(text, endless);
-    let robot = Robot::parse(&endless, "endless.urdf").unwrap();
+    let robot = with_endless_joint("universal_ur5e", "joint6");
     let arm = Arm::new(&robot, "base", "flange").unwrap();
     let q = [0.3, -1.2, 1.4, -1.6, -1.5, 0.0];
     let begin = arm.base_from_tool(&q).unwrap();

@@ -3,22 +3,15 @@
 
 use glam::{Quat, Vec3};
 use kinopt::Scalar;
-use kinopt::animation::{Armature, ArmatureBone, Clip, LocalTransform, Pose};
+use kinopt::animation::{Armature, Clip, Pose};
 use kinopt::skeleton::BoneId;
+use support::armatures::bone;
 
 /// Thigh and shin, metres.
 const LEG: f32 = 0.45;
 
 /// Hips with two legs and an arm on a chest.
 pub(crate) fn figure() -> Armature {
-    let bone = |name: &str, parent, at: [f32; 3]| ArmatureBone {
-        name: name.into(),
-        parent,
-        rest: LocalTransform {
-            translation: at.into(),
-            ..LocalTransform::IDENTITY
-        },
-    };
     let bones = vec![
         bone("world", None, [0.0, 0.0, 0.0]),
         bone("hips", Some(0), [0.0, 0.88, 0.0]),

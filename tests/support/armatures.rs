@@ -21,6 +21,18 @@ pub fn local(random: &mut Random) -> LocalTransform {
     }
 }
 
+/// A bone that is neither turned nor scaled at rest, by where it stands on its parent.
+pub fn bone(name: &str, parent: Option<usize>, at: impl Into<Vec3A>) -> ArmatureBone {
+    ArmatureBone {
+        name: name.into(),
+        parent,
+        rest: LocalTransform {
+            translation: at.into(),
+            ..LocalTransform::IDENTITY
+        },
+    }
+}
+
 /// A tree of bones called `bone 0`, … with the morph targets `smile` and `frown`.
 pub fn armature(bones: usize, random: &mut Random) -> Armature {
     let list = (0..bones).map(|k| ArmatureBone {

@@ -33,9 +33,22 @@ impl Random {
     }
 }
 
-pub fn robot(name: &str) -> Robot {
+fn file_of(name: &str) -> String {
     let models = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models");
-    Robot::read(format!("{models}/{name}.urdf")).unwrap()
+    format!("{models}/{name}.urdf")
+}
+
+pub fn robot(name: &str) -> Robot {
+    Robot::read(file_of(name)).unwrap()
+}
+
+/// The same with a joint that turns without limits.
+pub fn with_endless_joint(name: &str, joint: &str) -> Robot {
+    let text = std::fs::read_to_string(file_of(name)).unwrap();
+    let [limited, endless] =
+        ["revolute", "continuous"].map(|kind| format!(r#"<joint name="{joint}" type="{kind}">"#));
+    assert!(text.contains(&limited), "{joint}");
+    Robot::parse(&text.replace(&limited, &endless), "endless.urdf").unwrap()
 }
 
 /// world_from_frame at a configuration of the whole model.

@@ -103,26 +103,10 @@ impl Numbers {
     /// The same as GLB.
     pub fn glb(&self, rest: &str) -> Vec<u8> {
         let length = self.bytes.len();
-        let mut json = self
-            .document_of(&format!(r#"{{"byteLength":{length}}}"#), rest)
-            .into_bytes();
-        while !json.len().is_multiple_of(4) {
-            json.push(b' ');
-        }
+        let json = self.document_of(&format!(r#"{{"byteLength":{length}}}"#), rest);
         let mut binary = self.bytes.clone();
-        while !binary.len().is_multiple_of(4) {
-            binary.push(0);
-        }
-        let total = 12 + 8 + json.len() + 8 + binary.len();
-        let mut file = b"glTF".to_vec();
-        let words = [2, total as u32, json.len() as u32];
-        file.extend(words.iter().flat_map(|word| word.to_le_bytes()));
-        file.extend(b"JSON");
-        file.extend(json);
-        file.extend((binary.len() as u32).to_le_bytes());
-        file.extend(b"BIN\0");
-        file.extend(binary);
-        file
+        binary.resize(length.next_multiple_of(4), 0);
+        glb(&json, &binary)
     }
 
     pub fn read(&self, rest: &str) -> Scene {
@@ -223,4 +207,19 @@ pub fn at(scene: &Scene, clip: usize, time: f64) -> Pose {
     clip.sample(elapsed, Playback::Hold, &mut cursor, &mut pose)
         .unwrap();
     pose
+}
+
+/// A GLB file of these chunks; the binary one of any length, as other programs write it.
+pub fn glb(json: &str, binary: &[u8]) -> Vec<u8> {
+    let mut file = [b"glTF", &2u32.to_le_bytes()[..], &[0; 4]].concat();
+    let mut json = json.as_bytes().to_vec();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    for (kind, bytes) in [(b"JSON", &json[..]), (b"BIN\0", binary)] {
+        file.extend((bytes.len() as u32).to_le_bytes());
+        file.extend(kind);
+        file.extend(bytes);
+    }
+    let length = file.len() as u32;
+    file[8..12].copy_from_slice(&length.to_le_bytes());
+    file
 }

@@ -1,22 +1,14 @@
 //! An arm for tests of inverse kinematics over poses.
 
 use glam::{Affine3A, Quat, Vec3A};
-use kinopt::animation::{Armature, ArmatureBone, Limb, LocalTransform, Pose};
+use kinopt::animation::{Armature, Limb, Pose};
 
-use super::armatures::{apart, rotation};
+use super::armatures::{apart, bone, rotation};
 use super::random::Random;
 
 /// hips – spine – upper – (twist) – lower – hand, and a bystander on the spine. The limb's bones lie
 /// along x and meet in a hinge about z.
 pub fn arm() -> Armature {
-    let bone = |name: &str, parent, translation: Vec3A| ArmatureBone {
-        name: name.into(),
-        parent,
-        rest: LocalTransform {
-            translation,
-            ..LocalTransform::IDENTITY
-        },
-    };
     let bones = vec![
         bone("hips", None, Vec3A::Y),
         bone("spine", Some(0), Vec3A::Y * 0.5),
