@@ -2,18 +2,18 @@
 
 use kinopt::collision::{Checker, CollisionModel, CollisionObject, Shape, World};
 use kinopt::ik::Restarts;
-use kinopt::model::{Limits, Model};
+use kinopt::model::{FrameId, Limits, Model};
+use kinopt::problem::Preferences;
 use kinopt::solver::Termination;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Plane, Posture, Task};
 use kinopt::{Problem, Solver};
 
-/// A ball on two slides, held on a line through a greater ball: the farther the free slide goes the less deep it is.
-#[test]
-fn the_depth_told_is_the_least_that_goals_and_limits_allow() {
+/// A ball on two slides and a greater one whose middle is so far aside.
+fn balls(aside: f64) -> (Model, FrameId, Checker) {
     let mut builder = Model::builder("slides");
     let [x, y, _] = Vector3::UNITS;
-    let here = Placement::identity();
+    let (here, there) = (Placement::identity(), Placement::translation(x * aside));
     let first = builder.prismatic("x", None, here, x, Limits::new(-1.0, 1.0));
     let second = builder.prismatic("y", Some(first), here, y, Limits::new(-0.05, 0.03));
     let ball = builder.frame("ball", Some(second), here);
@@ -21,9 +21,17 @@ fn the_depth_told_is_the_least_that_goals_and_limits_allow() {
     let shape = Shape::sphere(0.05).unwrap();
     let object = CollisionObject::new("ball", ball, here, shape);
     let mut world = World::new();
-    world.add_sphere("rock", 0.1, here).unwrap();
+    world.add_sphere("rock", 0.1, there).unwrap();
     let checker = Checker::new(CollisionModel::new(&model, vec![object]).unwrap());
     let checker = checker.with_world(&world).unwrap();
+    (model, ball, checker)
+}
+
+/// Held on a line through the greater ball: the farther the free slide goes the less deep it is.
+#[test]
+fn the_depth_told_is_the_least_that_goals_and_limits_allow() {
+    let (model, ball, checker) = balls(0.0);
+    let x = Vector3::UNITS[0];
     // Of both sides, of which a solver without restarts has one; pulled to the middle of the rock or not.
     for (start, y) in [(0.01, 0.03_f64), (-0.01, -0.05)] {
         for pulled in [false, true] {
@@ -42,5 +50,23 @@ fn the_depth_told_is_the_least_that_goals_and_limits_allow() {
             assert!((depth - (0.15 - y.abs())).abs() < 1e-6, "{start} {depth}");
             assert!((solution.q[1] - y).abs() < 1e-6, "{:?}", solution.q);
         }
+    }
+}
+
+/// Where preferences are traded against the goals, what is touched is not: the line beside the middle is kept to.
+#[test]
+fn what_is_touched_is_not_traded_against_the_goals() {
+    let (model, ball, checker) = balls(0.02);
+    for preferences in [Preferences::WithinGoals, Preferences::Traded] {
+        let mut tasks = Problem::builder(&model);
+        tasks.add(Plane::new(ball, [0.0; 3], Vector3::UNITS[0]));
+        tasks.preferences(preferences).keep_clear(&checker);
+        let problem = tasks.build().unwrap();
+        let solver = Solver::default().with_restarts(Restarts::none());
+        let solution = solver.solve_once(&problem, &[0.02, -0.01]).unwrap();
+        assert!(!solution.reached && solution.goals_reached());
+        let depth = solution.collisions()[0].depth();
+        let least = 0.15 - 0.02_f64.hypot(0.05);
+        assert!((depth - least).abs() < 1e-6, "{preferences:?}: {depth}");
     }
 }
