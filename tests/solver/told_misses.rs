@@ -23,10 +23,11 @@ fn a_task_of_weight_nothing_still_tells_its_error() {
     let mut random = Random::new(1);
     let [there, start] = [(); 2].map(|()| configuration_of(model, &mut random));
     let target = placement_of(model, "flange", &there);
-    for weight in [0.0, 1e-300, 1e-160] {
+    for (weight, of_place) in [(0.0, 1.0), (1e-300, 2.0), (1e-160, 0.5)] {
         let mut builder = Problem::builder(model);
         builder.parameters(robot.map().clone());
-        builder.add(Task::new(Pose::new(tool, target)).weight(Quantity::Radians, weight));
+        let pose = Task::new(Pose::new(tool, target)).weight(Quantity::Radians, weight);
+        builder.add(pose.weight(Quantity::Metres, of_place));
         let problem = builder.build().unwrap();
         let solution = Solver::default().solve_once(&problem, &start).unwrap();
         let now = placement_of(model, "flange", &solution.q);
