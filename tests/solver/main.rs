@@ -48,4 +48,5 @@ mod told_misses;
 mod traded_preferences;
 mod unreachable_targets;
 mod ways_out;
+mod where_chains_begin;
 mod which_attempt_counts;
