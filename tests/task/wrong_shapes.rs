@@ -50,6 +50,24 @@ fn evaluations_of_wrong_shapes_are_nan() {
     assert!(problem.is_reached(&[0.0; 3]).unwrap());
 }
 
+/// Memory of a problem that was evaluated at the same place is no memory of another one.
+#[test]
+fn memory_of_another_problem_is_made_anew() {
+    let problem_of = |links: &[f64]| {
+        let model = planar_arm(links, None);
+        let mut builder = Problem::builder(&model);
+        builder.add(Point::new(model.frame("tip").unwrap(), [0.0; 3]));
+        builder.build().unwrap()
+    };
+    let [short, long] = [[0.5, 0.4], [1.0, 0.8]].map(|links| problem_of(&links));
+    let (x, mut residual) = ([0.0, 0.0], [0.0; 3]);
+    let mut scratch = short.scratch();
+    for (problem, length) in [(&short, 0.9), (&long, 1.8), (&short, 0.9)] {
+        Evaluation::new(problem, &mut scratch).residual(&x, &mut residual);
+        assert!((residual[0] - length).abs() < 1e-15, "{residual:?}");
+    }
+}
+
 /// r(x) = x − 2 with bounds of any lengths.
 struct Shifted {
     lower: Vec<f64>,
