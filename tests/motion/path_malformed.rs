@@ -61,3 +61,28 @@ fn options() {
     let with_start = solver().with_start(&[0.0; 6]).solve(&anywhere);
     assert!(matches!(with_start, Err(PathError::Conflict(_))));
 }
+
+/// A joint that is more turns on than it may be holds the tool where it should be, and is no end.
+#[test]
+fn ends_beyond_a_limit() {
+    let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
+    let within = [0.3, -1.2, 1.4, -1.6, -1.5, 0.0];
+    let path = CartesianPath::new(vec![arm.base_from_tool(&within).unwrap(); 2]).unwrap();
+    let solver = || PathSolver::new(&arm);
+    assert!(solver().with_start(&within).solve(&path).is_ok());
+    for turns in [-2.0, 2.0] {
+        let mut beyond = within;
+        beyond[5] += turns * std::f64::consts::TAU;
+        let ends = [
+            ("start", solver().with_start(&beyond)),
+            ("end", solver().with_end(&beyond)),
+        ];
+        for (end, solver) in ends {
+            let refused = solver.solve(&path);
+            assert!(
+                matches!(refused, Err(PathError::End { which, .. }) if which == end),
+                "{turns}"
+            );
+        }
+    }
+}

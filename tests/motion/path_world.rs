@@ -108,6 +108,57 @@ const GANTRY: &str = r#"<robot name="gantry"><link name="base"/><link name="brid
     <joint name="z" type="prismatic"><parent link="trolley"/><child link="cube"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
     </robot>"#;
 
+/// Of two ways to bend an elbow the one that is nearer to the middle of its limits touches, and the other is free only by its shapes.
+#[test]
+fn a_branch_that_is_free_by_its_shapes_is_found() {
+    let link = |name: &str| {
+        format!(
+            r#"<link name="{name}"><collision><origin xyz="0.25 0 0"/><geometry><box size="0.4 0.04 0.04"/></geometry></collision></link>"#
+        )
+    };
+    let turns = |name: &str, parent: &str, child: &str, x: f64, [low, high]: [f64; 2]| {
+        format!(
+            r#"<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{child}"/><origin xyz="{x} 0 0"/><axis xyz="0 0 1"/>
+            <limit lower="{low}" upper="{high}" effort="1" velocity="1"/></joint>"#
+        )
+    };
+    let text = [
+        r#"<robot name="elbow"><link name="base"/><link name="tool"/>"#,
+        &link("upper"),
+        &link("fore"),
+        &turns("shoulder", "base", "upper", 0.0, [-2.0, 2.0]),
+        &turns("elbow", "upper", "fore", 0.5, [-2.0, 2.8]),
+        r#"<joint name="wrist" type="fixed"><parent link="fore"/><child link="tool"/><origin xyz="0.5 0 0"/></joint></robot>"#,
+    ];
+    let robot = Robot::parse(&text.concat(), "elbow.urdf").unwrap();
+    let bodies = CollisionModel::of(&robot).unwrap();
+    let spheres = SphereModel::of(&bodies, Fineness::Overhang(0.05)).unwrap();
+    let arm = Arm::builder(&robot, "base", "tool").with_goal(Goal::position());
+    let arm = arm.build().unwrap();
+    let points = (0..5).map(|k| {
+        let x = 0.8 + 0.002 * f64::from(k);
+        Placement::translation(Vector3::new(x, 0.0, 0.0))
+    });
+    let path = CartesianPath::new(points.collect::<Vec<_>>()).unwrap();
+    let mut world = World::new();
+    // Below the elbow that is bent to the left, and a millimetre off the one that is bent to the right.
+    world
+        .add_box("below", [0.1, 0.05, 0.1], Vector3::new(0.4, -0.3, 0.0))
+        .unwrap();
+    world
+        .add_box("above", [0.3, 0.2, 0.1], Vector3::new(0.4, 0.387, 0.0))
+        .unwrap();
+    let checker = Checker::new(bodies).with_spheres(spheres);
+    let checker = checker.with_world(&world).unwrap();
+    let arm = arm.with_checker(&checker, &[0.0; 2]).unwrap();
+    let solution = PathSolver::new(&arm).solve(&path).unwrap();
+    let q: Vec<&[f64]> = solution.rows().collect();
+    let mut clear = [false; 5];
+    arm.clear_by_spheres(&q.concat(), &mut clear).unwrap();
+    assert!(solution.is_whole(), "{:?} {q:?} {clear:?}", solution.missed);
+    assert_eq!(clear, [false; 5]);
+}
+
 /// The spheres about a cube go into a wall that it passes by a millimetre.
 #[test]
 fn what_is_free_by_its_shapes_is_free() {
@@ -203,7 +254,7 @@ fn what_is_told_to_touch_has_no_free_answer_that_is_easily_found() {
     assert!(told > 0);
 }
 
-/// A wall between two points that nothing leads round: the way through it is told, and the path is no whole one.
+/// Walls between two points that nothing leads round: the first on the way is told, and the path is no whole one.
 #[test]
 fn a_wall_between_two_points_is_told() {
     use kinopt::arm::Goal;
@@ -219,30 +270,37 @@ fn a_wall_between_two_points_is_told() {
     builder.frame("tool", Some(aside), here);
     let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
     let mut world = World::new();
-    world.add_sphere("ball", 0.01, Vector3::zero()).unwrap();
+    world.add_sphere("ball", 0.004, Vector3::zero()).unwrap();
     world.attach("ball", "tool", Vector3::zero()).unwrap();
-    let wall = Vector3::new(0.5, 0.5, 0.0);
-    world.add_box("wall", [0.004, 2.0, 1.0], wall).unwrap();
+    for (wall, x) in [("near wall", 0.493), ("far wall", 0.507)] {
+        let wall_at = Vector3::new(x, 0.5, 0.0);
+        world.add_box(wall, [0.004, 2.0, 1.0], wall_at).unwrap();
+    }
     let checker = Checker::of(&robot).unwrap().with_world(&world).unwrap();
     let arm = Arm::builder(&robot, "base", "tool").with_goal(Goal::position());
     let arm = arm.with_atlas(false).build().unwrap();
     let arm = arm.with_checker(&checker, &[0.0; 2]).unwrap();
-    let points = |from: f64| -> CartesianPath {
-        let place = |k: u32| Vector3::new(from + 0.04 * f64::from(k), 0.3, 0.0);
+    let points = |from: f64, by: f64| -> CartesianPath {
+        let place = |k: u32| Vector3::new(from + by * f64::from(k), 0.3, 0.0);
         let points = (0..10).map(|k| Placement::translation(place(k)));
         CartesianPath::new(points.collect::<Vec<_>>()).unwrap()
     };
-    let free = PathSolver::new(&arm).solve(&points(0.05)).unwrap();
+    let free = PathSolver::new(&arm).solve(&points(0.05, 0.04)).unwrap();
     assert!(free.is_whole(), "{free:?}");
-    let through = PathSolver::new(&arm).solve(&points(0.24)).unwrap();
-    assert!(through.missed.is_empty() && through.reconfigurations.is_empty());
-    let [blocked] = &through.blocked[..] else {
-        panic!("{:?}", through.blocked)
-    };
-    // From 0.48 to 0.52 m.
-    assert_eq!(blocked.index, 7);
-    let mut names = [&*blocked.by.first, &*blocked.by.second];
-    names.sort_unstable();
-    assert_eq!(names, ["ball", "wall"]);
-    assert!(!through.is_whole());
+    // From 0.48 to 0.52 m in the seventh step, and back in the third.
+    for (path, index, wall) in [
+        (points(0.24, 0.04), 7, "near wall"),
+        (points(0.6, -0.04), 3, "far wall"),
+    ] {
+        let through = PathSolver::new(&arm).solve(&path).unwrap();
+        assert!(through.missed.is_empty() && through.reconfigurations.is_empty());
+        let [blocked] = &through.blocked[..] else {
+            panic!("{:?}", through.blocked)
+        };
+        assert_eq!(blocked.index, index);
+        let mut names = [&*blocked.by.first, &*blocked.by.second];
+        names.sort_unstable();
+        assert_eq!(names, ["ball", wall]);
+        assert!(!through.is_whole());
+    }
 }
