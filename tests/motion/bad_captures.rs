@@ -98,6 +98,45 @@ fn limbs_without_length_and_bodies_that_are_a_point_come_through() {
     );
 }
 
+/// Without limbs to tell how large a person is a robot goes as far as the person does.
+#[test]
+fn what_is_driven_alone_goes_as_far_as_the_person() {
+    let robot = nao();
+    let capture = capture(40, |_, at| at * 2.0);
+    let map = BodyMap::from_json(r#"{"drives": {"Hips": "torso"}}"#, "").unwrap();
+    let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default());
+    let retargeting = retargeting.unwrap();
+    let at = |frame: usize| retargeting.targets(frame).unwrap()[0];
+    for frame in 1..capture.frames() {
+        let gone = at(frame) - at(0);
+        let person = (person(frame)[0] - person(0)[0]) * 2.0;
+        assert!((gone - person).norm() < 1e-12, "{gone:?} {person:?}");
+    }
+}
+
+/// Two joints may drive two points of a frame, but not one.
+#[test]
+fn a_frame_is_driven_at_two_points_but_not_twice_at_one() {
+    let robot = nao();
+    let capture = capture(3, |_, at| at);
+    let made = |offset: &str| {
+        let hand = format!(r#"{{"frame": "left_hand", "offset": {offset}}}"#);
+        let map = format!(
+            r#"{{"drives": {{"Hips": "torso", "LeftHand": "left_hand", "RightHand": {hand}}}}}"#
+        );
+        let map = BodyMap::from_json(&map, "").unwrap();
+        let made = Retargeting::new(&robot, &map, &capture, RetargetOptions::default());
+        made.map(|made| made.driven().len())
+    };
+    assert_eq!(made("[0.05, 0, 0]"), Ok(3));
+    let twice = RetargetError::DrivenTwice {
+        frame: "left_hand".to_owned(),
+        first: "LeftHand".to_owned(),
+        second: "RightHand".to_owned(),
+    };
+    assert_eq!(made("[0, 0, 0]"), Err(twice));
+}
+
 #[test]
 fn a_person_turned_by_a_right_angle_is_the_same_robot_turned() {
     let robot = nao();

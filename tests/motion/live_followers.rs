@@ -3,10 +3,11 @@
 
 use kinopt::collision::{Checker, CollisionModel};
 use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::{Limits, Model};
 use kinopt::motion::clip::MotionBound;
 use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting};
 use kinopt::robot::{BaseJoint, Robot};
-use kinopt::spatial::Vector3;
+use kinopt::spatial::{Placement, Vector3};
 
 const MAP: &str = r#"{"joints": ["hips", "left", "right"], "contacts": ["left", "right"],
     "drives": {"hips": "torso", "left": "left_sole", "right": "right_sole"}}"#;
@@ -99,6 +100,30 @@ fn a_follower_goes_on_from_before_lost_places() {
             assert_eq!(own, after, "frame {frame}");
         }
     }
+}
+
+/// How firmly a place stands is from 0 to 1: less is not at all, more is as firmly as can be.
+#[test]
+fn firmness_beyond_its_ends_is_that_of_its_ends() {
+    let (robot, capture) = (nao(), sway(20, 20));
+    let map = BodyMap::from_json(MAP, "").unwrap();
+    let options = RetargetOptions::default();
+    let retargeting = Retargeting::new(&robot, &map, &capture, options).unwrap();
+    let follow = |none: f64, all: f64| -> Vec<f64> {
+        let mut follower = retargeting.follower().unwrap();
+        let mut rows = Vec::new();
+        for frame in 0..capture.frames() {
+            let stands = if frame < 10 {
+                [none, none, all]
+            } else {
+                [none, all, none]
+            };
+            let places = retargeting.targets(frame).unwrap();
+            rows.extend_from_slice(follower.advance(places, &stands).unwrap());
+        }
+        rows
+    };
+    assert_eq!(follow(-3.0, 4.0), follow(0.0, 1.0));
 }
 
 #[test]
@@ -207,6 +232,34 @@ fn one_armed(ratio: Option<f64>) -> Robot {
     );
     let robot = Robot::parse(&text, "one_armed.urdf").unwrap();
     robot.with_base_joint(BaseJoint::FREE).unwrap()
+}
+
+/// An arm that hangs on a ball, which has no posture of its own, goes where it is led.
+#[test]
+fn a_limb_on_a_ball_is_led() {
+    let mut builder = Model::builder("ball armed");
+    let [x, _, z] = Vector3::UNITS;
+    builder.frame("torso", None, Placement::identity());
+    let shoulder = builder.ball("shoulder", None, Placement::identity(), x, None);
+    let elbow = Placement::translation(x * 0.3);
+    let elbow = builder.revolute("elbow", Some(shoulder), elbow, z, Limits::new(-2.0, 2.0));
+    builder.frame("hand", Some(elbow), Placement::translation(x * 0.2));
+    let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
+    let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
+    let map = r#"{"joints": ["hips", "hand"], "drives": {"hips": "torso", "hand": "hand"}}"#;
+    let map = BodyMap::from_json(map, "").unwrap();
+    let places = (0..60).flat_map(|frame| {
+        let angle = 0.1 * f64::from(frame);
+        let hand = Vector3::new(0.2, 0.3 * angle.cos(), 0.3 * angle.sin());
+        [0.0, 0.0, 0.9, hand.x, hand.y, 0.9 + hand.z]
+    });
+    let places: Vec<f64> = places.collect();
+    let capture = Capture::new(map.joints.clone(), &places, 30.0).unwrap();
+    let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default());
+    let retargeting = retargeting.unwrap();
+    let found = retargeting.per_frame().unwrap();
+    let errors = retargeting.errors(&found).unwrap();
+    assert!(errors.iter().all(|error| *error < 2e-3), "{errors:?}");
 }
 
 /// A joint that is turned by another, which moves nothing else that is followed, goes where it would by itself.
