@@ -117,7 +117,32 @@ fn all_known_skeletons_are_told_by_their_names_and_drive_all_of_the_humanoid() {
 #[test]
 fn names_of_many_kinds_tell_of_the_same_parts() {
     let humanoid = model(&HUMANOID);
-    let kinds: [[&str; 10]; 8] = [
+    let kinds: [[&str; 10]; 10] = [
+        // Exporters that know no colon leave it out.
+        [
+            "mixamorigHips",
+            "mixamorigLeftUpLeg",
+            "mixamorig_LeftLeg",
+            "mixamorig1LeftFoot",
+            "mixamorig10_LeftToe",
+            "mixamorigLeftArm",
+            "mixamorigLeftForeArm",
+            "mixamorigLeftHand",
+            "mixamorigRightUpLeg",
+            "mixamorigHead",
+        ],
+        [
+            "hips",
+            "thighL",
+            "shinL",
+            "footL",
+            "toeL",
+            "upperArmL",
+            "forearmL",
+            "handL",
+            "thighR",
+            "head",
+        ],
         [
             "pelvis",
             "thigh_01_l",

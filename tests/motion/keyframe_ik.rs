@@ -67,6 +67,24 @@ fn all_times() -> impl Iterator<Item = f64> {
     (0..=3000).map(|k| f64::from(k) / 1000.0)
 }
 
+/// Unless another number is asked for.
+#[test]
+fn sixty_moments_a_second_count() {
+    let rig = rig();
+    let (skeleton, clip) = (&rig.skeleton, dense(&rig));
+    let hand = skeleton.bone(HAND).unwrap();
+    let curve = curve(skeleton, &clip, hand);
+    let reach = || Reach::along(hand, curve.clone()).with_span(SPAN[0]..=SPAN[1]);
+    let ik = || KeyframeIk::new(skeleton).with_reach(reach());
+    let usual = ik().solve(&clip).unwrap().clip;
+    let [sixty, thirty] = [60.0, 30.0].map(|rate| {
+        let ik = ik().with_moments_per_second(rate);
+        ik.solve(&clip).unwrap().clip
+    });
+    assert_eq!(usual, sixty);
+    assert_ne!(usual, thirty);
+}
+
 #[test]
 fn the_hand_follows_by_the_rig_s_own_keys_alone() {
     let rig = rig();
