@@ -351,6 +351,29 @@ fn a_foot_rises_early_and_falls_late() {
     }
 }
 
+/// Over steps that are so low that no leg is too short for them the root rises evenly, not as its feet do.
+#[test]
+fn the_root_rises_evenly_over_low_steps() {
+    let armature = figure();
+    let walk = walk(&armature, true);
+    let stairs = |z: f32| 0.01 * ((z + 0.2) / 0.4).floor();
+    let edited = planted(&armature)
+        .with_ground(move |at| stairs(at.z as f32).into())
+        .solve(&walk)
+        .unwrap()
+        .clip;
+    let risen = |clip: &Clip, k: u32| at(&armature, clip, "hips", f64::from(k) / 30.0).y;
+    let rises: Vec<f32> = (0..=60)
+        .map(|k| risen(&edited, k) - risen(&walk, k))
+        .collect();
+    let jerks = rises
+        .windows(3)
+        .map(|rise| (rise[2] - 2.0 * rise[1] + rise[0]).abs());
+    let most = jerks.fold(0.0_f32, f32::max);
+    assert!(rises[60] - rises[0] > 0.03, "{rises:?}");
+    assert!(most < 5e-4, "{most} m");
+}
+
 /// Feet stay where they stand while a hand is led elsewhere in the clip, and while nothing asks it of anything.
 #[test]
 fn feet_stand_before_and_after_what_a_hand_does() {

@@ -3,8 +3,10 @@
 use std::ops::Range;
 
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::motion::clip::{MotionSolution, MotionSolver, Windows};
+use kinopt::motion::clip::{Contact, MotionProblem, MotionSolution, MotionSolver, Windows};
+use kinopt::task::{Point, Task};
 
+use crate::slide::slide;
 use crate::walker::{SOLE, Walker};
 
 #[test]
@@ -26,6 +28,28 @@ fn a_held_foot_stands_still_though_its_target_wanders() {
             off.abs() < 1e-3 * slipped + 1e-14,
             "{} {slipped}",
             solved.slip()
+        );
+    }
+}
+
+/// However much what pulls at it counts.
+#[test]
+fn a_held_tool_stands_still_however_hard_it_is_pulled() {
+    let (model, tool) = slide();
+    for weight in [1.0, 1e2, 1e4] {
+        let mut motion = MotionProblem::builder(&model, 12, 0.1);
+        let pull = motion.add(Task::new(Point::new(tool, [0.0; 3])).times(weight));
+        motion.follow(pull, |frame, own| {
+            own.set_target([0.1 * (frame as f64).sin(), 0.0, 0.0])
+        });
+        motion.contact(Contact::new(tool, 3..9).at([[0.0; 3]]));
+        let motion = motion.build().unwrap();
+        let solved = MotionSolver::default().solve(&motion, &[0.0]).unwrap();
+        assert!(
+            solved.slip() < 1e-6,
+            "{weight}: {} {:?} m",
+            solved.slip(),
+            solved.termination()
         );
     }
 }
