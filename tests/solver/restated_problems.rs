@@ -123,8 +123,13 @@ fn numbers_that_make_no_problem_are_refused() {
             expected: 3
         })
     ));
-    let bad = first.clone().with_weights(&[1.0, f64::NAN, 1.0]);
-    assert!(matches!(bad, Err(ProblemError::BadWeight { .. })));
+    for weight in [f64::NAN, -0.5, f64::INFINITY] {
+        let bad = first.clone().with_weights(&[1.0, weight, 1.0]);
+        assert!(
+            matches!(bad, Err(ProblemError::BadWeight { .. })),
+            "{weight}"
+        );
+    }
     let mut other = Model::builder("arm");
     other.revolute(
         "hinge",
