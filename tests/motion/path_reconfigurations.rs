@@ -306,3 +306,31 @@ fn a_change_of_tools_is_not_led_over() {
     }
     assert!(told > 5, "{told}");
 }
+
+/// Beside a place that the arm does not come to two of its branches are nearly one: where the points between those at which branches are
+/// compared do not lead from one to the other, it is chosen again, and no branch is left.
+#[test]
+fn what_only_seems_to_be_one_branch_is_chosen_again() {
+    let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
+    let (middle, way) = (
+        Vector3::new(0.0312, 0.113, 0.1166),
+        Vector3::new(-0.3624, -1.0638, 0.4206),
+    );
+    let (turn, spin) = (
+        Vector3::new(-1.1186, -0.1067, -2.284),
+        Vector3::new(1.0199, 0.841, 0.8852),
+    );
+    let point = |k: u32| {
+        let share = f64::from(k) / 200.0 - 0.5;
+        let turned = rotation_exp(turn) * rotation_exp(spin * share);
+        Placement::new(turned, middle + way * share)
+    };
+    let path = CartesianPath::new((0..=100).map(point).collect::<Vec<_>>()).unwrap();
+    let solution = PathSolver::new(&arm).solve(&path).unwrap();
+    assert!(!solution.missed.is_empty());
+    assert!(
+        solution.reconfigurations.is_empty(),
+        "{:?}",
+        solution.reconfigurations
+    );
+}
