@@ -114,6 +114,24 @@ fn all_known_skeletons_are_told_by_their_names_and_drive_all_of_the_humanoid() {
     }
 }
 
+/// Of several people in a file the first is followed.
+#[test]
+fn of_two_people_the_first_one_drives() {
+    let humanoid = model(&HUMANOID);
+    let one = KnownSkeleton::names().find_map(|name| {
+        let joints = KnownSkeleton::named(name).ok()?.joints().to_vec();
+        (!joints.is_empty()).then_some(joints)
+    });
+    let one = one.unwrap();
+    let both =
+        ["anna", "berta"].map(|person| one.iter().map(move |joint| format!("{person}:{joint}")));
+    let both: Vec<String> = both.into_iter().flatten().collect();
+    let guess = BodyMap::guess(&capture(&both), &humanoid).unwrap();
+    assert_eq!(guess.map.drives.len(), BodyPart::ALL.len());
+    let mut drives = guess.map.drives.iter();
+    assert!(drives.all(|drive| drive.joint.starts_with("anna:")));
+}
+
 #[test]
 fn names_of_many_kinds_tell_of_the_same_parts() {
     let humanoid = model(&HUMANOID);
