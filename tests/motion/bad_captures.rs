@@ -2,6 +2,7 @@
 //! lie, joints that are missing or not finite; what comes out is finite and within limits.
 
 use kinopt::animation::Clip;
+use kinopt::kinematics::ForwardKinematics;
 use kinopt::motion::retarget::{
     BodyMap, Capture, RetargetError, RetargetOptions, Retargeted, Retargeting, UpAxis,
 };
@@ -96,6 +97,24 @@ fn limbs_without_length_and_bodies_that_are_a_point_come_through() {
         UpAxis::Z,
         false,
     );
+}
+
+/// Hips that are one place do not tell which way they are turned: they stay level.
+#[test]
+fn hips_that_are_one_place_stay_level() {
+    let robot = nao();
+    let model = robot.model();
+    let narrow = capture(10, |joint, at| match joint {
+        1 | 4 => Vector3::new(at.x, 0.0, at.z),
+        _ => at,
+    });
+    let found = retargeted(&robot, &narrow, UpAxis::Z, false);
+    let torso = model.frame("torso").unwrap();
+    let mut kinematics = ForwardKinematics::new(model);
+    for q in found.q.chunks_exact(found.configuration_len) {
+        let across = kinematics.place(q).unwrap()[torso.index()].rotation.y;
+        assert!(across.z.abs() < 0.02, "{across:?}");
+    }
 }
 
 /// Without limbs to tell how large a person is a robot goes as far as the person does.
