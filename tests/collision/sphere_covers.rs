@@ -126,7 +126,9 @@ fn shipped_robots_lie_within_their_spheres() {
     }
 }
 
-fn one_link(objects: impl IntoIterator<Item = (Shape, Placement<f64>)>) -> CollisionModel {
+pub(crate) fn one_link(
+    objects: impl IntoIterator<Item = (Shape, Placement<f64>)>,
+) -> CollisionModel {
     let mut builder = Model::builder("one link");
     let link = builder.frame("link", None, Placement::identity());
     let model = builder.build().unwrap();

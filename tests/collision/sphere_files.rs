@@ -1,14 +1,15 @@
 //! Promise: sphere models are read and written as others have them.
 
 use kinopt::Arm;
-use kinopt::collision::{Checker, CollisionModel, Fineness, SphereModel, World};
+use kinopt::collision::{Checker, CollisionModel, Fineness, Shape, SphereModel, World};
 use kinopt::robot::Robot;
-use kinopt::spatial::Vector3;
+use kinopt::spatial::{Placement, Vector3};
 use support::arms::robot;
 use support::random::Random;
 use support::sample::cases;
 
 use crate::arms_keep_clear::drawn;
+use crate::sphere_covers::one_link;
 use crate::spheres_change_no_answer::add_boxes;
 
 /// As in cuRobo's own files: nested, with comments, flow and block style, and a sphere that is turned off.
@@ -265,6 +266,48 @@ fn ends_of_a_capsule_that_stick_out_are_told() {
         spheres(0.11).gap()
     );
     assert_eq!(spheres(0.15).gap(), 0.0);
+}
+
+/// A mesh of two grains a metre apart, whose middle is nearer to the one that a sphere holds.
+#[test]
+fn a_part_of_a_mesh_far_from_all_spheres_is_told() {
+    let grain = |base: f64, tip: f64| {
+        let base = [[0.01, -0.01], [-0.01, -0.01], [0.0, 0.01]].map(|[y, z]| [base, y, z]);
+        [base[0], base[1], base[2], [tip, 0.0, 0.0]].map(Vector3::from)
+    };
+    let corners = [grain(-0.5, -0.46), grain(0.5, 0.52)].concat();
+    let sides = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]];
+    let both = [0, 4].map(|first| sides.map(|side| side.map(|corner| corner + first)));
+    let mesh = Shape::mesh(corners, both.concat()).unwrap();
+    let shapes = one_link([(mesh, Placement::identity())]);
+    let text = "collision_spheres:\n  link:\n    - {center: [-0.48, 0, 0], radius: 0.92}\n";
+    let spheres = SphereModel::parse(text.as_bytes(), "s.yml", &shapes).unwrap();
+    let gap = spheres.gap();
+    assert!((0.08 - 1e-12..0.083).contains(&gap), "{gap}");
+}
+
+/// What a row of spheres holds of a capsule with no room to spare, it holds in any order.
+#[test]
+fn the_order_of_spheres_makes_no_difference() {
+    let text = r#"<robot name="rod"><link name="rod"><collision><geometry><capsule radius="0.1" length="0.9"/></geometry></collision></link></robot>"#;
+    let robot = Robot::parse(text, "rod.urdf").unwrap();
+    let shapes = CollisionModel::of(&robot).unwrap();
+    let row = SphereModel::of(&shapes, Fineness::Overhang(0.02)).unwrap();
+    let mut balls = row.groups()[0].spheres.clone();
+    assert!(balls.len() > 5);
+    for turned in 0..2 {
+        balls.reverse();
+        balls.rotate_left(2 * turned);
+        let mut text = String::from("collision_spheres:\n  rod:\n");
+        for ball in &balls {
+            let ([x, y, z], radius) = (ball.centre.to_array(), ball.radius);
+            text.push_str(&format!(
+                "    - {{center: [{x}, {y}, {z}], radius: {radius}}}\n"
+            ));
+        }
+        let read = SphereModel::parse(text.as_bytes(), "rod.yml", &shapes).unwrap();
+        assert_eq!(read.gap(), 0.0, "{text}");
+    }
 }
 
 /// A checker's spheres cover what those of a file leave uncovered, and the sphere around a link's holds them as they are then: what it
