@@ -205,3 +205,25 @@ fn what_is_convex_nearly_is_one_piece() {
         }
     }
 }
+
+/// Six blades from one corner along the axes: of whichever two halves an even cut makes, one is flat.
+#[test]
+fn what_no_cut_parts_into_two_bodies_stays_one() {
+    let mut blades = String::from("v 0 0 0\n");
+    let (mut corners, mut faces) = (1, String::new());
+    for axis in 0..3 {
+        for far in [-1.0, 1.37] {
+            for wide in [-0.03, 0.03] {
+                let mut corner = [0.0; 3];
+                (corner[axis], corner[(axis + 1) % 3]) = (far, wide);
+                let [x, y, z] = corner;
+                blades += &format!("v {x} {y} {z}\n");
+            }
+            faces += &format!("f 1 {} {}\n", corners + 1, corners + 2);
+            corners += 2;
+        }
+    }
+    let model = shapes(&(blades + &faces), MeshUse::Pieces(16));
+    assert_eq!(model.objects().len(), 1);
+    assert!(holds(&model, Vector3::new(0.3, 0.3, 0.3)));
+}

@@ -4,7 +4,7 @@
 use kinopt::collision::{Checker, CollisionModel, CollisionObject, Shape, World};
 use kinopt::model::{Limits, Model};
 use kinopt::robot::Robot;
-use kinopt::spatial::{Matrix3, Placement, Vector3};
+use kinopt::spatial::{Matrix3, Placement, Vector3, rotation_exp};
 use support::random::Random;
 
 /// What comes near, three metres away, turned towards the arm.
@@ -145,6 +145,43 @@ fn what_turns_about_its_own_middle_sweeps() {
         let way = checker.way(&mut workspace, &from, &to).unwrap();
         assert_eq!(way.blocked_by.unwrap().second, "pole");
         assert!(way.free < 0.5, "{}", way.free);
+    }
+}
+
+/// On a ball a paddle sweeps as on a hinge: about an axis of its frame and about any other.
+#[test]
+fn what_turns_on_a_ball_sweeps() {
+    let mut builder = Model::builder("ball");
+    let at = Placement::identity();
+    let ball = builder.ball("ball", None, at, Vector3::UNITS[0], None);
+    let link = builder.frame("link", Some(ball), at);
+    let model = builder.build().unwrap();
+    let paddle = Shape::cuboid([0.6, 0.05, 0.05]).unwrap();
+    let paddle = CollisionObject::new("paddle", link, at, paddle);
+    let own = Checker::new(CollisionModel::new(&model, vec![paddle]).unwrap());
+    let up = [0.0, 0.0, 1.0];
+    for (axis, turn) in [(up, 0.5), (up, 1.6), (up, 3.0), ([0.3, 0.2, 0.9], 3.0)] {
+        let axis = Vector3::from(axis);
+        let axis = axis * (1.0 / axis.norm());
+        let turned = |angle: f64| -> [f64; 4] {
+            let (v, w) = (axis * (0.5 * angle).sin(), (0.5 * angle).cos());
+            [w, v.x, v.y, v.z]
+        };
+        let end = |angle: f64| rotation_exp(axis * angle) * Vector3::UNITS[0];
+        let mut world = World::new();
+        let pole = end(0.5 * turn) * 0.25;
+        world.add_sphere("pole", 0.02, pole).unwrap();
+        let checker = own.clone().with_world(&world).unwrap();
+        let mut workspace = checker.workspace();
+        for (from, to) in [(0.0, turn), (turn, 0.0)] {
+            let (from, to) = (turned(from), turned(to));
+            assert!(checker.is_free(&mut workspace, &from).unwrap());
+            let way = checker.way(&mut workspace, &from, &to).unwrap();
+            assert!(
+                way.blocked_by.is_some() && way.free < 0.5,
+                "{turn}: {way:?}"
+            );
+        }
     }
 }
 

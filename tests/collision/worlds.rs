@@ -37,6 +37,10 @@ fn obstacles_are_edited_by_name() {
         world.obstacles().map(|o| &*o.name).collect::<Vec<_>>(),
         ["ball"]
     );
+    // Those that are left to be told are counted.
+    let mut told = before.obstacles();
+    assert!(told.next().is_some());
+    assert_eq!(told.len(), 1);
     // The copy is as it was.
     assert_eq!(before.len(), 2);
     assert_eq!(before.obstacle("ball").unwrap().placement, at(1.0));
