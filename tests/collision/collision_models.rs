@@ -229,9 +229,14 @@ fn meshes_are_found_beside_above_and_in_packages() {
     // Nor is what lies deeper in the package under its name taken before its own.
     let deeper = folder.join("lamp_description/lamp_description/meshes");
     std::fs::create_dir_all(&deeper).unwrap();
-    std::fs::write(deeper.join("arm.obj"), larger).unwrap();
+    std::fs::write(deeper.join("arm.obj"), &larger).unwrap();
+    // A folder of another name is not the package, whatever lies in it.
+    let stranger = folder.join("stranger");
+    std::fs::create_dir_all(&stranger).unwrap();
+    std::fs::write(stranger.join("foot.obj"), &larger).unwrap();
     for folders in [
         vec![&packages],
+        vec![&stranger, &packages],
         vec![&own],
         vec![&packages, &another],
         vec![&another, &own],

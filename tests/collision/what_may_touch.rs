@@ -247,6 +247,37 @@ fn what_is_held_may_touch_what_it_is_taken_from() {
     }
 }
 
+/// Two copies of a world to which the same things are added in another order: what is held may touch the one of that name in both.
+#[test]
+fn of_things_that_came_in_another_order_the_same_one_may_be_touched() {
+    let text = r#"<robot name="r"><link name="base"/>
+        <link name="hand"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+        <joint name="lift" type="prismatic"><parent link="base"/><child link="hand"/><axis xyz="0 0 1"/><limit lower="0" upper="1"/></joint></robot>"#;
+    let robot = Robot::parse(text, "r.urdf").unwrap();
+    let held = Vector3::new(0.0, 0.0, 0.2);
+    let mut world = World::new();
+    world.add_sphere("plate", 0.04, held).unwrap();
+    world.attach("plate", "hand", held).unwrap();
+    world.allow_touch("plate", "can").unwrap();
+    let mut checker = Checker::of(&robot).unwrap();
+    for (names, near, touched) in [
+        (["can", "cup"], "can", None),
+        (["cup", "can"], "can", None),
+        (["can", "cup"], "cup", Some("cup")),
+    ] {
+        let mut world = world.clone();
+        for name in names {
+            let far = if name == near { 0.0 } else { 5.0 };
+            let at = held + Vector3::new(0.0, 0.0, far);
+            world.add_sphere(name, 0.03, at).unwrap();
+        }
+        checker = checker.with_world(&world).unwrap();
+        let found = checker.collisions(&[0.0]).unwrap();
+        let told = found.iter().find(|pair| pair.first == "plate");
+        assert_eq!(told.map(|pair| &*pair.second), touched, "{names:?} {near}");
+    }
+}
+
 /// A body on its feet: its clearance, solver and drag pass over the floor under them.
 #[test]
 fn a_body_stands_deep_in_what_its_feet_may_touch() {
