@@ -484,10 +484,12 @@ fn tasks() {
         problem(Posture::of_joints([(elbow, NAN)])),
         &["posture", "NaN"],
     );
-    names(
-        problem(Smoothness::new(&model, &[0.0; 2], 0.0)),
-        &["smoothness", "time step"],
-    );
+    for step in [0.0, f64::INFINITY] {
+        names(
+            problem(Smoothness::new(&model, &[0.0; 2], step)),
+            &["smoothness", "time step"],
+        );
+    }
     names(
         problem(Smoothness::new(&model, &[NAN; 2], 0.1)),
         &["smoothness", "NaN"],

@@ -36,6 +36,28 @@ fn the_points_of_a_square_hold_it_in_any_order() {
     }
 }
 
+/// Feet on a line hold what is on it between them, and nothing beyond, however exactly it is on it.
+#[test]
+fn between_two_points_there_is_a_line_and_no_more() {
+    let (model, _, masses) = sledge();
+    let mut tasks = Problem::builder(&model);
+    let ends = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]];
+    tasks.add(SupportPolygon::new(&masses).with_points(ends));
+    let problem = tasks.build().unwrap();
+    let mut scratch = problem.scratch();
+    for (q, expected) in [
+        ([0.3, 0.0], 0.0),
+        ([1.5, 0.0], 0.5),
+        ([-1.25, 0.0], 0.25),
+        ([0.3, 0.4], 0.4),
+    ] {
+        let mut residual = [f64::NAN; 2];
+        Evaluation::new(&problem, &mut scratch).residual(&q, &mut residual);
+        let off = residual[0].hypot(residual[1]) - expected;
+        assert!(off.abs() < 1e-12, "{q:?}: {residual:?}");
+    }
+}
+
 #[test]
 fn a_polygon_is_the_same_in_whichever_order_it_is_told() {
     let (_, _, masses) = sledge();

@@ -66,6 +66,19 @@ fn look_at_keeps_its_digits_when_looking_away() {
     }
 }
 
+#[test]
+fn a_target_at_the_origin_itself_counts_as_looked_at() {
+    let model = planar_arm(&[1.0], None);
+    let tip = model.frame("tip").unwrap();
+    let (axis, target) = ([0.0, -2.0, 0.0], [0.5, 2.0, 7.0]);
+    let there = [Placement::translation(Vector3::from(target))];
+    let mut off = [f64::NAN; 3];
+    LookAt::new(tip, axis, target).evaluate(&there, &[], &mut off);
+    assert_eq!(off, [0.0; 3]);
+    Gaze::at(tip, axis, target, 0.1).evaluate(&there, &[], &mut off[..1]);
+    assert_eq!(off[0], 0.0);
+}
+
 /// The residual of the only task at a configuration.
 fn residual<'a>(question: impl Into<Question<'a>>, q: &[f64]) -> Vec<f64> {
     let question = question.into();
