@@ -3,11 +3,12 @@
 
 use std::f64::consts::{PI, TAU};
 
-use kinopt::Problem;
 use kinopt::model::{BallLimits, Limits, Model};
 use kinopt::problem::Question;
-use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::Point;
+use kinopt::solver::Termination;
+use kinopt::spatial::{Placement, Vector3, rotation_exp};
+use kinopt::task::{Orientation, Point};
+use kinopt::{Problem, Solver};
 use support::random::Random;
 
 /// Balls without limits, of a whole angle, of a cone, of an elliptic one, and of a cone within an angle, in a row.
@@ -151,5 +152,31 @@ fn half_a_turn_is_no_edge() {
         let moved = space.distance(&beyond, &x, &mut back);
         let expected = longest * (short + over);
         assert!((moved - expected).abs() < 1e-12, "{moved} {expected}");
+    }
+}
+
+/// A ball that only twists, and whose twist ends where the whole angle does, stops there, with the one edge as with both.
+#[test]
+fn a_twist_that_ends_with_the_whole_angle_ends_there() {
+    let [x, ..] = Vector3::UNITS;
+    let still = Placement::identity();
+    // Nearly at one place too, as of degrees that were rounded.
+    for (twist, angle) in [(0.6, 0.6), (0.6, 0.6 + 1e-8), (0.6, 2.0), (2.0, 0.6)] {
+        let limits = BallLimits::cone(1.0, Limits::new(-twist, twist)).with_angle(angle);
+        let mut builder = Model::builder("arm");
+        let shoulder = builder.ball("shoulder", None, still, x, Some(limits));
+        let hand = builder.frame("hand", Some(shoulder), still);
+        let model = builder.build().unwrap();
+        for turn in [-1.0, 1.0] {
+            let mut tasks = Problem::builder(&model);
+            tasks.add(Orientation::new(hand, rotation_exp(x * turn)));
+            let problem = tasks.build().unwrap();
+            let solution = Solver::default().solve_once(&problem, &model.neutral());
+            let solution = solution.unwrap();
+            let missed = solution.orientation_error().unwrap();
+            assert!((missed - 0.4).abs() < 1e-9, "{twist} {angle}: {missed}");
+            assert_eq!(solution.active_limits().count(), 1);
+            assert_eq!(solution.termination, Termination::Stationary);
+        }
     }
 }
