@@ -1,4 +1,4 @@
-//! Promise: distances do not depend on where the world's origin is nor on which shape comes first, their normals are
+//! Promise: distances do not depend on where the world's origin is, nor on the unit of length, nor on which shape comes first, their normals are
 //! their derivatives, bounds of them are kept, and shapes that say the same in two ways are as far.
 
 use kinopt::collision::{Separation, Shape, ShapeKind, separation, separation_within};
@@ -55,6 +55,49 @@ fn neither_the_origin_nor_the_order_counts() {
         let moved = placed(&mut random, 1.0);
         let there = separation(&shapes[0], &(moved * a), &shapes[1], &(moved * b));
         close(&found, &there, "the origin");
+    }
+}
+
+/// Told in another unit, all lengths are so many times as long, and all directions the same.
+#[test]
+fn the_unit_of_length_does_not_matter() {
+    let times = |solid: &Solid, by: f64| match solid {
+        Solid::Sphere(radius) => Solid::Sphere(radius * by),
+        Solid::Capsule(radius, length) => Solid::Capsule(radius * by, length * by),
+        Solid::Cylinder(radius, length) => Solid::Cylinder(radius * by, length * by),
+        Solid::Cuboid(size) => Solid::Cuboid(size.map(|side| side * by)),
+        Solid::Convex(points) => Solid::Convex(points.iter().map(|point| point * by).collect()),
+    };
+    let mut random = Random::new(27);
+    for case in 0..300 {
+        let kind = case % 5;
+        let solids = [kind, if case % 2 == 0 { 1 } else { kind }];
+        let solids = solids.map(|kind| Solid::of_kind(kind, &mut random));
+        let mut at = [placed(&mut random, 0.3), placed(&mut random, 0.3)];
+        // Axes that cross, of which the two have no volume between them.
+        if case % 3 == 0 {
+            at[1].translation = at[0].translation;
+        }
+        let told = |unit: f64| {
+            let [a, b] = [0, 1].map(|k| {
+                let at = Placement::new(at[k].rotation, at[k].translation * unit);
+                (times(&solids[k], unit).shape(), at)
+            });
+            let found = separation(&a.0, &a.1, &b.0, &b.1);
+            (found.distance / unit, found.normal)
+        };
+        let (distance, normal) = told(1.0);
+        for unit in [1.0 / 1024.0, 1024.0, 1_048_576.0] {
+            let (other, along) = told(unit);
+            assert!(
+                (other - distance).abs() < 1e-13,
+                "{solids:?}: {other} {distance}"
+            );
+            assert!(
+                (along - normal).norm() < 1e-6,
+                "{solids:?}: {along:?} {normal:?}"
+            );
+        }
     }
 }
 
