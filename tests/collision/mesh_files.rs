@@ -154,6 +154,14 @@ fn places_are_where_a_collada_file_says() {
     is_the_box(&MeshFile::parse(later.as_bytes(), "box.dae").unwrap());
 }
 
+/// Programs draw the edges of what they write as lines beside its faces.
+#[test]
+fn lines_are_no_part_of_a_collada_mesh() {
+    let lines = "<lines count=\"2\"><input semantic=\"VERTEX\" source=\"#corners\" offset=\"0\"/><p>0 1 1 3</p></lines>";
+    let drawn = dae().replace("<polylist", &format!("{lines}<polylist"));
+    is_the_box(&MeshFile::parse(drawn.as_bytes(), "box.dae").unwrap());
+}
+
 #[test]
 fn a_file_that_ends_in_a_backslash_has_its_last_face() {
     let whole = obj();
