@@ -6,7 +6,7 @@ use argmin::core::{Error, Executor, IterState, KV, Problem as Counted, Solver};
 use argmin_checkpointing_file::{CheckpointingFrequency, FileCheckpoint};
 use kinopt::Problem;
 use kinopt::argmin_bridge::{BoundedProblem, ExecutorMethod, UnboundedProblem};
-use kinopt::model::ParameterMap;
+use kinopt::model::{Limits, ParameterMap};
 use kinopt::solver::{GaussNewton, LevenbergMarquardt, Termination};
 use kinopt::task::Point;
 use nalgebra::{DMatrix, DVector};
@@ -55,22 +55,28 @@ fn a_checkpoint_of_another_problem_is_refused() {
         .run();
     assert!(stopped.is_err());
 
-    // Of fewer joints.
+    // Of fewer joints, and of one that does not come to where the search stood.
     let model = arm();
-    let mut builder = Problem::builder(&model);
-    builder.add(Point::new(model.frame("tip").unwrap(), [0.5, 0.3, 0.8]));
-    let map = ParameterMap::builder(&model).with_locked(model.joint("joint 2").unwrap(), 0.1);
-    builder.parameters(map.build().unwrap());
-    let other = builder.build().unwrap();
-    let other = BoundedProblem::new(&other);
-    let start = other.start(&START).unwrap();
-    let resumed = Executor::new(other, ExecutorMethod::new(GaussNewton::default()))
-        .configure(|state| state.param(start))
-        .checkpointing(kept())
-        .run();
+    let joint = model.joint("joint 2").unwrap();
+    let own = || ParameterMap::builder(&model);
+    for map in [
+        own().with_locked(joint, 0.1),
+        own().with_narrowed(joint, Limits::new(1.0, 1.2)),
+    ] {
+        let mut builder = Problem::builder(&model);
+        builder.add(Point::new(model.frame("tip").unwrap(), [0.5, 0.3, 0.8]));
+        builder.parameters(map.build().unwrap());
+        let other = builder.build().unwrap();
+        let other = BoundedProblem::new(&other);
+        let start = other.start(&START).unwrap();
+        let resumed = Executor::new(other, ExecutorMethod::new(GaussNewton::default()))
+            .configure(|state| state.param(start))
+            .checkpointing(kept())
+            .run();
+        let error = resumed.err().unwrap().to_string();
+        assert!(error.contains("of another problem"), "{error}");
+    }
     std::fs::remove_dir_all(&folder).unwrap();
-    let error = resumed.err().unwrap().to_string();
-    assert!(error.contains("of another problem"), "{error}");
 }
 
 #[test]
