@@ -233,6 +233,25 @@ fn what_is_wrong_is_told_with_the_file() {
     assert!(told(beyond.as_bytes(), "a.dae").contains("beyond the 8"));
 }
 
+/// Each of 18 nodes shows the next one twice.
+#[test]
+fn few_lines_that_show_more_nodes_than_a_mesh_has_are_refused() {
+    for last in ["", "<instance_geometry url=\"#box\"/>"] {
+        let mut nodes = format!("<node id=\"n18\">{last}</node>");
+        for k in 0..18 {
+            let next = format!("<instance_node url=\"#n{}\"/>", k + 1);
+            write!(nodes, "<node id=\"n{k}\">{next}{next}</node>").unwrap();
+        }
+        let library = format!("<library_nodes>{nodes}</library_nodes><library_geometries>");
+        let file = dae().replace("<library_geometries>", &library).replace(
+            "<instance_geometry url=\"#box\"/></node></node></visual_scene>",
+            "<instance_node url=\"#n0\"/></node></node></visual_scene>",
+        );
+        let told = MeshFile::parse(file.as_bytes(), "a.dae").unwrap_err();
+        assert!(told.to_string().contains("nodes within nodes"), "{told}");
+    }
+}
+
 #[test]
 fn damaged_files_never_panic() {
     let files = [

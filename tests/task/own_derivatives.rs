@@ -45,17 +45,20 @@ impl Residual for TwoSorts {
     }
 }
 
-#[test]
-fn each_row_has_its_own_weight() {
+fn hinges() -> (Model, [JointId; 2]) {
     let mut builder = Model::builder("hinges");
     let (at, z) = (Placement::identity(), Vector3::UNITS[2]);
     let limits = Limits::new(-1.0, 1.0);
     let a = builder.revolute("a", None, at, z, limits);
     let b = builder.revolute("b", Some(a), at, z, limits);
-    let model = builder.build().unwrap();
+    (builder.build().unwrap(), [a, b])
+}
+
+#[test]
+fn each_row_has_its_own_weight() {
+    let (model, joints) = hinges();
     for diagonal in [true, false] {
         let mut tasks = Problem::builder(&model);
-        let joints = [a, b];
         let own = Task::new(TwoSorts { joints, diagonal });
         let own = own.weight(Quantity::JointUnits, 10.0);
         tasks.add(own.weight(Quantity::Ratio, 100.0));
@@ -66,5 +69,52 @@ fn each_row_has_its_own_weight() {
         evaluation.jacobian(&[0.1, 0.2], &mut jacobian);
         let expected = DMatrix::from_row_slice(2, 2, &[20.0, 0.0, 0.0, 300.0]);
         assert_eq!(jacobian, expected, "{diagonal}");
+    }
+}
+
+/// Twice a joint for each row, and five times the second in the first row as well.
+#[derive(Clone)]
+struct DiagonalAndMore {
+    joints: [JointId; 2],
+    rows: usize,
+}
+
+impl Residual for DiagonalAndMore {
+    fn frames(&self) -> Vec<FrameId> {
+        Vec::new()
+    }
+    fn joints(&self) -> Vec<JointId> {
+        self.joints.to_vec()
+    }
+    fn rows(&self) -> Vec<Rows> {
+        vec![Rows::new(Quantity::JointUnits, self.rows)]
+    }
+    fn evaluate<S: Scalar>(&self, _: &[Placement<S>], joints: &[S], r: &mut [S]) {
+        for (row, &joint) in r.iter_mut().zip(joints) {
+            *row = joint * S::constant(2.0);
+        }
+        r[0] += joints[1] * S::constant(5.0);
+    }
+    fn differentiate(&self, _: &[Placement<f64>], _: &[f64], to: &mut LocalJacobian) -> bool {
+        // There are no more entries than rows and joints.
+        to.set_diagonal([2.0; 5]);
+        to.joint_mut(1)[0] = 5.0;
+        true
+    }
+}
+
+#[test]
+fn what_is_written_beside_a_diagonal_counts_with_it() {
+    let (model, joints) = hinges();
+    for (rows, expected) in [(1, vec![2.0, 5.0]), (2, vec![2.0, 5.0, 0.0, 2.0])] {
+        let mut tasks = Problem::builder(&model);
+        let own = Task::new(DiagonalAndMore { joints, rows });
+        tasks.add(own.weight(Quantity::JointUnits, 1.0));
+        let problem = tasks.build().unwrap();
+        let mut scratch = problem.scratch();
+        let mut evaluation = Evaluation::new(&problem, &mut scratch);
+        let mut jacobian = DMatrix::zeros(rows, 2);
+        evaluation.jacobian(&[0.1, 0.2], &mut jacobian);
+        assert_eq!(jacobian, DMatrix::from_row_slice(rows, 2, &expected));
     }
 }
