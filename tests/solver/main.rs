@@ -47,6 +47,7 @@ mod tight_bodies;
 mod told_misses;
 mod traded_preferences;
 mod unreachable_targets;
+mod watched_preferences;
 mod ways_out;
 mod where_chains_begin;
 mod which_attempt_counts;

@@ -115,6 +115,10 @@ fn a_start_that_is_not_finite_is_refused_by_name() {
         let error = Solver::default().solve_once(&problem, &[0.0, bad, 0.0]);
         let message = error.unwrap_err().to_string();
         assert!(message.contains("joint 1"), "{message}");
+        // Of several the first.
+        let error = Solver::default().solve_once(&problem, &[0.0, bad, bad]);
+        let message = error.unwrap_err().to_string();
+        assert!(message.contains("joint 1"), "{message}");
     }
     let error = Solver::default().solve_once(&problem, &[0.0]).unwrap_err();
     assert!(matches!(

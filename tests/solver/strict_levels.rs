@@ -10,6 +10,7 @@ use kinopt::task::{Plane, Point, Pose, Posture, Quantity, Task};
 use kinopt::{Solution, Solver, Workspace};
 use support::arms::panda;
 use support::bodies::sledge;
+use support::planar_arm;
 use support::random::Random;
 use support::sample::cases;
 use support::trees::configuration_of;
@@ -208,6 +209,24 @@ fn three_levels_each_cost_those_above_nothing() {
         let levels: Vec<usize> = solution.tasks().map(|task| task.level).collect();
         assert_eq!(levels, [0, 1, 2]);
     }
+}
+
+/// From where three levels together come nearest, the limit is in the way to where the first is reached.
+#[test]
+fn a_first_level_that_can_be_reached_is_though_two_heavier_ones_lead_past_it() {
+    let model = planar_arm(&[1.0], Some((-3.05, 3.05)));
+    let tip = model.frame("tip").unwrap();
+    let at = |angle: f64| Point::new(tip, [angle.cos(), angle.sin(), 0.0]);
+    let mut tasks = Problem::builder(&model);
+    tasks.add(at(2.97));
+    for level in [1, 2] {
+        tasks.add(Task::new(at(-2.97)).times(3.0).at_level(level));
+    }
+    let problem = tasks.build().unwrap();
+    let solution = Solver::default().solve_once(&problem, &[0.0]).unwrap();
+    let told = solution.explain();
+    assert!(solution.tasks().next().unwrap().reached, "{told}");
+    assert!((solution.q[0] - 2.97).abs() < 1e-5, "{:?}", solution.q);
 }
 
 #[test]

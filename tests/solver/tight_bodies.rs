@@ -2,10 +2,12 @@
 //! longer, and limb by limb: from wherever an attempt ended low.
 #![allow(clippy::expect_used)]
 
+use std::ops::ControlFlow;
+
 use kinopt::ik::Restarts;
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{FrameId, JointId, Limits, Model, ModelBuilder};
-use kinopt::solver::Stopping;
+use kinopt::solver::{Iteration, Stopping};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Pose;
 use kinopt::{Problem, Solver, Workspace};
@@ -117,4 +119,62 @@ fn a_body_without_room_is_searched_for_longer_unless_told_otherwise() {
     assert_eq!(made(&ends, Restarts::default()), 512);
     assert_eq!(made(&ends[..3], Restarts::default()), 32);
     assert_eq!(made(&ends, Restarts::default().with_attempts(20)), 20);
+}
+
+/// Where a question before ended low counts for nothing in the next one.
+#[test]
+fn a_search_hops_from_no_place_of_the_one_before() {
+    let (model, ends) = body();
+    let standing = model.neutral();
+    let solver = Solver::default().with_restarts(Restarts::default().with_attempts(14));
+    let solve = |problem: &Problem, workspace: &mut Workspace| {
+        let solution = solver.solve(problem, &standing, workspace);
+        solution.expect("a valid start").clone()
+    };
+    let as_it_stands = ends_as_at(&model, &ends, &standing);
+    let mut hopped = 0;
+    for seed in 0..6 {
+        let mut there = model.random_configuration(seed);
+        there[..7].copy_from_slice(&standing[..7]);
+        let problem = ends_as_at(&model, &ends, &there);
+        let mut kept = Workspace::new();
+        assert!(solve(&as_it_stands, &mut kept).reached);
+        let again = solve(&problem, &mut kept);
+        let fresh = solve(&problem, &mut Workspace::new());
+        assert_eq!((&again.q, again.attempts), (&fresh.q, fresh.attempts));
+        hopped += usize::from(fresh.attempts > 8);
+    }
+    assert!(hopped > 0);
+}
+
+/// Attempts can only agree if each began by itself: where that is asked for none begins where another ended.
+#[test]
+fn attempts_that_may_agree_begin_by_seed_and_number_alone() {
+    let (model, ends) = body();
+    let starts = |far: f64| {
+        let mut there = model.neutral();
+        there[0] = far;
+        let restarts = Restarts::default().with_attempts(16).with_agreeing(99);
+        let stopping = Stopping::default().with_max_iterations(1);
+        let solver = Solver::default().with_stopping(stopping);
+        let solver = solver.with_restarts(restarts);
+        let mut seen = Vec::new();
+        let mut watch = |iteration: &Iteration<'_>| {
+            if iteration.index == 0 {
+                seen.push(iteration.x.to_vec());
+            }
+            ControlFlow::Continue(())
+        };
+        let problem = ends_as_at(&model, &ends, &there);
+        let (start, mut workspace) = (model.neutral(), Workspace::new());
+        let told = solver.solve_observed(&problem, &start, &mut workspace, &mut watch);
+        assert_eq!(told.expect("a valid start").attempts, 16);
+        seen
+    };
+    let [near, far] = [1e3, -2e3].map(starts);
+    assert_eq!(near.len(), far.len());
+    // Every other one is drawn from all over.
+    for k in (8..16).step_by(2) {
+        assert_eq!(near[k], far[k], "{k}");
+    }
 }

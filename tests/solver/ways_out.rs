@@ -179,6 +179,45 @@ fn a_body_that_is_put_elsewhere_takes_no_way_out_along() {
     assert!(out > 0);
 }
 
+/// Nor does it go on to where the mouse has been.
+#[test]
+fn a_body_that_is_led_elsewhere_takes_no_way_out_along() {
+    let mut out = 0;
+    for seed in 0..4 {
+        let random = &mut Random::new(seed);
+        let mut scene = Scene::new();
+        let up = random.within(0.36, 0.5);
+        for k in 1..=20 {
+            scene.advance(up * f64::from(k) / 20.0);
+        }
+        let mut rested = false;
+        for _ in 0..200 {
+            let before = scene.drag.q().to_vec();
+            scene.advance(up);
+            let moves = scene.drag.q().iter().zip(&before);
+            let moved = moves.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            rested |= moved < 1e-6;
+            if rested && moved > 1e-3 && !scene.drag.solution().reached {
+                break;
+            }
+        }
+        if !rested || scene.drag.rests() {
+            continue;
+        }
+        out += 1;
+        let mut led = scene.drag;
+        let mut fresh = Drag::new(led.problem().clone(), led.q()).unwrap();
+        let target = scene.from + Vector3::new(0.0, 0.0, 0.8 * up);
+        for drag in [&mut led, &mut fresh] {
+            drag.target_mut(scene.hand).unwrap().set_target(target);
+        }
+        for frame in 0..3 {
+            assert_eq!(led.advance().q, fresh.advance().q, "{seed}, frame {frame}");
+        }
+    }
+    assert!(out > 0);
+}
+
 /// Two links whose shoulder's limit is in the way of the side on which the elbow bends: only bent to the other side would
 /// they reach. A solver that may search goes there; a drag that rests does not flip.
 #[test]
