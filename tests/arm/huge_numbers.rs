@@ -2,8 +2,10 @@
 //! not bear out: where placements cannot resolve the tolerance, nothing is reached.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::arm::Arm;
+use kinopt::arm::{Arm, Base};
+use kinopt::model::{Limits, Model};
 use kinopt::robot::Robot;
+use kinopt::spatial::{Placement, Vector3};
 use support::arms::Random;
 use support::sample::cases;
 use support::urdf_matrices::{Tree, apart, placement};
@@ -107,5 +109,26 @@ fn what_cancels_leaves_its_rounding() {
             "{ratio}: {}",
             solution.explain()
         );
+    }
+}
+
+/// What a locked slide adds to the way counts as what stands in the file does: numbers of 1e12 are 1e-4 apart.
+#[test]
+fn what_is_locked_far_away_leaves_its_rounding() {
+    let mut builder = Model::builder("rail");
+    let [x, _, z] = Vector3::UNITS;
+    let none = Placement::identity();
+    let rail = builder.prismatic("rail", None, none, x, Limits::new(-1e13, 1e13));
+    let turn = builder.revolute("turn", Some(rail), none, z, Limits::new(-2.0, 2.0));
+    let link = Placement::translation([1.0, 0.0, 0.0].into());
+    builder.frame("tip", Some(turn), link);
+    let model = builder.build().unwrap();
+    for (value, resolved) in [(1.0, true), (1e3, true), (1e12, false)] {
+        let arm = Arm::builder(&model, Base::World, "tip").with_locked("rail", value);
+        let arm = arm.build().unwrap();
+        let target = arm.base_from_tool(&[0.5]).unwrap();
+        let solution = arm.solve(target, &[0.5]).unwrap();
+        let told = solution.explain();
+        assert_eq!(solution.reached, resolved, "{value}: {told}");
     }
 }

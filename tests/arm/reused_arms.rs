@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use kinopt::Solution;
 use kinopt::arm::{Arm, ArmBuilder, Goal, PoseOutcome, Search};
+use kinopt::collision::{Checker, World};
 use kinopt::model::{Limits, Model};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
@@ -167,4 +168,44 @@ fn whatever_batch_was_there() {
             assert_eq!(outcome.reached, off.norm() < 1e-6);
         }
     }
+}
+
+/// Another checker has its own world, and its own joints that are not the arm's.
+#[test]
+fn whatever_they_kept_clear_of() {
+    let (robot, base, tip) = panda();
+    let mut random = Random(17);
+    let mut place = || (random.unit() - 0.5) * 1.2;
+    let mut world = World::new();
+    for ball in 0..8 {
+        let at = Vector3::new(place(), place(), 0.5 + place().abs());
+        world.add_sphere(&format!("ball {ball}"), 0.1, at).unwrap();
+    }
+    let checker = Checker::of(&robot).unwrap();
+    let among = checker.clone().with_world(&world).unwrap();
+    let shut = robot.model().neutral();
+    let mut open = shut.clone();
+    let n = open.len();
+    open[n - 2..].fill(0.04);
+    let plain = Arm::builder(&robot, base, tip).with_atlas(false);
+    let plain = plain.build().unwrap();
+    let kept = plain.clone().with_checker(&checker, &shut).unwrap();
+    let mut random = Random(18);
+    let asked = (0..6).map(|_| {
+        let target = plain.base_from_tool(&random.configuration(&plain)).unwrap();
+        (target, random.configuration(&plain))
+    });
+    let asked: Vec<_> = asked.collect();
+    let answers = |arm: &Arm| -> Vec<String> {
+        let solve = |(target, start): &(Placement<f64>, Vec<f64>)| {
+            let solution = arm.solve(*target, start).unwrap();
+            format!("{solution:?} {:?}", solution.collisions())
+        };
+        asked.iter().map(solve).collect()
+    };
+    let alone = answers(&kept);
+    let kept = answers(&kept.with_checker(&among, &open).unwrap());
+    let fresh = answers(&plain.with_checker(&among, &open).unwrap());
+    assert_eq!(kept, fresh);
+    assert_ne!(alone, fresh);
 }

@@ -141,6 +141,30 @@ fn a_comparison_cut_short_is_told() {
     }
 }
 
+/// A batch gives its questions no more time than each has alone.
+#[test]
+fn no_time_for_any_question_of_a_batch() {
+    let (robot, base, tip) = panda();
+    let arm = Arm::builder(&robot, base, tip).with_time_limit(Duration::ZERO);
+    let arm = arm.with_atlas(false).build().unwrap();
+    let mut random = Random(64);
+    let (mut goals, mut starts) = (Vec::new(), Vec::new());
+    for _ in 0..8 {
+        let goal = random.configuration(&arm);
+        goals.push(arm.base_from_tool(&goal).unwrap());
+        starts.extend(random.configuration(&arm));
+    }
+    let together = arm.solve_batch(&goals, &starts).unwrap();
+    let alone = goals.iter().zip(starts.chunks(arm.joint_count()));
+    let alone = alone.map(|(goal, start)| arm.solve(*goal, start).unwrap());
+    let mut cut = 0;
+    for (one, of_batch) in alone.zip(&together) {
+        assert_eq!((&one.q, one.reached), (&of_batch.q, of_batch.reached));
+        cut += usize::from(!one.reached);
+    }
+    assert!(cut > 0);
+}
+
 #[test]
 fn no_time_for_a_chain_with_a_follower() {
     let robot = robot("aldebaran_nao");

@@ -9,6 +9,7 @@ use kinopt::arm::{Arm, Search};
 use kinopt::ik::{BoundKind, Side};
 use kinopt::robot::Robot;
 use kinopt::solver::Termination;
+use kinopt::spatial::Placement;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use support::arms::{Random, apart, base_from_tip, robot, within_limits};
 use support::sample::{cases, few};
@@ -265,4 +266,25 @@ fn no_attempts_are_made_in_vain_beyond_all_reach() {
             }
         }
     }
+}
+
+/// Beyond all reach too: the best of all attempts is no worse than the end of the start's own way, and now and then better.
+#[test]
+fn where_it_is_asked_for_the_best_place_of_all_is_the_answer() {
+    let robot = robot("universal_ur5e");
+    let builder = || Arm::builder(&robot, "base", "flange").with_atlas(false);
+    let own = builder().build().unwrap();
+    let anywhere = builder().with_global_search_on_miss(true).build().unwrap();
+    let (mut random, mut better) = (Random(29), 0);
+    for case in 0..6 {
+        let target = own.base_from_tool(&random.configuration(&own)).unwrap();
+        let there = target.translation;
+        let far = Placement::new(target.rotation, there * (1.5 / there.norm()));
+        let start = random.configuration(&own);
+        let [near, best] = [&own, &anywhere].map(|arm| arm.solve(far, &start).unwrap());
+        assert!(!near.reached && !best.reached);
+        assert!(best.cost <= near.cost * (1.0 + 1e-6), "{case}");
+        better += usize::from(best.cost < 0.99 * near.cost);
+    }
+    assert!(better > 0);
 }
