@@ -349,6 +349,32 @@ fn a_follower_of_a_joint_elsewhere_is_turned_by_its_leader() {
     }
 }
 
+/// One that follows by a ratio of 0 stands at its offset whatever it is asked for, and the joints before it make up for that.
+#[test]
+fn a_follower_that_its_leader_does_not_move_stands_still() {
+    let mut builder = Model::builder("follower");
+    let z = Vector3::new(0.0, 0.0, 1.0);
+    let limits = Limits::new(-2.0, 2.0);
+    let none = Placement::identity();
+    let link = Placement::translation([1.0, 0.0, 0.0].into());
+    let leader = builder.revolute("leader", None, none, z, limits);
+    let arm = builder.revolute("arm", None, none, z, limits);
+    let hand = builder.revolute("hand", Some(arm), link, z, limits);
+    builder.frame("tip", Some(hand), link);
+    let model = builder.build().unwrap();
+    let map = ParameterMap::builder(&model).with_coupled(hand, leader, 0.0, 0.3);
+    let mut builder = Problem::builder(&model);
+    builder.parameters(map.build().unwrap());
+    let target = planar_tip(&[1.0, 1.0], &[0.7, 0.3]);
+    builder.add(Point::new(model.frame("tip").unwrap(), target));
+    let problem = builder.build().unwrap();
+    let solution = one_sweep().solve(&problem, &[0.2, -0.5, 0.0]).unwrap();
+    assert!(solution.reached, "{}", solution.explain());
+    for (q, expected) in solution.q.iter().zip([0.2, 0.7, 0.3]) {
+        assert!((q - expected).abs() < 1e-12, "{:?}", solution.q);
+    }
+}
+
 /// Σ w² (s − d)² is least at the mean by weights, whatever they are.
 #[test]
 fn a_slide_goes_to_the_mean_of_what_it_is_asked_for() {

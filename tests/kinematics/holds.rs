@@ -261,4 +261,7 @@ fn a_back_is_stiffer_than_limbs() {
     let back: usize = holds.back.iter().map(|&b| character.joints(b).len()).sum();
     let of = |weight: f64| residual.iter().filter(|r| **r == weight).count();
     assert!(back > 0 && of(5.0) == back, "{residual:?}");
+    // What is locked stands at 0.
+    let limbs = residual.len() - back;
+    assert_eq!(of(1.0) + of(-0.25), limbs, "{residual:?}");
 }
