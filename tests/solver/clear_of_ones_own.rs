@@ -2,14 +2,15 @@
 //! that is not free is not taken, however short.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::Problem;
 use kinopt::geometric::{Ccd, Fabrik, Geometric};
 use kinopt::ik::Drag;
 use kinopt::model::{FrameId, Limits, Model};
 use kinopt::problem::{ClearanceCheck, Collision, KeepClear};
 use kinopt::scalar::Scalar;
+use kinopt::solver::Termination;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Point, Quantity, Residual, Rows, Task};
+use kinopt::{Problem, Solution, Solver};
 use support::planar_arm;
 
 /// What moves stops so far before the table, metres.
@@ -78,8 +79,8 @@ impl KeepClear for Table {
     }
 }
 
-#[test]
-fn a_drag_into_it_comes_up_to_it() {
+/// A slide ahead, and one up.
+fn slides() -> (Model, FrameId) {
     let mut builder = Model::builder("two slides");
     let limits = Limits::new(-1.0, 1.0);
     let at = Placement::identity();
@@ -87,7 +88,12 @@ fn a_drag_into_it_comes_up_to_it() {
     let along = builder.prismatic("along", None, at, ahead, limits);
     let height = builder.prismatic("height", Some(along), at, up, limits);
     let tool = builder.frame("tool", Some(height), at);
-    let model = builder.build().unwrap();
+    (builder.build().unwrap(), tool)
+}
+
+#[test]
+fn a_drag_into_it_comes_up_to_it() {
+    let (model, tool) = slides();
     for (under, longest) in [
         (0.05, 0.13),
         (0.4, 0.13),
@@ -157,4 +163,25 @@ fn goals_are_reached_in_contact_only_together() {
         assert_eq!(solution.goals_reached(), all);
         assert!(solution.tasks().next().unwrap().reached);
     }
+}
+
+/// Goals of two levels that are reached only in contact are: no level gives way for what touches.
+#[test]
+fn levels_that_are_reached_in_contact_do_not_give_way() {
+    let (model, tool) = slides();
+    let solve = |level: usize| {
+        let goal = [0.5, 0.0, -0.2];
+        let mut tasks = Problem::builder(&model);
+        tasks.add(Point::new(tool, goal));
+        tasks.add(Task::new(Point::new(tool, goal)).at_level(level));
+        tasks.keep_clear(&Table(tool));
+        let problem = tasks.build().unwrap();
+        Solver::default().solve_once(&problem, &[0.0, 0.3]).unwrap()
+    };
+    let [one, two] = [0, 1].map(solve);
+    assert!(one.goals_reached() && !one.reached);
+    assert_eq!((&two.q, two.reached), (&one.q, one.reached));
+    assert_ne!(two.termination, Termination::Reached);
+    let told = |solution: &Solution| (solution.termination, solution.iterations);
+    assert_eq!(told(&two), told(&one));
 }
