@@ -5,11 +5,12 @@
 use kinopt::ik::{DerivativeWorkspace, SolutionDerivative};
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{Limits, Model};
-use kinopt::problem::ParameterVector;
+use kinopt::problem::{ParameterVector, Preferences};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
-use kinopt::task::{FrameVelocity, Point, Pose};
+use kinopt::task::{FrameVelocity, Plane, Point, Pose, Posture, Quantity, Task};
 use kinopt::{Problem, Solver};
 use nalgebra as na;
+use support::bodies::sledge;
 use support::changed_bodies::{Case, Change, case};
 use support::planar_arm;
 use support::random::Random;
@@ -293,4 +294,27 @@ fn the_weights_of_a_pose_count_each_by_itself() {
         let near = (forward - backward).abs() < 1e-7 * backward.abs();
         assert!(near && forward.abs() > 1e-3, "{forward} {backward}");
     }
+}
+
+/// Goals that are within their tolerance do not hold what they are traded with.
+#[test]
+fn of_goals_that_are_reached_a_traded_preference_has_its_share() {
+    let (model, hand, _) = sledge();
+    let [x, y, _] = Vector3::UNITS;
+    let mut tasks = Problem::builder(&model);
+    let plane = |normal| Plane::new(hand, [0.0; 3], normal);
+    tasks.add(plane(x + y));
+    // Within a metre counts as reached.
+    let level = Task::new(plane(y)).at_level(1);
+    tasks.add(level.tolerance(Quantity::Metres, 1.0));
+    let posture = tasks.add(Posture::new(&model, &[0.0, 2.0]));
+    tasks.preferences(Preferences::Traded);
+    let problem = tasks.build().unwrap();
+    // With x = −y, ½ y² + ½ (x − a)² + ½ (y − b)² is least at y = (b − a) / 3.
+    let q = [-2.0 / 3.0, 2.0 / 3.0];
+    let mut workspace = DerivativeWorkspace::default();
+    let mut derivative = SolutionDerivative::new(&problem, &q, &mut workspace).unwrap();
+    let by_posture = derivative.by_target(posture.index()).unwrap();
+    let expected = na::dmatrix![1.0, -1.0; -1.0, 1.0] / 3.0;
+    assert!((&by_posture - expected).amax() < 1e-9, "{by_posture}");
 }
