@@ -451,3 +451,22 @@ fn cleared_parameters_are_none() {
     own.clear();
     assert_eq!(own, none);
 }
+
+/// What pulls off a limit and towards it as hard, but for rounding, leaves no derivative.
+#[test]
+fn a_limit_that_nothing_pushes_against_but_rounding_has_none() {
+    for limits in [Limits::new(0.0, 1.0), Limits::new(-1.0, 0.0)] {
+        let (model, tip) = chain(1, limits);
+        for sign in [1.0, -1.0] {
+            let mut tasks = Problem::builder(&model);
+            // In a computer 0.1 + 0.2 − 0.3 is not 0.
+            for height in [0.1, 0.2, -0.3] {
+                tasks.add(Point::new(tip, [1.0, sign * height, 0.0]));
+            }
+            let problem = tasks.build().unwrap();
+            let joint = "joint 0".to_owned();
+            let none = Existence::DoesNotExist(NoDerivative::OnLimit { joint });
+            assert_eq!(existence(&problem, &[0.0]), none, "{limits:?} {sign}");
+        }
+    }
+}
