@@ -10,6 +10,7 @@ use kinopt::io::ReadError;
 use kinopt::io::gltf::{self, Scene, SceneFile, ScenePosing, UnwritableScene, WriteOptions};
 use kinopt::skinning::SkinningMethod;
 use serde_json::Value;
+use support::folders::Folder;
 use support::gltf_text::{Numbers, at, glb, small};
 
 /// What no reader here looks at, with odd spacing and numbers whose text says more than a double holds.
@@ -213,6 +214,26 @@ fn a_clip_stands_where_numbers_may_behind_a_buffer_of_any_length() {
     assert_eq!(binary(&same), [&odd[..], &[0; 3]].concat());
 }
 
+/// Where a clip leaves a node alone, its matrix is as good as ever.
+#[test]
+fn a_node_that_no_clip_moves_keeps_its_matrix() {
+    let (numbers, rest) = small();
+    let before = numbers.document(&rest);
+    let matrix = r#""matrix":[2,0,0,0,0,2,0,0,0,0,2,0,1,2,3,1]"#;
+    assert!(before.contains(matrix));
+    let mut file = opened(before.as_bytes());
+    let (armature, upper) = (&file.scene().armature, "upper");
+    let mut builder = Clip::builder("nod", armature);
+    let turns = vec![Quat::IDENTITY, Quat::from_rotation_x(1.0)];
+    let turn = RotationCurve::slerp(vec![0.0, 1.0], turns).unwrap();
+    let bone = armature.bone(upper).unwrap();
+    builder.channel(bone, Channel::Rotation(turn)).unwrap();
+    file.add_clip(&builder.build(), &WriteOptions::default())
+        .unwrap();
+    let after = String::from_utf8(file.to_bytes().unwrap()).unwrap();
+    assert!(after.contains(matrix), "{after}");
+}
+
 /// Only the one that grows is written anew.
 #[test]
 fn a_second_buffer_stays_the_text_that_it_was() {
@@ -270,27 +291,11 @@ fn a_posed_file_shows_the_pose_where_no_clip_moves_it() {
     assert_eq!(new.clips[0].span(), old.clips[0].span());
 }
 
-/// A folder of its own, which is gone again when it is dropped.
-struct Folder(std::path::PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("kinopt-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(path.join("elsewhere")).unwrap();
-        Self(path)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
 #[test]
 fn files_beside_it_go_along_to_another_folder() {
     let folder = Folder::new("beside");
-    let path = |file: &str| folder.0.join(file);
+    std::fs::create_dir(folder.path("elsewhere")).unwrap();
+    let path = |file: &str| folder.path(file);
     let (numbers, rest) = small();
     let images = r#""images":[{"uri":"a%20coat.png"},{ "uri" : "gone.png" },{ "uri":"data:image/png;base64,AAAA" }]"#;
     let before = numbers.document(&format!("{rest},{images}"));
@@ -323,10 +328,43 @@ fn files_beside_it_go_along_to_another_folder() {
     assert!(wrong.contains(".gltf"), "{wrong}");
 }
 
+/// Were it left out without a word, the new file would name what is not there.
+#[test]
+fn what_is_beside_it_and_cannot_be_read_is_named() {
+    let folder = Folder::new("unread");
+    for own in ["elsewhere", "coat.png"] {
+        std::fs::create_dir(folder.path(own)).unwrap();
+    }
+    let (numbers, rest) = small();
+    let before = numbers.document(&format!(r#"{rest},"images":[{{"uri":"coat.png"}}]"#));
+    std::fs::write(folder.path("fox.gltf"), before).unwrap();
+    let file = SceneFile::read(folder.path("fox.gltf")).unwrap();
+    let elsewhere = folder.path("elsewhere/fox.gltf");
+    let error = file.write(&elsewhere).unwrap_err().to_string();
+    for word in ["images[0].uri", "coat.png", "not a regular file"] {
+        assert!(error.contains(word), "no {word} in {error}");
+    }
+    assert!(!elsewhere.exists());
+}
+
+/// A binary file may have its buffer in its text all the same.
+#[test]
+fn a_buffer_that_is_text_in_a_binary_file_stays_that_text() {
+    let folder = Folder::new("text-in-binary");
+    let (numbers, rest) = small();
+    let whole = numbers.document(&rest);
+    let file = opened(&glb(&whole, &IMAGE));
+    file.write(folder.path("fox.gltf")).unwrap();
+    let written = std::fs::read(folder.path("fox.gltf")).unwrap();
+    let read = scene(&written);
+    assert_eq!(read.meshes, file.scene().meshes);
+    assert_eq!(read.clips, file.scene().clips);
+}
+
 #[test]
 fn text_becomes_binary_and_back() {
     let folder = Folder::new("kinds");
-    let path = |file: &str| folder.0.join(file);
+    let path = |file: &str| folder.path(file);
     let (numbers, rest, _) = file();
     std::fs::write(path("text.gltf"), numbers.document(&rest)).unwrap();
     std::fs::write(path("binary.glb"), numbers.glb(&rest)).unwrap();

@@ -2,36 +2,11 @@
 //! nothing is left beside; what is no file, or longer than any such file, is not read.
 #![allow(clippy::unwrap_used)]
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use kinopt::io::ply::{self, PlyEncoding};
 use kinopt::io::{Place, ReadProblem, cones};
-
-/// A folder of one test, taken away with what is in it.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let own = format!("kinopt-written-{name}-{}", std::process::id());
-        let folder = std::env::temp_dir().join(own);
-        std::fs::create_dir_all(&folder).unwrap();
-        Self(folder)
-    }
-
-    fn names(&self) -> Vec<String> {
-        let entries = std::fs::read_dir(&self.0).unwrap();
-        let name = |entry: std::io::Result<std::fs::DirEntry>| entry.unwrap().file_name();
-        let mut names: Vec<String> = entries.map(|e| name(e).into_string().unwrap()).collect();
-        names.sort();
-        names
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
+use support::folders::Folder;
 
 fn written(path: &Path, encoding: PlyEncoding) -> Vec<u8> {
     let mesh = ply::from_bytes(support::small_rig::PLY.as_bytes(), "small.ply").unwrap();
@@ -41,15 +16,15 @@ fn written(path: &Path, encoding: PlyEncoding) -> Vec<u8> {
 
 #[test]
 fn a_file_is_written_again_and_nothing_is_left_beside() {
-    let folder = Folder::new("again");
-    let path = folder.0.join("mesh.ply");
+    let folder = Folder::new("written-again");
+    let path = folder.path("mesh.ply");
     for encoding in [PlyEncoding::Ascii, PlyEncoding::BinaryBigEndian] {
         let bytes = written(&path, encoding);
         assert_eq!(std::fs::read(&path).unwrap(), bytes);
         assert_eq!(folder.names(), ["mesh.ply"]);
     }
     let mesh = ply::read(&path).unwrap();
-    for nowhere in [folder.0.clone(), folder.0.join("none/mesh.ply")] {
+    for nowhere in [folder.path(""), folder.path("none/mesh.ply")] {
         let error = ply::write(&mesh, PlyEncoding::Ascii, &nowhere).unwrap_err();
         assert_eq!(error.file, nowhere.display().to_string());
     }
@@ -60,8 +35,8 @@ fn a_file_is_written_again_and_nothing_is_left_beside() {
 #[test]
 fn a_link_stays_a_link_and_rights_stay() {
     use std::os::unix::fs::{PermissionsExt, symlink};
-    let folder = Folder::new("links");
-    let (own, other) = (folder.0.join("own"), folder.0.join("other"));
+    let folder = Folder::new("written-links");
+    let (own, other) = (folder.path("own"), folder.path("other"));
     for part in [&own, &other] {
         std::fs::create_dir(part).unwrap();
     }
@@ -89,11 +64,11 @@ fn a_link_stays_a_link_and_rights_stay() {
 
 #[test]
 fn what_is_no_file_or_too_long_is_not_read() {
-    let folder = Folder::new("long");
-    let of_folder = cones::read(&folder.0).unwrap_err();
+    let folder = Folder::new("written-long");
+    let of_folder = cones::read(folder.path("")).unwrap_err();
     assert_eq!(of_folder.place, Place::File);
     assert!(of_folder.to_string().ends_with(": is not a regular file"));
-    let path = folder.0.join("long.json");
+    let path = folder.path("long.json");
     let long = std::fs::File::create(&path).unwrap();
     for (length, is_too_long) in [(1 << 24, false), ((1 << 24) + 1, true)] {
         long.set_len(length).unwrap();
@@ -104,4 +79,23 @@ fn what_is_no_file_or_too_long_is_not_read() {
         };
         assert_eq!(limit, is_too_long.then_some(1 << 24));
     }
+}
+
+/// Each has a file of its own beside it until it is whole.
+#[test]
+fn files_of_one_folder_are_written_at_the_same_time() {
+    let folder = Folder::new("written-together");
+    let encodings = [PlyEncoding::Ascii, PlyEncoding::BinaryLittleEndian];
+    let files = [0, 1].map(|own| folder.path(&format!("{own}.ply")));
+    std::thread::scope(|scope| {
+        for (path, encoding) in files.iter().zip(encodings) {
+            scope.spawn(move || {
+                for _ in 0..100 {
+                    let bytes = written(path, encoding);
+                    assert_eq!(std::fs::read(path).unwrap(), bytes);
+                }
+            });
+        }
+    });
+    assert_eq!(folder.names(), ["0.ply", "1.ply"]);
 }

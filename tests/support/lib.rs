@@ -21,6 +21,7 @@ pub mod changed_xml;
 pub mod classics;
 pub mod convex_shapes;
 pub mod figures;
+pub mod folders;
 pub mod follower_chains;
 pub mod gltf_text;
 pub mod kept_limits;
