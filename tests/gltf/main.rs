@@ -9,3 +9,4 @@ mod meshes;
 mod of_skeletons;
 mod round_trips;
 mod sampled_curves;
+mod written_scenes;

@@ -386,6 +386,27 @@ fn animations() {
     says(&keys(&[[0.0], [1.0]], &[zero]), &["1 values for 2 keys"]);
 }
 
+/// What a mesh without morph targets cannot follow.
+#[test]
+fn weights_without_targets() {
+    let mut numbers = Numbers::default();
+    let corners = numbers.floats(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    let ends = numbers.floats(&[[0.0], [1.0]]);
+    let error = numbers.refused(&format!(
+        r#""nodes":[{{"name":"hip","mesh":0}}],"meshes":[{{"name":"tube","primitives":[{{"attributes":{{"POSITION":{corners}}}}}]}}],
+        "animations":[{{"name":"hop","samplers":[{{"input":{ends},"output":{ends}}}],"channels":[{{"sampler":0,"target":{{"node":0,"path":"weights"}}}}]}}]"#
+    ));
+    says(
+        &error,
+        &[
+            "animations[0].samplers[0]",
+            "`hop`",
+            "node `hip`",
+            "mesh `tube` has no morph targets",
+        ],
+    );
+}
+
 #[test]
 fn numbers_that_are_not_finite() {
     let refused = |positions: [[f32; 3]; 3], weights: [[f32; 4]; 3]| {

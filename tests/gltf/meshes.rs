@@ -270,6 +270,23 @@ fn weights_are_put_right_and_that_is_said() {
     assert_eq!(repair.worst.unwrap().0, 2);
 }
 
+#[test]
+fn weights_that_are_half_of_what_they_should_be_are_told_too() {
+    let mut numbers = Numbers::default();
+    let positions = numbers.floats(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    let joints = numbers.bytes(&[[0; 4]; 3], "");
+    let weights = numbers.floats(&[[0.5, 0.0, 0.0, 0.0]; 3]);
+    let scene = numbers.read(&format!(
+        r#""nodes":[{{"mesh":0,"skin":0}},{{"name":"a"}}],"skins":[{{"joints":[1]}}],
+        "meshes":[{{"name":"skin","primitives":[{{"attributes":{{"POSITION":{positions},"JOINTS_0":{joints},"WEIGHTS_0":{weights}}}}}]}}]"#
+    ));
+    let told = scene.notes.iter().find_map(|note| match note {
+        Note::Weights { repair, merged, .. } => Some((repair.rescaled, *merged)),
+        _ => None,
+    });
+    assert_eq!(told, Some((3, 0)));
+}
+
 /// Bytes as fractions: of the signed ones the lowest stands for −1 as well (section 3.6.2.2). And the last
 /// entry of an interleaved view need not be followed by the room that is between the others.
 #[test]

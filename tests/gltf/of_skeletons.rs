@@ -13,6 +13,10 @@ fn the_skin_goes_where_the_rig_s_does() {
     let mut scene = Scene::of_skeleton(&rig.skeleton, Some((mesh, weights))).unwrap();
     // Targets that it is given later have the armature's first weights.
     assert_eq!(scene.meshes[0].first_morph_weight, 0);
+    // The mesh has a bone of its own, which stands at rest as any does.
+    let bones = scene.armature.bones();
+    assert_eq!(bones, rig.skeleton.bones().len() + 1);
+    assert_eq!(scene.armature.rest_from_model().len(), bones);
     let mut builder = Clip::builder("keys", &scene.armature);
     builder.euler_clip(&rig.clip).unwrap();
     let clip = builder.build();
