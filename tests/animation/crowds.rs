@@ -10,7 +10,7 @@ use kinopt::animation::rotation::RotationCurve;
 use kinopt::animation::{
     Armature, Channel, Clip, Crowd, Cursor, Limb, LimbGoal, Playback, PlayingClip, SizeMismatch,
 };
-use support::armatures::{armature, rotation, vector};
+use support::armatures::{armature, difference, rotation, vector};
 use support::random::Random;
 
 fn clip(name: &str, armature: &Armature, random: &mut Random) -> Arc<Clip> {
@@ -147,4 +147,21 @@ fn without_clips_limbs_reach_from_rest() {
         limb.reach(crowd.armature(), &mut pose, &wanted).unwrap();
         assert_eq!(crowd.characters()[CHARACTERS].pose(), &pose, "{weight}");
     }
+}
+
+/// A second clip is all that is seen until its share says otherwise.
+#[test]
+fn a_clip_plays_in_full_unless_it_is_told() {
+    let random = &mut Random::new(8);
+    let armature = armature(3, random);
+    let [first, second] = ["walk", "run"].map(|name| clip(name, &armature, random));
+    let frame = |clips: Vec<Arc<Clip>>| {
+        let mut crowd = Crowd::new(armature.clone(), Vec::new());
+        let playing: Vec<_> = clips.into_iter().map(PlayingClip::new).collect();
+        crowd.add(playing).unwrap();
+        crowd.advance(0.4).unwrap();
+        crowd.characters()[0].pose().clone()
+    };
+    let [both, alone] = [vec![first, second.clone()], vec![second]].map(frame);
+    assert!(difference(&both, &alone) < 1e-6);
 }

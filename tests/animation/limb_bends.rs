@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Quat, Vec3A};
-use kinopt::animation::{Limb, LimbError, LimbGoal};
-use support::armatures::{rotation, vector};
+use kinopt::animation::{Armature, Limb, LimbError, LimbGoal};
+use support::armatures::{bone, rotation, vector};
 use support::limbs::{END, arm, bent, largest_turn, limb, places, reachable, turn};
 use support::random::Random;
 
@@ -57,7 +57,7 @@ fn a_straight_limb_without_a_pole_does_not_roll() {
 }
 
 /// The arm stretched along x, where its end is 0.55 from its root.
-fn stretched(random: &mut Random) -> (kinopt::animation::Armature, kinopt::animation::Pose) {
+fn stretched(random: &mut Random) -> (Armature, kinopt::animation::Pose) {
     let armature = arm();
     let mut pose = bent(&armature, random);
     let lower = armature.bone("lower").unwrap();
@@ -94,6 +94,34 @@ fn a_stretched_limb_bends_about_its_hinge_the_way_it_may() {
         let mut posed = pose.clone();
         limb.reach(&armature, &mut posed, &goal).unwrap();
         assert!(largest_turn(&pose, &posed) < 0.05);
+    }
+}
+
+/// Its end is at its root, so that there is no way to it.
+#[test]
+fn a_limb_that_is_folded_moves_as_one_that_nearly_is() {
+    let bones = vec![
+        bone("upper", None, Vec3A::ZERO),
+        bone("lower", Some(0), Vec3A::X * 0.25),
+    ];
+    let armature = Armature::new(bones, Vec::new()).unwrap();
+    let [upper, lower] = [0, 1].map(|index| armature.bone_at(index).unwrap());
+    let limb = Limb::new(&armature, upper, lower, Vec3A::X * 0.25).unwrap();
+    let limb = limb.with_hinge(Vec3A::Z).unwrap();
+    let mut random = Random::new(101);
+    for _ in 0..20 {
+        let target = rotation(&mut random, 3.0) * Vec3A::X * random.within(0.1, 0.4) as f32;
+        // Exactly half a turn, and a hundredth of a radian less.
+        let nearly = Quat::from_rotation_z(std::f32::consts::PI - 0.01);
+        let [folded, near] = [Quat::from_xyzw(0.0, 0.0, 1.0, 0.0), nearly].map(|elbow| {
+            let mut pose = armature.rest().clone();
+            turn(&armature, &mut pose, "lower", elbow);
+            limb.reach(&armature, &mut pose, &LimbGoal::at(target))
+                .unwrap();
+            pose
+        });
+        let apart = largest_turn(&folded, &near);
+        assert!(apart < 0.1, "{apart}");
     }
 }
 

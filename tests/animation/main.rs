@@ -7,6 +7,7 @@ mod averaged_rotations;
 mod baked_clips;
 mod ball_skeletons;
 mod blend_states;
+mod clip_channels;
 mod clip_events;
 mod clip_names;
 mod clips;

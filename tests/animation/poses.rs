@@ -257,12 +257,22 @@ fn bad_armatures_and_sizes_are_named_errors() {
     assert_eq!(ring, ArmatureError::ParentNotBefore { bone: "a".into() });
     let twice = build(vec![bone("a", None), bone("a", Some(0))]).unwrap_err();
     assert!(twice.to_string().contains("`a` is used twice"));
-    for rotation in [
-        Quat::from_xyzw(0.0, 0.0, 0.0, 0.0),
-        Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0),
+    let rest = LocalTransform::IDENTITY;
+    let turned = |rotation| LocalTransform { rotation, ..rest };
+    for rest in [
+        turned(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)),
+        turned(Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0)),
+        LocalTransform {
+            translation: Vec3A::new(0.0, f32::NAN, 0.0),
+            ..rest
+        },
+        LocalTransform {
+            scale: Vec3A::new(1.0, 1.0, f32::INFINITY),
+            ..rest
+        },
     ] {
         let mut odd = bone("odd", None);
-        odd.rest.rotation = rotation;
+        odd.rest = rest;
         let error = build(vec![odd]).unwrap_err();
         assert_eq!(error, ArmatureError::BadRest { bone: "odd".into() });
     }

@@ -296,6 +296,8 @@ fn bad_keys_are_named_errors_or_are_repaired_and_reported() {
             what: "value"
         }
     ));
+    let several = curve(&[0.0, 1.0, 2.0], &[0.0, f32::NAN, f32::NAN]).unwrap_err();
+    assert!(several.to_string().contains("key 1"), "{several}");
     let count = curve(&[0.0], &[1.0, 2.0]).unwrap_err();
     assert_eq!(count.to_string(), "2 values for 1 keys");
     let tangents = KeyedCurve::cubic(vec![0.0], vec![1.0], vec![[f32::NAN; 2]]).unwrap_err();

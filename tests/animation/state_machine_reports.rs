@@ -259,7 +259,7 @@ fn data_survives_a_round_trip() {
 fn numbers_that_are_none_are_refused_with_their_place() {
     let definition: StateMachineDefinition = serde_json::from_str(MACHINE).unwrap();
     type Damage = fn(&mut StateMachineDefinition);
-    let damages: [(Damage, &str); 4] = [
+    let damages: [(Damage, &str); 6] = [
         (
             |d| d.transitions[0].seconds = f64::NAN,
             "transitions[0].seconds",
@@ -273,6 +273,14 @@ fn numbers_that_are_none_are_refused_with_their_place() {
             "transitions[2].after_seconds",
         ),
         (|d| d.states[1].speed = f64::NAN, "states[1].speed"),
+        (
+            |d| d.transitions[0].when[0].above = Some(f32::NAN),
+            "transitions[0].when[0].above",
+        ),
+        (
+            |d| d.transitions[0].when[0].below = Some(f32::INFINITY),
+            "transitions[0].when[0].below",
+        ),
     ];
     for (damage, path) in damages {
         let mut bad = definition.clone();
