@@ -144,6 +144,30 @@ fn what_does_not_close_is_refused() {
     );
 }
 
+/// One column in a hundred may be open.
+#[test]
+fn a_small_hole_takes_no_more_than_is_in_it() {
+    let whole = cuboid([0.0; 3], [4.0, 4.0, 1.0]);
+    for (side, is_open) in [(0.25_f32, false), (1.0, true)] {
+        // A corner of the top is cut off.
+        let mut corners = whole.positions().to_vec();
+        corners.extend([Vec3::new(side, 0.0, 1.0), Vec3::new(0.0, side, 1.0)]);
+        let rest = whole.triangles().iter().filter(|own| **own != [4, 5, 6]);
+        let mut triangles: Vec<_> = rest.copied().collect();
+        triangles.extend([[8, 5, 6], [8, 6, 9]]);
+        let holed = TriangleMesh::new(corners, Vec::new(), triangles).unwrap();
+        let volumes = bone_volumes(&holed, &weights(|_| [1.0, 0.0], 10));
+        match is_open {
+            true => assert_eq!(volumes.unwrap_err(), VolumeError::Open),
+            false => near(
+                volumes.unwrap()[0].volume,
+                16.0 - f64::from(side * side / 2.0),
+                0.02,
+            ),
+        }
+    }
+}
+
 #[test]
 fn a_rig_weighs_what_its_mesh_holds() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/humanoid/humanoid.json");

@@ -11,6 +11,7 @@ mod linear_blend_skinning;
 mod morph_targets;
 mod packed_skinning;
 mod point_handles;
+mod portable_paths;
 mod skin_weights;
 mod skinned_bounds;
 mod skinning_same_bits;

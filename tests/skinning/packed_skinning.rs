@@ -102,6 +102,11 @@ fn dual_quaternions_that_stretch() {
         fast.set_transforms(&turned).unwrap();
         let rigid = rest.deformed(&PackedDualQuaternionBlend::new(&packed, &turned).unwrap());
         assert_eq!(rest.deformed(&fast).positions, rigid.positions);
+        // Nor does a refusal leave anything stretched behind.
+        fast.set_stretched(&mirror, &pivots).unwrap_err();
+        let rigid = PackedDualQuaternionBlend::new(&packed, &turned).unwrap();
+        let rigid = rest.deformed(&rigid.portable()).positions;
+        assert_eq!(rest.deformed(&fast.portable()).positions, rigid);
     }
 }
 

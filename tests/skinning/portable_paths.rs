@@ -1,0 +1,55 @@
+//! Promise: `KINOPT_PORTABLE` has a process take the paths of every processor, unless it is empty or 0.
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+use std::process::Command;
+
+use glam::Affine3A;
+use kinopt::skinning::{PackedLinearBlend, PackedWeights};
+use support::random::Random;
+use support::skins::{Vertices, rigid, weights};
+
+/// Tells the test that it is the process that is asked.
+const ASKED: &str = "KINOPT_TESTS_ASK_FOR_THE_PATH";
+
+/// Whether this process takes the portable path: a product and a sum are rounded once in the other.
+fn is_portable() -> bool {
+    let mut random = Random::new(9);
+    let (count, bones) = (500, 5);
+    let weights = weights(&mut random, count, bones, 4);
+    let packed = PackedWeights::new(&weights).unwrap();
+    let rest = Vertices::random(&mut random, count);
+    let transforms: Vec<Affine3A> = (0..bones).map(|_| rigid(&mut random)).collect();
+    let blend = PackedLinearBlend::new(&packed, &transforms).unwrap();
+    rest.deformed(&blend).positions == rest.deformed(&blend.portable()).positions
+}
+
+#[test]
+fn only_what_asks_for_them_takes_them() {
+    if std::env::var_os(ASKED).is_some() {
+        println!("portable: {}", is_portable());
+        return;
+    }
+    let takes_them = |value: Option<&str>| {
+        let mut own = Command::new(std::env::current_exe().unwrap());
+        let test = "portable_paths::only_what_asks_for_them_takes_them";
+        own.args(["--exact", test, "--nocapture"]);
+        own.env(ASKED, "1").env_remove("KINOPT_PORTABLE");
+        own.envs(value.map(|value| ("KINOPT_PORTABLE", value)));
+        let output = own.output().unwrap();
+        let text = String::from_utf8_lossy(&output.stdout);
+        let [yes, no] = [true, false].map(|is| text.contains(&format!("portable: {is}")));
+        assert!(output.status.success() && yes != no, "{text}");
+        yes
+    };
+    let by_itself = takes_them(None);
+    for value in ["", "0"] {
+        assert_eq!(takes_them(Some(value)), by_itself, "{value}");
+    }
+    for value in ["1", "yes"] {
+        assert!(takes_them(Some(value)), "{value}");
+    }
+    #[cfg(target_arch = "x86_64")]
+    if std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma") {
+        assert!(!by_itself);
+    }
+}
