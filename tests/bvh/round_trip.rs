@@ -335,6 +335,25 @@ fn every_tip_that_stands_still_is_an_end_site() {
     assert_eq!(read(&text).armature.names(), names);
 }
 
+/// An End Site has no joints on it.
+#[test]
+fn a_tip_that_something_hangs_on_is_a_joint() {
+    let still = |name, parent| bone(name, parent, Vec3A::Y, Quat::IDENTITY);
+    let bones = vec![
+        still("hips", None),
+        still("hips/tip", Some(0)),
+        still("hat", Some(1)),
+    ];
+    let armature = Armature::new(bones, Vec::new()).unwrap();
+    let poses = [armature.rest().clone()];
+    let text = bvh::poses_to_text(&armature, &poses, 30.0).unwrap();
+    let back = read(&text);
+    for [own, other] in pairs(&armature, &back.armature) {
+        let [own, other] = [placed(&armature, &poses[0])[own], frame(&back, 0)[other]];
+        assert!(own.abs_diff_eq(other, 1e-6));
+    }
+}
+
 #[test]
 fn what_the_format_cannot_say_is_refused() {
     let good = armature(false);

@@ -127,6 +127,13 @@ fn parameter_maps_of_balls() {
     ] {
         refused::<ParameterMap>(&text, [from, to], what);
     }
+    // Of two variables a ball is not turned.
+    let mut short: serde_json::Value = serde_json::from_str(&text).unwrap();
+    for part in ["leaders", "bounds"] {
+        short[part].as_array_mut().unwrap().pop();
+    }
+    let error = serde_json::from_value::<ParameterMap>(short).unwrap_err();
+    assert!(error.to_string().contains("balls"), "{error}");
 }
 
 fn refused<T: DeserializeOwned>(text: &str, [from, to]: [&str; 2], what: &str) {

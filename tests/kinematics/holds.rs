@@ -239,6 +239,21 @@ fn a_short_bone_on_a_limb_takes_nothing_from_it() {
     }
 }
 
+/// It would be held where nothing can move it from.
+#[test]
+fn a_long_limb_that_cannot_move_is_not_held() {
+    let pole = [
+        ("pole", Some(2), [0.0, 1.0], LOCKED),
+        ("pole's top", Some(CHARACTER.len()), [-1.0, 1.8], LOCKED),
+    ];
+    let mut bones = CHARACTER.to_vec();
+    bones.extend(pole);
+    for dragged in ["left hand", "right foot", "hips"] {
+        let [one, other] = [character(), skeleton(&bones)].map(|s| held(&s, &[dragged]));
+        assert_eq!(one, other, "{dragged}");
+    }
+}
+
 /// A back keeps five times as strongly to its posture as limbs do.
 #[test]
 fn a_back_is_stiffer_than_limbs() {

@@ -126,6 +126,16 @@ fn loops_are_the_models_with_their_names_unless_they_are_inactive() {
     assert!(robot.mimics().is_empty() && robot.repairs().is_empty());
 }
 
+/// Also one that the file gives to a later loop.
+#[test]
+fn a_loop_without_a_name_takes_none_of_another_s() {
+    let robot =
+        robot(r#"<weld body1="c"/><connect name="c/weld" body1="a" body2="c" anchor="1 0 0"/>"#);
+    let loops = robot.model().loops();
+    let names: Vec<_> = loops.iter().map(|closed| closed.name.as_str()).collect();
+    assert_eq!(names, ["c/weld/2", "c/weld"]);
+}
+
 #[test]
 fn what_is_held_to_a_mocap_body_is_no_loop() {
     let text = r#"<mujoco><worldbody><body name="hand"><freejoint/><site name="palm"/></body>

@@ -85,6 +85,27 @@ fn ply_files_that_are_malformed() {
     }
 }
 
+/// By the sizes of Turk's format.
+#[test]
+fn what_a_ply_header_announces_is_counted_in_bytes() {
+    for (kinds, width) in [
+        (["char", "uchar"], 1),
+        (["short", "ushort"], 2),
+        (["int", "uint"], 4),
+        (["float", "float"], 4),
+        (["double", "double"], 8),
+    ] {
+        for kind in kinds {
+            let message = ply_error(format!(
+                "ply\nformat binary_little_endian 1.0\nelement vertex 1000\nproperty float x\nproperty float y\n\
+                property float z\nproperty {kind} extra\nelement face 0\nproperty list int int vertex_indices\nend_header\n"
+            ));
+            let needed = format!("{}", 1000 * (3 * 4 + width));
+            assert!(message.to_string().contains(&needed), "{kind}: {message}");
+        }
+    }
+}
+
 #[test]
 fn binary_ply_files_that_are_malformed() {
     let header = "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty double x\n\
