@@ -2,19 +2,33 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use argmin::core::observers::ObserverMode;
-use argmin::core::{Error, Executor, IterState, KV, Problem as Counted, Solver};
+use argmin::core::{Error, Executor, Hessian, IterState, KV, Problem as Counted, Solver, State};
 use argmin_checkpointing_file::{CheckpointingFrequency, FileCheckpoint};
 use kinopt::Problem;
 use kinopt::argmin_bridge::{BoundedProblem, ExecutorMethod, UnboundedProblem};
-use kinopt::model::{Limits, ParameterMap};
-use kinopt::solver::{GaussNewton, LevenbergMarquardt, Termination};
-use kinopt::task::Point;
+use kinopt::model::{JointId, Limits, ParameterMap, ParameterMapBuilder};
+use kinopt::solver::{GaussNewton, LeastSquares, LevenbergMarquardt, Termination};
+use kinopt::task::{Point, Quantity, Task};
 use nalgebra::{DMatrix, DVector};
 
 use crate::bent_arm::{arm, point_within_reach, reachable};
 use crate::promises::Interruption;
 
 const START: [f64; 7] = [0.1, 0.3, -0.2, -1.0, 0.2, 0.6, 0.05];
+
+/// The point within reach, for six joints of seven.
+/// A problem of the arm in the parameters that are left of its second joint.
+fn with_second_joint(
+    left: impl Fn(ParameterMapBuilder<'_>, JointId) -> ParameterMapBuilder<'_>,
+) -> Problem {
+    let model = arm();
+    let mut builder = Problem::builder(&model);
+    builder.add(Point::new(model.frame("tip").unwrap(), [0.5, 0.3, 0.8]));
+    let joint = model.joint("joint 2").unwrap();
+    let map = left(ParameterMap::builder(&model), joint);
+    builder.parameters(map.build().unwrap());
+    builder.build().unwrap()
+}
 
 #[test]
 fn a_method_that_has_run_runs_again() {
@@ -39,6 +53,66 @@ fn a_method_that_has_run_runs_again() {
 }
 
 #[test]
+fn a_run_of_another_problem_is_no_solution() {
+    let (problem, other) = (
+        reachable(),
+        with_second_joint(|map, joint| map.with_locked(joint, 0.1)),
+    );
+    let (bounded, other) = (BoundedProblem::new(&problem), BoundedProblem::new(&other));
+    let start = bounded.start(&START).unwrap();
+    let run = Executor::new(bounded.clone(), ExecutorMethod::new(GaussNewton::default()))
+        .configure(|state| state.param(start).max_iters(3))
+        .run()
+        .unwrap();
+    assert!(bounded.solution(&run).is_ok());
+    let error = other.solution(&run).unwrap_err().to_string();
+    assert_eq!(error, "the argmin run has 7 variables, the problem has 6");
+}
+
+/// As argmin's observers and tests of convergence look at it.
+#[test]
+fn a_state_has_the_gradient_of_its_own_place() {
+    let problem = reachable();
+    let bounded = BoundedProblem::new(&problem);
+    let start = bounded.start(&START).unwrap();
+    let method = ExecutorMethod::new(LevenbergMarquardt::default());
+    for steps in [1, 3] {
+        let run = Executor::new(bounded.clone(), method.clone())
+            .configure(|state| state.param(start.clone()).max_iters(steps))
+            .run()
+            .unwrap();
+        let state = run.state();
+        let (at, mut own) = (state.get_param().unwrap(), bounded.clone());
+        let mut residual = DVector::zeros(own.rows());
+        let mut jacobian = DMatrix::zeros(own.rows(), at.len());
+        own.residual(at.as_slice(), residual.as_mut_slice());
+        own.jacobian(at.as_slice(), &mut jacobian);
+        let off = jacobian.tr_mul(&residual) - state.get_gradient().unwrap();
+        assert!(off.amax() < 1e-12, "{off}");
+    }
+}
+
+/// Its floor is a share of its largest entry, whatever that is.
+#[test]
+fn a_hessian_goes_with_the_squares_of_the_weights() {
+    let model = arm();
+    let hessian = |weight: f64| {
+        let mut builder = Problem::builder(&model);
+        let tip = Point::new(model.frame("tip").unwrap(), [0.5, 0.3, 0.8]);
+        builder.add(Task::new(tip).weight(Quantity::Metres, weight));
+        let problem = builder.build().unwrap();
+        let unbounded = UnboundedProblem::new(&problem);
+        let y = unbounded.start(&START).unwrap();
+        unbounded.hessian(&y).unwrap() / (weight * weight)
+    };
+    let whole = hessian(1.0);
+    for weight in [1e-6, 1e3] {
+        let off = (hessian(weight) - &whole).amax();
+        assert!(off < 1e-13 * whole.amax(), "{weight}: {off:e}");
+    }
+}
+
+#[test]
 fn a_checkpoint_of_another_problem_is_refused() {
     let folder = std::env::temp_dir().join(format!("kinopt-other-{}", std::process::id()));
     let kept = || {
@@ -56,17 +130,10 @@ fn a_checkpoint_of_another_problem_is_refused() {
     assert!(stopped.is_err());
 
     // Of fewer joints, and of one that does not come to where the search stood.
-    let model = arm();
-    let joint = model.joint("joint 2").unwrap();
-    let own = || ParameterMap::builder(&model);
-    for map in [
-        own().with_locked(joint, 0.1),
-        own().with_narrowed(joint, Limits::new(1.0, 1.2)),
+    for other in [
+        with_second_joint(|map, joint| map.with_locked(joint, 0.1)),
+        with_second_joint(|map, joint| map.with_narrowed(joint, Limits::new(1.0, 1.2))),
     ] {
-        let mut builder = Problem::builder(&model);
-        builder.add(Point::new(model.frame("tip").unwrap(), [0.5, 0.3, 0.8]));
-        builder.parameters(map.build().unwrap());
-        let other = builder.build().unwrap();
         let other = BoundedProblem::new(&other);
         let start = other.start(&START).unwrap();
         let resumed = Executor::new(other, ExecutorMethod::new(GaussNewton::default()))
