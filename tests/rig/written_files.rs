@@ -81,6 +81,21 @@ fn what_is_no_file_or_too_long_is_not_read() {
     }
 }
 
+/// What is written beside the file goes to where no byte fits.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_leaves_the_file_that_was_there() {
+    let folder = Folder::new("written-full");
+    let path = folder.path("mesh.ply");
+    let bytes = written(&path, PlyEncoding::Ascii);
+    let mesh = ply::read(&path).unwrap();
+    std::os::unix::fs::symlink("/dev/full", folder.path(".part.mesh.ply")).unwrap();
+    let error = ply::write(&mesh, PlyEncoding::BinaryBigEndian, &path).unwrap_err();
+    assert_eq!(error.file, path.display().to_string());
+    assert_eq!(std::fs::read(&path).unwrap(), bytes);
+    assert_eq!(folder.names(), ["mesh.ply"]);
+}
+
 /// Each has a file of its own beside it until it is whole.
 #[test]
 fn files_of_one_folder_are_written_at_the_same_time() {
