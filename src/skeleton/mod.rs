@@ -196,7 +196,7 @@ fn compile(name: String, bones: &[Bone]) -> Result<Model, SkeletonError> {
     builder.length_unit(LengthUnit::Own);
     let mut order = Vec::with_capacity(ANGLES_PER_BONE * bones.len());
     let mut last_joint: Vec<JointId> = Vec::with_capacity(bones.len());
-    let mut taken: HashSet<String> = bones.iter().map(|bone| bone.name.clone()).collect();
+    let taken: HashSet<&str> = bones.iter().map(|bone| bone.name.as_str()).collect();
     for bone in bones {
         let (parent, parent_from_bone) = match bone.parent {
             Some(parent) => {
@@ -225,22 +225,20 @@ fn compile(name: String, bones: &[Bone]) -> Result<Model, SkeletonError> {
 
         builder.frame(bone.name.clone(), Some(twist1), still);
         let tip = Vector3::new(bone.length, 0.0, 0.0);
-        let tip_name = free_name(format!("{}/tip", bone.name), &mut taken);
+        let tip_name = free_name(format!("{}/tip", bone.name), &taken);
         builder.frame(tip_name, Some(twist1), Placement::translation(tip));
     }
     builder.configuration_order(order);
     Ok(builder.build()?)
 }
 
-/// The name, or the first one with a number after it that is not taken; it is taken then.
-fn free_name(name: String, taken: &mut HashSet<String>) -> String {
+/// The name, or the first one with a number after it that no bone has. As bones' own names differ, so do these.
+fn free_name(name: String, taken: &HashSet<&str>) -> String {
     let numbered = (2..).map(|number| format!("{name}/{number}"));
     let free = std::iter::once(name.clone())
         .chain(numbered)
-        .find(|name| !taken.contains(name));
-    let free = free.unwrap_or(name);
-    taken.insert(free.clone());
-    free
+        .find(|name| !taken.contains(name.as_str()));
+    free.unwrap_or(name)
 }
 
 #[cfg(feature = "serde")]

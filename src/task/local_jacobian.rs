@@ -110,7 +110,8 @@ impl LocalJacobian {
 
     /// ∂r/∂value of a joint, to write; empty for a joint that the residual does not read.
     pub fn joint_mut(&mut self, joint: usize) -> &mut [f64] {
-        if self.columns.iter().any(|column| column.count < self.rows) || self.columns.is_empty() {
+        let is_dense = |column: &Column| column.count == self.rows;
+        if self.columns.len() < self.joint_count || !self.columns.iter().all(is_dense) {
             self.make_dense();
         }
         let range = self.range(joint);

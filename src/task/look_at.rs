@@ -98,7 +98,7 @@ pub(super) fn turn_onto<S: Scalar>(axis: Vector3<S>, sight: Vector3<S>) -> Vecto
     turn.log()
 }
 
-/// Some unit vector across a unit vector.
+/// Some vector across a unit vector, of at least half its length.
 fn across<S: Scalar>(unit: Vector3<S>) -> Vector3<S> {
     let along_x = S::constant(0.5).less_than(unit.x.abs());
     let (zero, one) = (S::zero(), S::one());
@@ -107,6 +107,5 @@ fn across<S: Scalar>(unit: Vector3<S>) -> Vector3<S> {
         S::select(along_x, one, zero),
         zero,
     );
-    let across = unit.cross(other);
-    across * (S::one() / across.norm())
+    unit.cross(other)
 }

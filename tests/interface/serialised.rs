@@ -409,6 +409,19 @@ fn what_is_wrong_is_refused() {
         assert!(error.to_string().contains(&told), "{error}");
     }
 
+    let turns = vec![Quat::IDENTITY; 3];
+    let curves = [RotationCurve::squad, RotationCurve::smooth];
+    for (curve, kind) in curves.into_iter().zip(["Squad", "Hermite"]) {
+        let curve = curve(vec![0.0, 1.0, 2.0], turns.clone()).unwrap();
+        for key in 0..3 {
+            let mut parts = serde_json::to_value(&curve).unwrap();
+            parts["between"][kind][key][0] = 1e39.into();
+            let error = serde_json::from_value::<RotationCurve>(parts).unwrap_err();
+            let told = format!("key {key}: the tangent");
+            assert!(error.to_string().contains(&told), "{error}");
+        }
+    }
+
     let backwards = r#"[[{"bone":0,"keys":[{"time":1.0,"angles":[0,0,0]},
         {"time":0.5,"angles":[0,0,0]}]},"Linear"]]"#;
     let error = serde_json::from_str::<EulerClip>(backwards).unwrap_err();

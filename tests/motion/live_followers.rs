@@ -262,6 +262,37 @@ fn a_limb_on_a_ball_is_led() {
     assert!(errors.iter().all(|error| *error < 2e-3), "{errors:?}");
 }
 
+/// A limb that has no length on the robot ends where it begins, however long the person's is.
+#[test]
+fn a_limb_of_no_length_pulls_at_nothing() {
+    let mut builder = Model::builder("one armed");
+    let [x, _, z] = Vector3::UNITS;
+    builder.frame("torso", None, Placement::identity());
+    let turns = Limits::new(-2.0, 2.0);
+    let shoulder = builder.revolute("shoulder", None, Placement::identity(), z, turns);
+    let hand = builder.fixed("wrist", Some(shoulder), Placement::translation(x * 0.5));
+    builder.frame("hand", Some(hand), Placement::identity());
+    let grip = builder.revolute("grip", Some(hand), Placement::identity(), x, turns);
+    builder.frame("fingers", Some(grip), Placement::identity());
+    let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
+    let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
+    let map = r#"{"joints": ["hips", "hand", "fingers"],
+        "drives": {"hips": "torso", "hand": "hand", "fingers": "fingers"}}"#;
+    let map = BodyMap::from_json(map, "").unwrap();
+    let places = (0..20).flat_map(|frame| {
+        let (sin, cos) = (0.05 * f64::from(frame)).sin_cos();
+        let at = |far: f64| [far * cos, far * sin, 0.9];
+        [[0.0, 0.0, 0.9], at(0.5), at(0.7)].concat()
+    });
+    let places: Vec<f64> = places.collect();
+    let capture = Capture::new(map.joints.clone(), &places, 30.0).unwrap();
+    let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default());
+    let retargeting = retargeting.unwrap();
+    let found = retargeting.per_frame().unwrap();
+    let errors = retargeting.errors(&found).unwrap();
+    assert!(errors.iter().all(|error| *error < 2e-3), "{errors:?}");
+}
+
 /// A joint that is turned by another, which moves nothing else that is followed, goes where it would by itself.
 #[test]
 fn a_limb_on_a_follower_goes_where_it_would_alone() {

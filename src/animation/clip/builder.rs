@@ -53,7 +53,7 @@ impl<'a> ClipBuilder<'a> {
         let property = channel.property();
         let name = || name.clone();
         if let Channel::Euler(curve) = &channel {
-            if !(curve.before.is_finite() && curve.before.is_normalized()) {
+            if !curve.before.is_normalized() {
                 return Err(ChannelError::BadRotation { bone: name() });
             }
         }

@@ -23,22 +23,22 @@ impl TryFrom<Keys> for RotationCurve {
             rotations,
             between,
         } = keys;
-        let odd = |given: usize, finite: bool| {
+        let check = |given: usize, odd: Option<usize>| {
             check_count("tangents", given, times.len())?;
-            let (key, what) = (0, "tangent");
-            finite
-                .then_some(())
-                .ok_or(KeyError::NonFiniteValue { key, what })
+            let what = "tangent";
+            odd.map_or(Ok(()), |key| Err(KeyError::NonFiniteValue { key, what }))
         };
         match &between {
             // A cubic keeps its signs.
             BetweenRotations::Cubic(rates) => return Self::cubic(times, rotations, rates.clone()),
             BetweenRotations::Eased(easings) => check_count("easings", easings.len(), times.len())?,
             BetweenRotations::Squad(controls) => {
-                odd(controls.len(), controls.iter().all(|q| q.is_finite()))?;
+                let odd = controls.iter().position(|q| !q.is_finite());
+                check(controls.len(), odd)?;
             }
             BetweenRotations::Hermite(rates) => {
-                odd(rates.len(), rates.iter().all(|rate| rate.is_finite()))?;
+                let odd = rates.iter().position(|rate| !rate.is_finite());
+                check(rates.len(), odd)?;
             }
             BetweenRotations::Step | BetweenRotations::Slerp => {}
         }

@@ -218,11 +218,9 @@ impl KeepClear {
         })
     }
 
-    /// The same lanes in the world of another checker, where only that is different.
+    /// The same lanes for a checker of the same shapes, where only its world is different.
     fn lanes_in(&self, checker: &Checker, rest: &[f64]) -> Option<InLanes> {
-        let same = checker.shares_shapes(&self.checker)
-            && checker.margin() == self.checker.margin()
-            && rest == self.rest;
+        let same = checker.margin() == self.checker.margin() && rest == self.rest;
         let lanes = self.lanes.as_ref().filter(|_| same)?;
         lanes.in_world(&self.checker, checker)
     }

@@ -4,7 +4,7 @@ use super::{ClearRoom, KeepClear};
 use crate::arm::Reply;
 use crate::arm::arm::Arm;
 use crate::arm::follower::LONG_STEP;
-use crate::arm::workspace::{ArmWorkspace, Errors};
+use crate::arm::workspace::ArmWorkspace;
 use crate::clock::Instant;
 use crate::collision::Way;
 use crate::ik::Solution;
@@ -19,19 +19,19 @@ const DODGES: [f64; 3] = [0.04, 0.12, -0.04];
 
 impl Arm {
     /// Cuts a step of a path short before something touches on the way, or goes round it by the freedom that the target leaves;
-    /// what is in the way is told, and what touches still that touched before. Whether the step stands as it was.
+    /// what is in the way is told, and what touches still that touched before.
     pub(in crate::arm) fn keep_way_clear(
         &self,
         from: &[f64],
         target: &Placement<f64>,
         solution: &mut Solution,
-    ) -> Reply<bool> {
+    ) -> Reply<()> {
         let Some(kept) = &self.collisions else {
-            return Ok(true);
+            return Ok(());
         };
         self.with_room(kept, |workspace, room| {
             let way = kept.way_from_contact(self, room, from, &solution.q)?;
-            let (stands, touches) = (way.blocked_by.is_none(), way.begins_touching());
+            let touches = way.begins_touching();
             if let Some(by) = way.blocked_by {
                 workspace.aim(target);
                 self.bound_by_limits(workspace);
@@ -55,7 +55,7 @@ impl Arm {
                 let touching = kept.collisions(self, room, &solution.q)?;
                 solution.set_collisions(touching);
             }
-            Ok(stands)
+            Ok(())
         })
     }
 
@@ -95,7 +95,6 @@ impl Arm {
                 };
                 if near && is_open(room)? {
                     best = distance;
-                    workspace.errors = Errors::of(&outcome);
                     workspace.x.copy_from_slice(&q);
                 }
             }

@@ -224,15 +224,6 @@ impl Checker {
         }
     }
 
-    /// Whether another is of the same shapes, spheres and pairs, made once for both.
-    pub(crate) fn shares_shapes(&self, other: &Self) -> bool {
-        let spheres =
-            [&self.spheres, &other.spheres].map(|spheres| spheres.as_ref().map(Arc::as_ptr));
-        Arc::ptr_eq(&self.model, &other.model)
-            && spheres[0] == spheres[1]
-            && Arc::ptr_eq(&self.close_pairs, &other.close_pairs)
-    }
-
     /// The same, but what moves on a way keeps off by so many metres more than the margin, so that what stops there can leave.
     pub(crate) fn with_stand_off(mut self, metres: f64) -> Self {
         self.stand_off = metres;

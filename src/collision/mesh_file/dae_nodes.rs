@@ -9,7 +9,7 @@ use crate::spatial::{Matrix3, Vector3};
 
 /// Nodes within nodes, and instances of instances, as deep as this.
 const DEPTH_LIMIT: usize = 64;
-/// So many instances at most.
+/// So many nodes and instances at most: each may be shown by several.
 const COUNT_LIMIT: usize = 100_000;
 
 /// A map of points: scaled, sheared and mirrored ones too.
@@ -47,6 +47,7 @@ impl Affine {
 pub(super) struct Instances<'c, 'a> {
     collada: &'c Collada<'a>,
     found: Vec<(Node<'a, 'a>, Affine)>,
+    nodes: usize,
 }
 
 impl<'c, 'a> Instances<'c, 'a> {
@@ -62,6 +63,7 @@ impl<'c, 'a> Instances<'c, 'a> {
         let mut instances = Self {
             collada,
             found: Vec::new(),
+            nodes: 0,
         };
         match scene {
             Some(scene) => instances.of_node(scene, &Affine::identity(), 0)?,
@@ -75,7 +77,8 @@ impl<'c, 'a> Instances<'c, 'a> {
     }
 
     fn of_node(&mut self, node: Node<'a, 'a>, above: &Affine, depth: usize) -> FromFile<()> {
-        if depth > DEPTH_LIMIT || self.found.len() > COUNT_LIMIT {
+        self.nodes += 1;
+        if depth > DEPTH_LIMIT || self.nodes.max(self.found.len()) > COUNT_LIMIT {
             let problem = "more nodes within nodes than a mesh has";
             return Err(self.collada.fail(node, problem));
         }

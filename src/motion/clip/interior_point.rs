@@ -259,7 +259,6 @@ impl<'a> Window<'a, '_> {
         let straight = step.way.clone();
         let mut steepest: Vec<f64> = step.gradient.iter().map(|slope| -slope).collect();
         barrier.add_push(mu, &mut steepest);
-        self.keep_fixed(&mut steepest);
         step.way.copy_from_slice(&steepest);
         barrier.add_bends(&mut step.way);
         self.keep_fixed(&mut step.way);

@@ -61,9 +61,8 @@ pub(super) fn largest(
     // Most steps begin where the one before ends.
     let mut last: Option<(&LedStep<'_>, Placement<f64>)> = None;
     for step in steps {
-        let goes_on = |before: &LedStep<'_>| {
-            std::ptr::eq(before.q[1], step.q[0]) && tool_of(before) == tool_of(step)
-        };
+        // With the same tool, as the path does not lead over a change.
+        let goes_on = |before: &LedStep<'_>| std::ptr::eq(before.q[1], step.q[0]);
         let begin = last
             .filter(|(before, _)| goes_on(before))
             .map(|(_, tool)| tool);

@@ -110,7 +110,7 @@ fn guess(growth: &Growth<'_>, layers: &[Layer], chosen: &Chosen) -> Vec<f64> {
 }
 
 /// Ends that were given stay as they were given; those of a ring until it is shortened.
-pub(super) fn keep_ends(growth: &Growth<'_>, way: &mut Way) {
+fn keep_ends(growth: &Growth<'_>, way: &mut Way) {
     let n = growth.middle.len();
     if let Some(start) = growth.start {
         way.q[..n].copy_from_slice(start);

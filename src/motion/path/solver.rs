@@ -310,9 +310,6 @@ impl<'a> PathSolver<'a> {
             long_steps::leave_unled(growth, &mut way)?;
             bridge(growth, &mut way)?;
         }
-        if growth.ring.is_none() {
-            knot_configurations::keep_ends(growth, &mut way);
-        }
         knot_configurations::rejoin(growth, &mut way);
         long_steps::leave_unled(growth, &mut way)?;
         Ok(way)

@@ -84,7 +84,7 @@ impl Limbs {
             .zip(lengths_of_model.iter().zip(&lengths_of_person))
         {
             if limb.scale == 0.0 {
-                let real = *person > NO_LIMB * size && *own > 0.0;
+                let real = *person > NO_LIMB * size;
                 limb.scale = if real { own / person } else { 1.0 };
             }
         }

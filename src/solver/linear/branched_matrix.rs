@@ -72,8 +72,9 @@ impl BranchedMatrix {
             let row = &mut self.entries[tree.start(k)..][..way.len()];
             for (&above, entry) in way[1..].iter().zip(&mut row[1..]) {
                 if held[k] || held[above] {
-                    right[above] -= *entry * if held[k] { values[k] } else { 0.0 };
-                    right[k] -= *entry * if held[above] { values[above] } else { 0.0 };
+                    // Of one that is held the right side is set below.
+                    right[above] -= *entry * values[k];
+                    right[k] -= *entry * values[above];
                     *entry = 0.0;
                 }
             }

@@ -108,7 +108,6 @@ impl RowSpan {
                 *entry /= length;
                 *untaken -= *entry * *entry;
             }
-            self.untaken[most] = -1.0;
         }
     }
 
