@@ -182,7 +182,14 @@ fn a_skeleton_s_armature_takes_morph_targets() {
     // Poses of the armature without them are another size.
     assert!(pose.cross_fade(bare.rest(), 0.5).is_err());
     // None again, and no two of a name.
-    assert_eq!(armature.with_morph_targets(Vec::new()).unwrap(), bare);
+    assert_eq!(
+        armature.clone().with_morph_targets(Vec::new()).unwrap(),
+        bare
+    );
+    // Others rest at zero, whatever those before rested at.
+    let smiling = armature.with_rest_morph_weights(&[0.7, 0.2]).unwrap();
+    let others = smiling.with_morph_targets(names()).unwrap();
+    assert_eq!(others.rest().morph_weights(), [0.0, 0.0]);
     let twice = bare.with_morph_targets(vec!["smile".to_owned(); 2]);
     assert!(twice.unwrap_err().to_string().contains("`smile`"));
 }

@@ -4,13 +4,13 @@
 use std::ops::Range;
 
 use kinopt::Arm;
-use kinopt::arm::Search;
 use kinopt::motion::path::{CartesianPath, PathSolver};
 use kinopt::robot::Robot;
 use kinopt::spatial::Placement;
 use nalgebra::Isometry3;
 use support::arms::{Random, apart, base_from_tip, robot, within_limits};
 use support::follower_chains::follower_chain;
+use support::path_steps::{is_led, longest};
 use support::sample::{cases, few};
 
 /// Smooth in the joints through a few random configurations, so many points from one to the next.
@@ -29,30 +29,6 @@ fn through(ends: &[Vec<f64>; 3], steps: usize) -> Vec<Vec<f64>> {
         }
     }
     rows
-}
-
-fn longest(a: &[f64], b: &[f64]) -> f64 {
-    let moves = a.iter().zip(b).map(|(a, b)| (a - b).abs());
-    moves.fold(0.0, f64::max)
-}
-
-/// Whether small parts of the tool's way lead from one configuration to the other, of which none is longer than half of a step.
-fn is_led(arm: &Arm, ends: [Placement<f64>; 2], [from, to]: [&[f64]; 2]) -> bool {
-    const PARTS: u32 = 100;
-    let [begin, end] = ends.map(Isometry3::from);
-    let arm = arm.with_search(Search::Start).unwrap();
-    let mut q = from.to_vec();
-    for part in 1..=PARTS {
-        let target = begin.lerp_slerp(&end, f64::from(part) / f64::from(PARTS));
-        let next = arm.solve(Placement::from(target), &q).unwrap();
-        // Where the arm is stretched out, the straight way may be some micrometres out of reach.
-        let near = next.position_error().is_some_and(|metres| metres < 1e-4);
-        if !near || longest(&q, &next.q) > 0.1 {
-            return false;
-        }
-        q = next.q;
-    }
-    longest(&q, to) < 1e-3
 }
 
 /// How many of these paths of an arm are solved with a jump, or not for all of their points.

@@ -30,6 +30,7 @@ pub mod limbs;
 pub mod lines;
 pub mod maps;
 pub mod methods;
+pub mod path_steps;
 pub mod random;
 pub mod robot_promises;
 pub mod sample;

@@ -6,12 +6,15 @@
 use super::knots::{NEAR, between};
 use super::layers::{Growth, Layer};
 use super::sorted::Sorted;
-use crate::arm::{Ends, QueryError};
+use crate::arm::{Arm, Ends, QueryError};
+use crate::spatial::Placement;
 
 /// The share of the last motion that a step begins with.
 const MOMENTUM: f64 = 0.9;
 /// Where fewer than this are surely free, the shapes are looked at too.
 pub(super) const FEW: usize = 8;
+/// Parts of a part that some do not come through with short moves, as near where branches meet.
+const SMALLER: usize = 20;
 /// Parts of a step at most.
 pub(super) const MOST_PARTS: f64 = 10_000.0;
 
@@ -195,7 +198,7 @@ impl Carrier {
         }
     }
 
-    /// Follows those that failed in parts of a long step, all of them together.
+    /// Follows those that failed in parts of a long step, all of them together; those that a part loses in smaller ones.
     fn follow_in_parts(
         &mut self,
         growth: &Growth<'_>,
@@ -206,37 +209,74 @@ impl Carrier {
         let arm = growth.arms.of(knots.tool(ends[1]));
         let parts = (long / NEAR).ceil().min(MOST_PARTS) as usize;
         let [from, to] = ends.map(|end| knots.targets[end]);
-        self.stand_failed(n);
-        for part in 1..=parts {
-            if self.failed.is_empty() {
-                return Ok(());
-            }
-            let share = part as f64 / parts as f64;
-            let target = match part == parts {
-                true => to,
-                false => between(&from, &to, share),
-            };
-            arm.carry_all(&target, &self.starts, &mut self.again)?;
-            // Those that reach with no long move go on.
-            let (mut left, mut place) = (Vec::new(), 0);
-            self.failed.retain(|_| {
-                let all = place * n..(place + 1) * n;
-                let q = &self.again.q[all.clone()];
-                let moves = q.iter().zip(&self.starts[all]);
-                let near = growth.bounds.allow_part(moves);
-                let stays = self.again.outcomes[place].reached && near;
-                if stays {
-                    left.extend_from_slice(q);
-                }
-                place += 1;
-                stays
-            });
-            self.starts = left;
+        let count = parts * SMALLER;
+        let target = |at: usize| match at < count {
+            true => between(&from, &to, at as f64 / count as f64),
+            false => to,
+        };
+        let mut followed = Followed::default();
+        for &place in &self.failed {
+            followed.add(place, &self.stand[place * n..(place + 1) * n]);
         }
-        for (q, &place) in self.starts.chunks_exact(n).zip(&self.failed) {
+        for begin in (0..count).step_by(SMALLER) {
+            if followed.places.is_empty() {
+                break;
+            }
+            let end = begin + SMALLER;
+            let mut lost = followed.go_on(growth, arm, &target(end), &mut self.again)?;
+            for smaller in begin + 1..=end {
+                if lost.places.is_empty() {
+                    break;
+                }
+                lost.go_on(growth, arm, &target(smaller), &mut self.again)?;
+            }
+            followed.append(lost);
+        }
+        for (&place, q) in followed.places.iter().zip(followed.q.chunks_exact(n)) {
             self.ends.q[place * n..(place + 1) * n].copy_from_slice(q);
             self.came[place] = Some(true);
         }
         Ok(())
+    }
+}
+
+/// Configurations that are followed in parts of a step: their places where it begins, and where they have come to.
+#[derive(Debug, Default)]
+struct Followed {
+    places: Vec<usize>,
+    q: Vec<f64>,
+}
+
+impl Followed {
+    fn add(&mut self, place: usize, q: &[f64]) {
+        self.places.push(place);
+        self.q.extend_from_slice(q);
+    }
+
+    fn append(&mut self, mut others: Self) {
+        self.places.append(&mut others.places);
+        self.q.append(&mut others.q);
+    }
+
+    /// Those that reach a target with no long move go on to it; the others are given back as they stood.
+    fn go_on(
+        &mut self,
+        growth: &Growth<'_>,
+        arm: &Arm,
+        target: &Placement<f64>,
+        ends: &mut Ends,
+    ) -> Result<Self, QueryError> {
+        let n = growth.width();
+        arm.carry_all(target, &self.q, ends)?;
+        let Self { places, q } = std::mem::take(self);
+        let mut lost = Self::default();
+        let steps = q.chunks_exact(n).zip(ends.q.chunks_exact(n));
+        for ((place, (from, to)), outcome) in places.into_iter().zip(steps).zip(&ends.outcomes) {
+            match outcome.reached && growth.bounds.allow_part(from.iter().zip(to)) {
+                true => self.add(place, to),
+                false => lost.add(place, from),
+            }
+        }
+        Ok(lost)
     }
 }

@@ -13,11 +13,43 @@ const FEWEST_PARTS: f64 = 100.0;
 /// How near they lead, as a share of the longest step.
 const AGREES: f64 = 5e-3;
 
+/// What an arm does in small parts with what it has to spare.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Spare {
+    /// It is left where it is.
+    Left,
+    /// It goes evenly to where the step ends.
+    GoesAlong,
+}
+
 /// Leaves the branch in the long steps that are not led.
-pub(super) fn leave_unled(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
+pub(super) fn leave_unled(
+    growth: &Growth<'_>,
+    way: &mut Way,
+    spare: Spare,
+) -> Result<(), PathError> {
     for knot in 1..way.joined.len() {
-        if way.joined[knot] && is_long(growth, way, knot) && !do_parts_lead(growth, way, knot)? {
+        let is_long = way.joined[knot] && is_long(growth, way, knot);
+        if is_long && !do_parts_lead(growth, way, knot, spare)? {
             way.joined[knot] = false;
+        }
+    }
+    Ok(())
+}
+
+/// Joins the long steps at which a branch was left, but which are led.
+pub(super) fn join_led(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
+    let (knots, n) = (growth.knots, growth.width());
+    for knot in 1..way.joined.len() {
+        let is_long = knots.way[knot] - knots.way[knot - 1] > NEAR;
+        if way.joined[knot] || !is_long || !do_parts_lead(growth, way, knot, Spare::GoesAlong)? {
+            continue;
+        }
+        let (from, to) = (way.row(knot - 1, n), way.row(knot, n));
+        let allowance = (1.05 * growth.bounds.least_excess(from, to)).max(1.0);
+        if growth.bounds.allow_times(allowance, knots, knot, from, to) {
+            way.joined[knot] = true;
+            way.allowance[knot] = allowance;
         }
     }
     Ok(())
@@ -33,7 +65,12 @@ fn is_long(growth: &Growth<'_>, way: &Way, knot: usize) -> bool {
 }
 
 /// Whether the arm comes from knot to knot if it follows the tool's way in small parts, without a long move in any.
-fn do_parts_lead(growth: &Growth<'_>, way: &Way, knot: usize) -> Result<bool, PathError> {
+fn do_parts_lead(
+    growth: &Growth<'_>,
+    way: &Way,
+    knot: usize,
+    spare: Spare,
+) -> Result<bool, PathError> {
     let (knots, n) = (growth.knots, growth.width());
     if !is_led(growth, way, knot) {
         return Ok(false);
@@ -42,15 +79,21 @@ fn do_parts_lead(growth: &Growth<'_>, way: &Way, knot: usize) -> Result<bool, Pa
     let [from, to] = [knot - 1, knot].map(|knot| knots.targets[knot]);
     let parts = (knots.way[knot] - knots.way[knot - 1]) / NEAR;
     let parts = parts.ceil().clamp(FEWEST_PARTS, MOST_PARTS) as usize;
-    let mut q = way.row(knot - 1, n).to_vec();
-    let mut ends = Ends::default();
+    let (mut q, end) = (way.row(knot - 1, n).to_vec(), way.row(knot, n));
+    let (mut start, mut ends) = (Vec::with_capacity(n), Ends::default());
     for part in 1..=parts {
+        let along = match spare {
+            Spare::Left => 0.0,
+            Spare::GoesAlong => 1.0 / (parts + 1 - part) as f64,
+        };
+        start.clear();
+        start.extend(q.iter().zip(end).map(|(q, end)| q + along * (end - q)));
         if part == parts {
-            arm.continue_all(&[to], &q, &mut ends)?;
+            arm.continue_all(&[to], &start, &mut ends)?;
         } else {
             // Where the arm is stretched out, the straight way may be some micrometres out of reach.
             let target = between(&from, &to, part as f64 / parts as f64);
-            arm.carry_all(&target, &q, &mut ends)?;
+            arm.carry_all(&target, &start, &mut ends)?;
         }
         let reached = ends.outcomes.first().is_some_and(|outcome| outcome.reached);
         if !reached || !growth.bounds.allow_part(q.iter().zip(&ends.q)) {
@@ -58,5 +101,5 @@ fn do_parts_lead(growth: &Growth<'_>, way: &Way, knot: usize) -> Result<bool, Pa
         }
         q.copy_from_slice(&ends.q);
     }
-    Ok(growth.bounds.least_excess(&q, way.row(knot, n)) <= AGREES)
+    Ok(growth.bounds.least_excess(&q, end) <= AGREES)
 }

@@ -7,7 +7,7 @@ use super::graph::{Between, Chosen, fewest_reconfigurations, without_reconfigura
 use super::knot_configurations::{self, Way, fill};
 use super::knots::Knots;
 use super::layers::{Growth, Layer};
-use super::long_steps;
+use super::long_steps::{self, Spare};
 use super::shorten::Shortening;
 use super::solution::PathSolution;
 use super::step_bounds::StepBounds;
@@ -291,6 +291,7 @@ impl<'a> PathSolver<'a> {
             }
         }
         bridge(growth, &mut way)?;
+        long_steps::join_led(growth, &mut way)?;
         // Of a ring what is between its ends first: all of it at once may drift far for little, and takes short steps then.
         let rings = [None, growth.ring.as_deref()];
         let rings = &rings[..1 + usize::from(growth.ring.is_some())];
@@ -307,11 +308,13 @@ impl<'a> PathSolver<'a> {
             };
             shortening.run(&mut way)?;
             // It has drawn the branches together, and may have moved a long step off the tool's way.
-            long_steps::leave_unled(growth, &mut way)?;
+            // A bridge, whose steps are short, comes first.
+            long_steps::leave_unled(growth, &mut way, Spare::Left)?;
             bridge(growth, &mut way)?;
+            long_steps::join_led(growth, &mut way)?;
         }
         knot_configurations::rejoin(growth, &mut way);
-        long_steps::leave_unled(growth, &mut way)?;
+        long_steps::leave_unled(growth, &mut way, Spare::GoesAlong)?;
         Ok(way)
     }
 
