@@ -13,7 +13,7 @@ use crate::spatial::Placement;
 const MOMENTUM: f64 = 0.9;
 /// Where fewer than this are surely free, the shapes are looked at too.
 pub(super) const FEW: usize = 8;
-/// Parts of a part that some do not come through with short moves, as near where branches meet.
+/// Parts of a part in which a joint moves far, as it does near where branches meet.
 const SMALLER: usize = 20;
 /// Parts of a step at most.
 pub(super) const MOST_PARTS: f64 = 10_000.0;
@@ -198,7 +198,7 @@ impl Carrier {
         }
     }
 
-    /// Follows those that failed in parts of a long step, all of them together; those that a part loses in smaller ones.
+    /// Follows those that failed in parts of a long step, all of them together; where a part is too long for one, in smaller ones.
     fn follow_in_parts(
         &mut self,
         growth: &Growth<'_>,
@@ -258,7 +258,7 @@ impl Followed {
         self.q.append(&mut others.q);
     }
 
-    /// Those that reach a target with no long move go on to it; the others are given back as they stood.
+    /// Those that reach a target go on to it; those that do so with a long move are given back as they stood.
     fn go_on(
         &mut self,
         growth: &Growth<'_>,
@@ -271,8 +271,9 @@ impl Followed {
         let Self { places, q } = std::mem::take(self);
         let mut lost = Self::default();
         let steps = q.chunks_exact(n).zip(ends.q.chunks_exact(n));
-        for ((place, (from, to)), outcome) in places.into_iter().zip(steps).zip(&ends.outcomes) {
-            match outcome.reached && growth.bounds.allow_part(from.iter().zip(to)) {
+        let ends = places.into_iter().zip(steps).zip(&ends.outcomes);
+        for ((place, (from, to)), _) in ends.filter(|(_, outcome)| outcome.reached) {
+            match growth.bounds.allow_part(from.iter().zip(to)) {
                 true => self.add(place, to),
                 false => lost.add(place, from),
             }
