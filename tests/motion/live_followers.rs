@@ -234,6 +234,17 @@ fn one_armed(ratio: Option<f64>) -> Robot {
     robot.with_base_joint(BaseJoint::FREE).unwrap()
 }
 
+/// Asserts that a robot comes to where a person of its own size does.
+fn follows(robot: &Robot, map: &str, places: &[f64]) {
+    let map = BodyMap::from_json(map, "").unwrap();
+    let capture = Capture::new(map.joints.clone(), places, 30.0).unwrap();
+    let options = RetargetOptions::default();
+    let retargeting = Retargeting::new(robot, &map, &capture, options).unwrap();
+    let found = retargeting.per_frame().unwrap();
+    let errors = retargeting.errors(&found).unwrap();
+    assert!(errors.iter().all(|error| *error < 2e-3), "{errors:?}");
+}
+
 /// An arm that hangs on a ball, which has no posture of its own, goes where it is led.
 #[test]
 fn a_limb_on_a_ball_is_led() {
@@ -247,19 +258,12 @@ fn a_limb_on_a_ball_is_led() {
     let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
     let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
     let map = r#"{"joints": ["hips", "hand"], "drives": {"hips": "torso", "hand": "hand"}}"#;
-    let map = BodyMap::from_json(map, "").unwrap();
     let places = (0..60).flat_map(|frame| {
         let angle = 0.1 * f64::from(frame);
         let hand = Vector3::new(0.2, 0.3 * angle.cos(), 0.3 * angle.sin());
         [0.0, 0.0, 0.9, hand.x, hand.y, 0.9 + hand.z]
     });
-    let places: Vec<f64> = places.collect();
-    let capture = Capture::new(map.joints.clone(), &places, 30.0).unwrap();
-    let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default());
-    let retargeting = retargeting.unwrap();
-    let found = retargeting.per_frame().unwrap();
-    let errors = retargeting.errors(&found).unwrap();
-    assert!(errors.iter().all(|error| *error < 2e-3), "{errors:?}");
+    follows(&robot, map, &places.collect::<Vec<f64>>());
 }
 
 /// A limb that has no length on the robot ends where it begins, however long the person's is.
@@ -278,19 +282,12 @@ fn a_limb_of_no_length_pulls_at_nothing() {
     let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
     let map = r#"{"joints": ["hips", "hand", "fingers"],
         "drives": {"hips": "torso", "hand": "hand", "fingers": "fingers"}}"#;
-    let map = BodyMap::from_json(map, "").unwrap();
     let places = (0..20).flat_map(|frame| {
         let (sin, cos) = (0.05 * f64::from(frame)).sin_cos();
         let at = |far: f64| [far * cos, far * sin, 0.9];
         [[0.0, 0.0, 0.9], at(0.5), at(0.7)].concat()
     });
-    let places: Vec<f64> = places.collect();
-    let capture = Capture::new(map.joints.clone(), &places, 30.0).unwrap();
-    let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default());
-    let retargeting = retargeting.unwrap();
-    let found = retargeting.per_frame().unwrap();
-    let errors = retargeting.errors(&found).unwrap();
-    assert!(errors.iter().all(|error| *error < 2e-3), "{errors:?}");
+    follows(&robot, map, &places.collect::<Vec<f64>>());
 }
 
 /// A joint that is turned by another, which moves nothing else that is followed, goes where it would by itself.

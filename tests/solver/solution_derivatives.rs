@@ -5,12 +5,12 @@
 use kinopt::ik::{DerivativeWorkspace, SolutionDerivative};
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::model::{Limits, Model};
-use kinopt::problem::{ParameterVector, Preferences};
+use kinopt::problem::ParameterVector;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
-use kinopt::task::{FrameVelocity, Plane, Point, Pose, Posture, Quantity, Task};
+use kinopt::task::{FrameVelocity, Point, Pose};
 use kinopt::{Problem, Solver};
 use nalgebra as na;
-use support::bodies::sledge;
+use support::bodies::traded_on_a_sledge;
 use support::changed_bodies::{Case, Change, case};
 use support::planar_arm;
 use support::random::Random;
@@ -299,17 +299,7 @@ fn the_weights_of_a_pose_count_each_by_itself() {
 /// Goals that are within their tolerance do not hold what they are traded with.
 #[test]
 fn of_goals_that_are_reached_a_traded_preference_has_its_share() {
-    let (model, hand, _) = sledge();
-    let [x, y, _] = Vector3::UNITS;
-    let mut tasks = Problem::builder(&model);
-    let plane = |normal| Plane::new(hand, [0.0; 3], normal);
-    tasks.add(plane(x + y));
-    // Within a metre counts as reached.
-    let level = Task::new(plane(y)).at_level(1);
-    tasks.add(level.tolerance(Quantity::Metres, 1.0));
-    let posture = tasks.add(Posture::new(&model, &[0.0, 2.0]));
-    tasks.preferences(Preferences::Traded);
-    let problem = tasks.build().unwrap();
+    let (problem, posture) = traded_on_a_sledge();
     // With x = −y, ½ y² + ½ (x − a)² + ½ (y − b)² is least at y = (b − a) / 3.
     let q = [-2.0 / 3.0, 2.0 / 3.0];
     let mut workspace = DerivativeWorkspace::default();

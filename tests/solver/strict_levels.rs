@@ -6,10 +6,10 @@ use kinopt::model::{Limits, Model, ParameterMap};
 use kinopt::problem::{Preferences, Problem};
 use kinopt::solver::Stopping;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Plane, Point, Pose, Posture, Quantity, Task};
+use kinopt::task::{Point, Pose, Posture, Quantity, Task};
 use kinopt::{Solution, Solver, Workspace};
 use support::arms::panda;
-use support::bodies::sledge;
+use support::bodies::traded_on_a_sledge;
 use support::planar_arm;
 use support::random::Random;
 use support::sample::cases;
@@ -379,17 +379,7 @@ fn preferences_have_levels_too_and_are_traded_with_the_last_level_of_goals() {
 /// A level of goals in which a preference is traded ends where both are best, not where the goals are just within their tolerance.
 #[test]
 fn a_traded_preference_is_followed_within_the_goals_tolerance() {
-    let (model, hand, _) = sledge();
-    let [x, y, _] = Vector3::UNITS;
-    let mut tasks = Problem::builder(&model);
-    let plane = |normal| Plane::new(hand, [0.0; 3], normal);
-    tasks.add(plane(x + y));
-    // Within a metre counts as reached.
-    let level = Task::new(plane(y)).at_level(1);
-    tasks.add(level.tolerance(Quantity::Metres, 1.0));
-    tasks.add(Posture::new(&model, &[0.0, 2.0]));
-    tasks.preferences(Preferences::Traded);
-    let problem = tasks.build().unwrap();
+    let (problem, _) = traded_on_a_sledge();
     let solution = Solver::default().solve_once(&problem, &[0.7, 0.4]).unwrap();
     // With x = −y, ½ y² + ½ x² + ½ (y − 2)² is least at 2/3.
     for (q, best) in solution.q.iter().zip([-2.0, 2.0]) {

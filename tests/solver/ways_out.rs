@@ -85,6 +85,16 @@ impl Scene {
             }
         }
     }
+
+    /// One frame; whether the body, which has not reached yet, sets off again after it has rested.
+    fn sets_off(&mut self, up: f64, rested: &mut bool) -> bool {
+        let before = self.drag.q().to_vec();
+        self.advance(up);
+        let moves = self.drag.q().iter().zip(&before);
+        let moved = moves.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        *rested |= moved < 1e-6;
+        *rested && moved > 1e-3 && !self.drag.solution().reached
+    }
 }
 
 /// So far up limits of the spine's and the arm's twists bind, and which of them depends on the mouse's course: one
@@ -156,13 +166,7 @@ fn a_body_that_is_put_elsewhere_takes_no_way_out_along() {
         }
         let mut rested = false;
         for _ in 0..200 {
-            let before = scene.drag.q().to_vec();
-            scene.advance(up);
-            let moves = scene.drag.q().iter().zip(&before);
-            let moved = moves.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            rested |= moved < 1e-6;
-            // It has rested, and sets off again.
-            if !(rested && moved > 1e-3) || scene.drag.solution().reached {
+            if !scene.sets_off(up, &mut rested) {
                 continue;
             }
             out += 1;
@@ -192,12 +196,7 @@ fn a_body_that_is_led_elsewhere_takes_no_way_out_along() {
         }
         let mut rested = false;
         for _ in 0..200 {
-            let before = scene.drag.q().to_vec();
-            scene.advance(up);
-            let moves = scene.drag.q().iter().zip(&before);
-            let moved = moves.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            rested |= moved < 1e-6;
-            if rested && moved > 1e-3 && !scene.drag.solution().reached {
+            if scene.sets_off(up, &mut rested) {
                 break;
             }
         }

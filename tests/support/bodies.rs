@@ -3,10 +3,13 @@
 
 use std::f64::consts::PI;
 
+use kinopt::Problem;
 use kinopt::model::{
     BallLimits, FrameId, JointId, Limits, Masses, Model, ModelBuilder, ParameterMap, PointMass,
 };
+use kinopt::problem::{Preferences, TaskId};
 use kinopt::spatial::{Placement, Vector3};
+use kinopt::task::{Plane, Posture, Quantity, Task};
 
 use super::kept_limits::{Cone, Role, Rule, cross, exponential};
 use super::random::Random;
@@ -331,4 +334,18 @@ pub fn sledge() -> (Model, FrameId, Masses) {
     let (at, mass) = (Vector3::zero(), 2.0);
     let masses = Masses::new(&model, [PointMass { frame, at, mass }]).unwrap();
     (model, frame, masses)
+}
+
+/// x = −y, then y = 0 by a metre, against which a posture at (0, 2) is traded; the task that is the posture.
+pub fn traded_on_a_sledge() -> (Problem, TaskId<Posture>) {
+    let (model, mass, _) = sledge();
+    let [x, y, _] = Vector3::UNITS;
+    let mut tasks = Problem::builder(&model);
+    let plane = |normal| Plane::new(mass, [0.0; 3], normal);
+    tasks.add(plane(x + y));
+    let level = Task::new(plane(y)).at_level(1);
+    tasks.add(level.tolerance(Quantity::Metres, 1.0));
+    let posture = tasks.add(Posture::new(&model, &[0.0, 2.0]));
+    tasks.preferences(Preferences::Traded);
+    (tasks.build().unwrap(), posture)
 }
