@@ -127,6 +127,13 @@ fn the_shortest_name_around_it_comes_first() {
     assert_eq!(found.suggestions(), ["left hand", "the left hand's thumb"]);
 }
 
+/// A name of one letter that is another altogether is less like it than one with a letter more.
+#[test]
+fn another_letter_alone_is_another_name() {
+    let found = UnknownName::new("joint", "a", ["b", "ab"]);
+    assert_eq!(found.suggestions(), ["ab", "b"]);
+}
+
 /// An id of another model is none here, also the first that there is not.
 #[test]
 fn ids_of_larger_models_are_unknown() {
