@@ -86,6 +86,13 @@ impl Scene {
         }
     }
 
+    /// Leads the hand up, a twentieth of the way a frame.
+    fn lift(&mut self, up: f64) {
+        for k in 1..=20 {
+            self.advance(up * f64::from(k) / 20.0);
+        }
+    }
+
     /// One frame; whether the body, which has not reached yet, sets off again after it has rested.
     fn sets_off(&mut self, up: f64, rested: &mut bool) -> bool {
         let before = self.drag.q().to_vec();
@@ -161,9 +168,7 @@ fn a_body_that_is_put_elsewhere_takes_no_way_out_along() {
         let mut scene = Scene::new();
         let up = random.within(0.36, 0.5);
         let rest = scene.drag.q().to_vec();
-        for k in 1..=20 {
-            scene.advance(up * f64::from(k) / 20.0);
-        }
+        scene.lift(up);
         let mut rested = false;
         for _ in 0..200 {
             if !scene.sets_off(up, &mut rested) {
@@ -191,9 +196,7 @@ fn a_body_that_is_led_elsewhere_takes_no_way_out_along() {
         let random = &mut Random::new(seed);
         let mut scene = Scene::new();
         let up = random.within(0.36, 0.5);
-        for k in 1..=20 {
-            scene.advance(up * f64::from(k) / 20.0);
-        }
+        scene.lift(up);
         let mut rested = false;
         for _ in 0..200 {
             if scene.sets_off(up, &mut rested) {

@@ -65,8 +65,7 @@ pub(super) fn fill(
         let (place, before) = (chosen.places[station], chosen.places[station - 1]);
         if alone && layer.linked_to(place as usize) == Some(before as usize) {
             let (from, to) = (way.row(knot - 1, n), way.row(knot, n));
-            let excess = growth.bounds.least_excess(from, to);
-            way.allowance[knot] = (1.05 * excess).max(1.0);
+            way.allowance[knot] = growth.bounds.allowance(from, to);
         }
     }
     mend(growth, &mut way)?;

@@ -29,24 +29,24 @@ pub(super) fn leave_unled(
     spare: Spare,
 ) -> Result<(), PathError> {
     for knot in 1..way.joined.len() {
-        let is_long = way.joined[knot] && is_long(growth, way, knot);
-        if is_long && !do_parts_lead(growth, way, knot, spare)? {
+        let has_to_be_led = way.joined[knot] && is_long(growth, way, knot);
+        if has_to_be_led && !do_parts_lead(growth, way, knot, spare)? {
             way.joined[knot] = false;
         }
     }
     Ok(())
 }
 
-/// Joins the long steps at which a branch was left, but which are led.
+/// Joins the steps in which the tool goes far and a branch was left, but which are led.
 pub(super) fn join_led(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
     let (knots, n) = (growth.knots, growth.width());
     for knot in 1..way.joined.len() {
-        let is_long = knots.way[knot] - knots.way[knot - 1] > NEAR;
-        if way.joined[knot] || !is_long || !do_parts_lead(growth, way, knot, Spare::GoesAlong)? {
+        let goes_far = knots.way[knot] - knots.way[knot - 1] > NEAR;
+        if way.joined[knot] || !goes_far || !do_parts_lead(growth, way, knot, Spare::GoesAlong)? {
             continue;
         }
         let (from, to) = (way.row(knot - 1, n), way.row(knot, n));
-        let allowance = (1.05 * growth.bounds.least_excess(from, to)).max(1.0);
+        let allowance = growth.bounds.allowance(from, to);
         if growth.bounds.allow_times(allowance, knots, knot, from, to) {
             way.joined[knot] = true;
             way.allowance[knot] = allowance;

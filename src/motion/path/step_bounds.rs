@@ -64,6 +64,11 @@ impl StepBounds {
             && moves.all(|((a, b), most)| (a - b).abs() / most <= 1.0 + ROUNDING)
     }
 
+    /// How many times as long a step may be that small parts lead along: as long as it is, and a little more.
+    pub(super) fn allowance(&self, q_from: &[f64], q_to: &[f64]) -> f64 {
+        (1.05 * self.least_excess(q_from, q_to)).max(1.0)
+    }
+
     /// How far each joint may move from one knot to a later one by their times, where these count.
     pub(super) fn in_time(
         &self,
