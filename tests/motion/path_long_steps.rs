@@ -1,8 +1,8 @@
-//! Promise: a straight way that an arm can go in one piece is solved without a reconfiguration by few points that are far apart too, but
-//! for one of two hundred; in a debug build a few of each arm, `KINOPT_CASES` asks for another number.
+//! Promise: a straight way that an arm can go in one piece is solved without a reconfiguration by few points that are far apart too, and by
+//! its two ends alone, also round and round, but for one of two hundred; in a debug build a few of each arm, `KINOPT_CASES` asks for another number.
 
 use kinopt::Arm;
-use kinopt::motion::path::{CartesianPath, PathSolution, PathSolver};
+use kinopt::motion::path::{CartesianPath, PathSolution, PathSolver, Traversal};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::{Random, robot};
 use support::path_steps::{is_led, longest};
@@ -43,10 +43,20 @@ impl StraightWay {
         let path = CartesianPath::new(self.points(steps)).unwrap();
         PathSolver::new(arm).solve(&path).unwrap()
     }
+
+    /// Out and back again, round and round, in so many steps each way.
+    fn solved_as_ring(&self, arm: &Arm, steps: u32) -> PathSolution {
+        let mut points = self.points(steps);
+        let back: Vec<_> = points[1..points.len() - 1].iter().rev().copied().collect();
+        points.extend(back);
+        let path = CartesianPath::new(points).unwrap();
+        let path = path.with_traversal(Traversal::Cyclic);
+        PathSolver::new(arm).solve(&path).unwrap()
+    }
 }
 
-/// How many of these ways that are within reach are left in no step by two hundred points, but by eight.
-fn left_by_few_points(name: &str, count: usize) -> usize {
+/// How many of these ways that are within reach are left in no step by two hundred points, but in one of so few.
+fn left_by_few_steps(name: &str, steps: u32, count: usize) -> usize {
     let robot = robot(name);
     let builder = Arm::builder(&robot, "base", "flange");
     let arm = builder.with_atlas(false).build().unwrap();
@@ -54,7 +64,7 @@ fn left_by_few_points(name: &str, count: usize) -> usize {
     let (mut within_reach, mut left) = (0, 0);
     for case in 0..count {
         let way = StraightWay::random(&arm, &mut random);
-        let few = way.solved(&arm, 7);
+        let few = way.solved(&arm, steps);
         if !few.missed.is_empty() {
             continue;
         }
@@ -63,7 +73,7 @@ fn left_by_few_points(name: &str, count: usize) -> usize {
             left += usize::from(way.solved(&arm, 210).is_whole());
         }
         // What is told as going on does.
-        let (points, rows) = (way.points(7), few.rows().collect::<Vec<_>>());
+        let (points, rows) = (way.points(steps), few.rows().collect::<Vec<_>>());
         for row in 1..rows.len() {
             let steps = [rows[row - 1], rows[row]];
             let told = few.reconfigurations.iter().any(|told| told.index == row);
@@ -82,7 +92,29 @@ fn left_by_few_points(name: &str, count: usize) -> usize {
 fn few_points_leave_no_branch_that_many_do_not() {
     let count = cases(300, 12);
     for name in ["franka_panda", "kuka_iiwa14", "universal_ur5e"] {
-        let left = left_by_few_points(name, count);
+        for steps in [7, 1] {
+            let left = left_by_few_steps(name, steps, count);
+            assert!(left * 200 <= count, "{name} in {steps}: {left}");
+        }
+    }
+}
+
+#[test]
+fn rings_of_few_points_leave_no_branch_that_those_of_many_do_not() {
+    let count = cases(300, 8);
+    for name in ["franka_panda", "universal_ur5e"] {
+        let robot = robot(name);
+        let builder = Arm::builder(&robot, "base", "flange");
+        let arm = builder.with_atlas(false).build().unwrap();
+        let mut random = Random(12);
+        let mut left = 0;
+        for _ in 0..count {
+            let way = StraightWay::random(&arm, &mut random);
+            let few = way.solved_as_ring(&arm, 1);
+            if few.missed.is_empty() && !few.reconfigurations.is_empty() {
+                left += usize::from(way.solved_as_ring(&arm, 105).is_whole());
+            }
+        }
         assert!(left * 200 <= count, "{name}: {left}");
     }
 }

@@ -189,7 +189,7 @@ fn times_that_bind_nothing_change_nothing() {
     let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
     let mut random = support::arms::Random(7);
     let mut broken = 0;
-    for _ in 0..3 {
+    for _ in 0..5 {
         let ends: Vec<Vec<f64>> = (0..5).map(|_| random.configuration(&arm)).collect();
         let points: Vec<_> = ends
             .iter()

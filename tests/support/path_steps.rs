@@ -12,24 +12,36 @@ pub fn longest(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Whether small parts of the tool's way lead from one configuration to the other, of which none is longer than half of a step of 0.2
-/// rad. What the arm has to spare goes to the other end evenly.
+/// rad: of a hundred parts those that are longer are gone in twenty. What the arm has to spare goes to the other end evenly.
 pub fn is_led(arm: &Arm, ends: [Placement<f64>; 2], [from, to]: [&[f64]; 2]) -> bool {
     const PARTS: u32 = 100;
+    const SMALLER: u32 = 20;
     let [begin, end] = ends.map(Isometry3::from);
     let arm = arm.with_search(Search::Start).unwrap();
-    let mut q = from.to_vec();
-    for part in 1..PARTS {
-        let target = begin.lerp_slerp(&end, f64::from(part) / f64::from(PARTS));
-        let left = f64::from(PARTS + 1 - part);
-        let start = q.iter().zip(to).map(|(q, to)| q + (to - q) / left);
+    // From a share of the way to a later one.
+    let go = |q: &[f64], at: f64, next: f64| {
+        let target = begin.lerp_slerp(&end, next);
+        let along = (next - at) / (1.0 - at);
+        let start = q.iter().zip(to).map(|(q, to)| q + along * (to - q));
         let start: Vec<f64> = start.collect();
-        let next = arm.solve(Placement::from(target), &start).unwrap();
+        let gone = arm.solve(Placement::from(target), &start).unwrap();
         // Where the arm is stretched out, the straight way may be some micrometres out of reach.
-        let near = next.position_error().is_some_and(|metres| metres < 1e-4);
-        if !near || longest(&q, &next.q) > 0.1 {
+        let near = gone.position_error().is_some_and(|metres| metres < 1e-4);
+        (near && longest(q, &gone.q) <= 0.1).then_some(gone.q)
+    };
+    let share = |smaller: u32| f64::from(smaller) / f64::from(PARTS * SMALLER);
+    let mut q = from.to_vec();
+    for part in 0..PARTS - 1 {
+        let begin = part * SMALLER;
+        let whole = go(&q, share(begin), share(begin + SMALLER));
+        let gone = whole.or_else(|| {
+            let mut steps = begin..begin + SMALLER;
+            steps.try_fold(q.clone(), |q, at| go(&q, share(at), share(at + 1)))
+        });
+        let Some(gone) = gone else {
             return false;
-        }
-        q = next.q;
+        };
+        q = gone;
     }
     longest(&q, to) <= 0.1
 }

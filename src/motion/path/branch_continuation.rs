@@ -14,7 +14,7 @@ const MOMENTUM: f64 = 0.9;
 /// Where fewer than this are surely free, the shapes are looked at too.
 pub(super) const FEW: usize = 8;
 /// Parts of a part in which a joint moves far, as it does near where branches meet.
-const SMALLER: usize = 20;
+pub(super) const SMALLER: usize = 20;
 /// Parts of a step at most.
 pub(super) const MOST_PARTS: f64 = 10_000.0;
 

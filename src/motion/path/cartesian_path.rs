@@ -1,6 +1,7 @@
 //! Where a tool is to be, point after point.
 
 use super::PathError;
+use super::knots::between;
 use crate::spatial::Placement;
 
 /// How a path is gone.
@@ -120,6 +121,42 @@ impl CartesianPath {
                 points: self.points.len(),
             }),
         }
+    }
+
+    /// The same way with so many more points in each of the steps to these knots (rising); and which knots are those of before.
+    pub(super) fn with_points_between(&self, steps: &[usize], count: usize) -> (Self, Vec<usize>) {
+        let closes = self.traversal == Traversal::Cyclic && self.points.len() > 1;
+        let mut finer = Self {
+            points: Vec::new(),
+            times: Vec::new(),
+            tools: Vec::new(),
+            // What the curve is beside the steps counts where all is told, which is of the points of before.
+            bulges: Vec::new(),
+            traversal: self.traversal,
+        };
+        let mut own = Vec::new();
+        for knot in 0..self.points.len() + usize::from(closes) {
+            let point = knot % self.points.len();
+            for place in 1..=count {
+                if steps.binary_search(&knot).is_err() {
+                    break;
+                }
+                let share = place as f64 / (count + 1) as f64;
+                let [from, to] = [knot - 1, point].map(|point| &self.points[point]);
+                finer.points.push(between(from, to, share));
+                finer.tools.extend(self.tools.get(point));
+                if let [.., before, after] = self.times.get(..=knot).unwrap_or(&[]) {
+                    finer.times.push(before + share * (after - before));
+                }
+            }
+            own.push(finer.points.len());
+            if knot < self.points.len() {
+                finer.points.push(self.points[knot]);
+                finer.tools.extend(self.tools.get(knot));
+                finer.times.extend(self.times.get(knot));
+            }
+        }
+        (finer, own)
     }
 
     /// The same path begun at another point of a closed one; that point comes at the end once more.

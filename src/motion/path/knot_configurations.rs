@@ -3,6 +3,7 @@
 use super::PathError;
 use super::graph::{Chosen, FalseEdge};
 use super::layers::{Growth, LAST_ATTEMPTS, Layer};
+use super::step_bounds::StepBounds;
 use crate::arm::Ends;
 
 /// A configuration for every knot.
@@ -26,6 +27,28 @@ impl Way {
 
     pub(super) fn row(&self, knot: usize, n: usize) -> &[f64] {
         &self.q[knot * n..(knot + 1) * n]
+    }
+
+    /// The way through these of its knots (rising, the first among them), each of whose steps is joined where all between are.
+    pub(super) fn through(&self, knots: &[usize], bounds: &StepBounds) -> Self {
+        let n = self.q.len() / self.reached.len().max(1);
+        let mut way = Self {
+            q: knots
+                .iter()
+                .flat_map(|knot| self.row(*knot, n))
+                .copied()
+                .collect(),
+            joined: vec![true],
+            allowance: vec![1.0],
+            reached: knots.iter().map(|knot| self.reached[*knot]).collect(),
+        };
+        for step in knots.windows(2) {
+            let joined = &self.joined[step[0] + 1..=step[1]];
+            way.joined.push(joined.iter().all(|joined| *joined));
+            let [from, to] = [step[0], step[1]].map(|knot| self.row(knot, n));
+            way.allowance.push(bounds.allowance(from, to));
+        }
+        way
     }
 }
 

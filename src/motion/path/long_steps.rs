@@ -1,7 +1,7 @@
 //! Steps in which a joint goes further than in a step: a branch is left in each to which small parts of the tool's way do not lead.
 
 use super::PathError;
-use super::branch_continuation::MOST_PARTS;
+use super::branch_continuation::{MOST_PARTS, SMALLER};
 use super::bridge::is_led;
 use super::knot_configurations::Way;
 use super::knots::{NEAR, between};
@@ -22,6 +22,14 @@ pub(super) enum Spare {
     GoesAlong,
 }
 
+/// The steps in which the tool goes far, both of whose ends are reached, and in which a branch is left; rising.
+pub(super) fn left(growth: &Growth<'_>, way: &Way) -> Vec<usize> {
+    let steps = 1..way.joined.len();
+    steps
+        .filter(|&knot| !way.joined[knot] && goes_far(growth, knot) && is_led(growth, way, knot))
+        .collect()
+}
+
 /// Leaves the branch in the long steps that are not led.
 pub(super) fn leave_unled(
     growth: &Growth<'_>,
@@ -40,9 +48,8 @@ pub(super) fn leave_unled(
 /// Joins the steps in which the tool goes far and a branch was left, but which are led.
 pub(super) fn join_led(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
     let (knots, n) = (growth.knots, growth.width());
-    for knot in 1..way.joined.len() {
-        let goes_far = knots.way[knot] - knots.way[knot - 1] > NEAR;
-        if way.joined[knot] || !goes_far || !do_parts_lead(growth, way, knot, Spare::GoesAlong)? {
+    for knot in left(growth, way) {
+        if !do_parts_lead(growth, way, knot, Spare::GoesAlong)? {
             continue;
         }
         let (from, to) = (way.row(knot - 1, n), way.row(knot, n));
@@ -53,6 +60,10 @@ pub(super) fn join_led(growth: &Growth<'_>, way: &mut Way) -> Result<(), PathErr
         }
     }
     Ok(())
+}
+
+fn goes_far(growth: &Growth<'_>, knot: usize) -> bool {
+    growth.knots.way[knot] - growth.knots.way[knot - 1] > NEAR
 }
 
 /// Whether a joint goes further than in a step, however much time there is.
@@ -79,27 +90,40 @@ fn do_parts_lead(
     let [from, to] = [knot - 1, knot].map(|knot| knots.targets[knot]);
     let parts = (knots.way[knot] - knots.way[knot - 1]) / NEAR;
     let parts = parts.ceil().clamp(FEWEST_PARTS, MOST_PARTS) as usize;
+    let count = parts * SMALLER;
     let (mut q, end) = (way.row(knot - 1, n).to_vec(), way.row(knot, n));
     let (mut start, mut ends) = (Vec::with_capacity(n), Ends::default());
-    for part in 1..=parts {
+    // Where a joint goes too far in a part, it is gone in smaller ones.
+    let (mut at, mut stride) = (0, SMALLER);
+    while at < count {
+        let next = at + stride;
         let along = match spare {
             Spare::Left => 0.0,
-            Spare::GoesAlong => 1.0 / (parts + 1 - part) as f64,
+            Spare::GoesAlong => stride as f64 / (count - at) as f64,
         };
         start.clear();
         start.extend(q.iter().zip(end).map(|(q, end)| q + along * (end - q)));
-        if part == parts {
+        if next == count {
             arm.continue_all(&[to], &start, &mut ends)?;
         } else {
             // Where the arm is stretched out, the straight way may be some micrometres out of reach.
-            let target = between(&from, &to, part as f64 / parts as f64);
+            let target = between(&from, &to, next as f64 / count as f64);
             arm.carry_all(&target, &start, &mut ends)?;
         }
-        let reached = ends.outcomes.first().is_some_and(|outcome| outcome.reached);
-        if !reached || !growth.bounds.allow_part(q.iter().zip(&ends.q)) {
+        if !ends.outcomes.first().is_some_and(|outcome| outcome.reached) {
             return Ok(false);
         }
-        q.copy_from_slice(&ends.q);
+        if growth.bounds.allow_part(q.iter().zip(&ends.q)) {
+            q.copy_from_slice(&ends.q);
+            at = next;
+            if at.is_multiple_of(SMALLER) {
+                stride = SMALLER;
+            }
+        } else if stride == SMALLER {
+            stride = 1;
+        } else {
+            return Ok(false);
+        }
     }
     Ok(growth.bounds.least_excess(&q, end) <= AGREES)
 }

@@ -27,6 +27,8 @@ const ROUNDS: usize = 12;
 const CHOICES: usize = 8;
 /// How often knots between stations that turn out to touch something become stations themselves.
 const LOOKS_BETWEEN: usize = 2;
+/// Points that are put into a long step in which a branch is left, one time after the other.
+const POINTS_BETWEEN: [usize; 3] = [1, 3, 7];
 /// Longer paths are left as they were chosen, points.
 const LONGEST_SHORTENED: usize = 200_000;
 /// Places at which a path that may be entered anywhere is tried.
@@ -42,6 +44,19 @@ pub struct PathSolver<'a> {
     pub(super) samples: usize,
     pub(super) start: Option<Vec<f64>>,
     pub(super) end: Option<Vec<f64>>,
+}
+
+/// A way that was found.
+struct FoundWay {
+    knots: Knots,
+    way: Way,
+    /// Which knots of it touch something, rising.
+    touching: Vec<usize>,
+}
+
+/// How much of a way touches something, is missed, and how many branches it leaves: the less the better.
+fn rank(way: &Way, touching: &[usize]) -> (usize, (usize, usize)) {
+    (touching.len(), way.rank())
 }
 
 impl<'a> PathSolver<'a> {
@@ -91,27 +106,57 @@ impl<'a> PathSolver<'a> {
     pub fn solve(&self, path: &CartesianPath) -> Result<PathSolution, PathError> {
         self.check(path)?;
         match path.traversal {
-            Traversal::Open => self.solve_open(path),
-            Traversal::Cyclic => self.solve_cyclic(path),
+            Traversal::Open | Traversal::Cyclic => self.solve_in_order(path),
             Traversal::AnyStart => self.solve_anywhere(path),
         }
     }
 
-    fn solve_open(&self, path: &CartesianPath) -> Result<PathSolution, PathError> {
+    /// From the first point to the last, and back to the first where that is asked for.
+    fn solve_in_order(&self, path: &CartesianPath) -> Result<PathSolution, PathError> {
+        let found = |path: &CartesianPath| match path.traversal {
+            Traversal::Open | Traversal::AnyStart => self.find_open(path),
+            Traversal::Cyclic => self.find_cyclic(path),
+        };
+        let mut best = found(path)?;
+        let bounds = self.bounds();
+        for count in POINTS_BETWEEN {
+            // More points on the tool's way show branches that a long step has not found.
+            let growth = Growth::new(&self.tools, &best.knots, &bounds, 0);
+            let left = long_steps::left(&growth, &best.way);
+            if left.is_empty() {
+                break;
+            }
+            let (finer, own) = path.with_points_between(&left, count);
+            let other = found(&finer)?;
+            let mut way = other.way.through(&own, &bounds);
+            long_steps::leave_unled(&growth, &mut way, Spare::GoesAlong)?;
+            let touching = self.touching(&best.knots, &way)?;
+            if rank(&way, &touching) < rank(&best.way, &best.touching) {
+                (best.way, best.touching) = (way, touching);
+            }
+        }
+        self.tell(path, &best.knots, &best.way, &best.touching)
+    }
+
+    fn find_open(&self, path: &CartesianPath) -> Result<FoundWay, PathError> {
         let mut knots = Knots::of(path, &self.tools);
-        let mut best = self.best_open(&knots)?;
-        let mut touching = self.touching(&knots, &best)?;
+        let mut way = self.best_open(&knots)?;
+        let mut touching = self.touching(&knots, &way)?;
         for _ in 0..LOOKS_BETWEEN {
             if !knots.add_stations(&touching) {
                 break;
             }
             let other = self.best_open(&knots)?;
             let others = self.touching(&knots, &other)?;
-            if (others.len(), other.rank()) < (touching.len(), best.rank()) {
-                (best, touching) = (other, others);
+            if rank(&other, &others) < rank(&way, &touching) {
+                (way, touching) = (other, others);
             }
         }
-        self.tell(path, &knots, &best, &touching)
+        Ok(FoundWay {
+            knots,
+            way,
+            touching,
+        })
     }
 
     /// Which knots of a way touch something, rising.
@@ -196,7 +241,7 @@ impl<'a> PathSolver<'a> {
     }
 
     /// Round and round: for each of the first point's configurations the best way back to it.
-    fn solve_cyclic(&self, path: &CartesianPath) -> Result<PathSolution, PathError> {
+    fn find_cyclic(&self, path: &CartesianPath) -> Result<FoundWay, PathError> {
         let knots = Knots::of(path, &self.tools);
         let bounds = self.bounds();
         let mut growth = Growth::new(&self.tools, &knots, &bounds, self.most(&knots));
@@ -236,16 +281,20 @@ impl<'a> PathSolver<'a> {
         growth.end = Some(&end);
         let way = self.along(&growth, &layers, (chosen, between(turn)))?;
         let touching = self.touching(&knots, &way)?;
-        self.tell(path, &knots, &way, &touching)
+        Ok(FoundWay {
+            knots,
+            way,
+            touching,
+        })
     }
 
     /// Round once from where that is best: a reconfiguration less, if the path is entered where one would be.
     fn solve_anywhere(&self, path: &CartesianPath) -> Result<PathSolution, PathError> {
-        let mut best = self.solve_open(&path.entered_at(0))?;
+        let mut best = self.solve_in_order(&path.entered_at(0))?;
         let breaks: Vec<usize> = best.reconfigurations.iter().map(|r| r.index).collect();
         for entry in breaks.into_iter().take(ENTRIES) {
             let entry = entry % path.points.len();
-            let mut other = self.solve_open(&path.entered_at(entry))?;
+            let mut other = self.solve_in_order(&path.entered_at(entry))?;
             other.entry = entry;
             let rank =
                 |solution: &PathSolution| (solution.missed.len(), solution.reconfigurations.len());
