@@ -24,6 +24,7 @@ import ray  # noqa: E402
 
 import kinopt.ray as kr  # noqa: E402
 from kinopt import tasks  # noqa: E402
+from waiting import wait_until  # noqa: E402
 
 MODELS = Path(__file__).parents[2] / "models"
 COUNT, BLOCK = 1000, 150
@@ -279,11 +280,10 @@ def test_a_killed_job_goes_on_where_it_was_and_loses_nothing_by_a_killed_worker(
     )
     into = folder / "answers"
     finished = ["000000.parquet", "000001.parquet"]
-    deadline = time.monotonic() + 240
-    while not all((into / name).exists() for name in finished):
-        assert job.poll() is None, job.stderr.read().decode()
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
+    wait_until(
+        lambda: job.poll() is not None or all((into / name).exists() for name in finished), seconds=240.0
+    )
+    assert job.poll() is None, job.stderr.read().decode()
     job.kill()
     job.wait()
     before = {name: (into / name).stat().st_mtime_ns for name in finished}

@@ -1,6 +1,5 @@
 """Scenes and captures on a page: drawn as the library poses them, dragged from wherever a clip has them."""
 
-import time
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +12,7 @@ pytest.importorskip("viser", reason="SKIPPED: the viewer's tests need viser (pip
 from browser import made  # noqa: E402
 from kinopt.view.opening import open_page  # noqa: E402
 from test_view_page import drag, off  # noqa: E402
+from waiting import wait_until  # noqa: E402
 
 MODELS = Path(__file__).parents[2] / "models"
 
@@ -81,11 +81,9 @@ def test_a_capture_is_played_and_dragged(humanoid, opened, tmp_path):
     drag(page, hand, [0.0, 0.05, 0.0])
     assert page.answer.solution.reached
     page.call(page.time.play)
-    deadline = time.perf_counter() + 10.0
-    while page.time.now <= 0.5 and time.perf_counter() < deadline:
-        time.sleep(0.02)
+    wait_until(lambda: page.time.now != 0.5)
     page.call(page.time.pause)
-    assert page.scene.loop.failure is None and page.time.now > 0.5
+    assert page.scene.loop.failure is None and page.time.now != 0.5
 
 
 def test_bones_that_scale_send_the_vertices_of_their_mesh(tmp_path, opened):

@@ -17,6 +17,7 @@ from kinopt.view import Scene  # noqa: E402
 from kinopt.view.__main__ import main  # noqa: E402
 from kinopt.view.opening import open_page  # noqa: E402
 from kinopt.view.saving import saved  # noqa: E402
+from waiting import wait_until  # noqa: E402
 
 MODELS = Path(__file__).parents[2] / "models"
 HUMANOID = MODELS / "humanoid" / "humanoid.json"
@@ -51,10 +52,8 @@ def drag(page, frame, way, moves=20):
         place[:3, 3] += np.asarray(way) * k / moves
         move(place, "update")
     move(place, "end")
-    deadline = time.perf_counter() + 10.0
-    while page.scene.loop._tickers and time.perf_counter() < deadline:
-        time.sleep(0.02)
-    assert page.scene.loop.failure is None
+    wait_until(lambda: not page.scene.loop._tickers)
+    assert not page.scene.loop._tickers and page.scene.loop.failure is None
     return place
 
 
@@ -254,11 +253,10 @@ def test_keyframes_play_and_pause(opened):
     expected = np.asarray(rig.clip.sample(1.0)).reshape(-1)
     assert np.abs(page.body.q - np.clip(expected, page.body.model.lower, page.body.model.upper)).max() < 1e-12
     page.call(page.time.play)
-    deadline = time.perf_counter() + 10.0
-    while page.time.now == 1.0 and time.perf_counter() < deadline:
-        time.sleep(0.02)
+    wait_until(lambda: page.time.now != 1.0)
     page.call(page.time.pause)
-    assert 1.0 < page.time.now < 3.0 and page.scene.loop.failure is None
+    # It begins anew after its end, where a busy machine looks late.
+    assert page.time.now != 1.0 and 0.0 <= page.time.now < 3.0 and page.scene.loop.failure is None
     drag(page, "left_hand/tip", [0.0, 0.0, 0.05])
     assert page.answer.solution.reached
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import shutil
-import time
 import warnings
 from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
+
+from waiting import wait_until
 
 MISSING = (
     "SKIPPED: THE BROWSER TESTS OF THE VIEWER DID NOT RUN: {}. They need viser and playwright "
@@ -107,7 +108,7 @@ class Tab:
         from PIL import Image
 
         return np.asarray(
-            Image.open(io.BytesIO(self.tab.screenshot(timeout=120_000, scale="css"))).convert("RGB"), dtype=int
+            Image.open(io.BytesIO(self.tab.screenshot(scale="css"))).convert("RGB"), dtype=int
         )
 
     def settle(self, seconds=0.6):
@@ -115,10 +116,15 @@ class Tab:
         self.tab.wait_for_timeout(1000 * seconds)
 
     def until(self, holds, seconds=120.0):
-        """Waits until `holds()`, which is then asserted by who waited: a busy machine takes its time."""
-        deadline = time.monotonic() + seconds
-        while not holds() and time.monotonic() < deadline:
-            self.settle(0.1)
+        """Waits until `holds()`, which is then asserted by who waited, while the browser goes on."""
+        wait_until(holds, pause=lambda: self.settle(0.1), seconds=seconds)
+
+    def hear_all(self):
+        """Waits until the server has nothing more to say."""
+        heard = -1
+        while heard != len(self.received):
+            heard = len(self.received)
+            self.settle(1.5)
 
     def status(self):
         """The status that the page shows, as text."""
@@ -157,6 +163,8 @@ def open_tab(chromium):
         # What software draws takes as long as it has points.
         scale = 1.0 if sharp else 0.5
         tab = chromium.new_page(viewport={"width": width, "height": height}, device_scale_factor=scale)
+        # A busy machine takes its time.
+        tab.set_default_timeout(120_000)
         shown = Tab(tab, page)
         opened.append(shown)
         tab.on("console", lambda message: shown.console.append(f"{message.type}: {message.text}"))
@@ -170,7 +178,7 @@ def open_tab(chromium):
         tab.wait_for_selector("canvas")
         tab.wait_for_selector(".kinopt-status")
         shown.until(page.scene.server.get_clients)
-        shown.settle(3.0)
+        shown.hear_all()
         shown.dismiss_notes()
         return shown
 
