@@ -55,7 +55,7 @@ mod world_file;
 
 use std::process::ExitCode;
 
-use clap::error::Error;
+use clap::error::{ContextKind, ContextValue, Error};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 #[cfg(not(feature = "bench"))]
@@ -124,6 +124,15 @@ enum Subcommands {
     Bench(bench::Arguments),
 }
 
+/// Words that people look for among the subcommands, and where what they mean is.
+const ELSEWHERE: [(&str, &str); 5] = [
+    ("ik", "solve MODEL --target FRAME=PLACE"),
+    ("track", "solve MODEL --targets FILE --track"),
+    ("follow", "solve MODEL --targets FILE --track"),
+    ("servo", "solve MODEL --targets FILE --servo TICKS_A_SECOND"),
+    ("collide", "check MODEL"),
+];
+
 /// The command as it was typed. A negative number is one wherever an option takes a value, so that it is refused for what it is and not
 /// as an option that is unknown.
 fn parsed() -> Result<Command, Error> {
@@ -144,6 +153,11 @@ fn main() -> ExitCode {
             // Help, version or wrong usage; clap knows which stream and code. A closed stream
             // leaves nobody to tell.
             let _ = error.print();
+            if let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand)
+                && let Some((_, way)) = ELSEWHERE.iter().find(|(elsewhere, _)| elsewhere == word)
+            {
+                output::message(&format!("`{word}` is `kinopt {way}`"));
+            }
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
         }
     };

@@ -2,7 +2,9 @@
 
 use kinopt::Arm;
 use kinopt::counted;
-use kinopt::motion::path::{CartesianPath, CsvColumns, MissReason, Missed, PathSolution};
+use kinopt::motion::path::{
+    CartesianPath, CsvColumns, Deviation, MissReason, Missed, PathSolution,
+};
 use serde::Serialize;
 
 use crate::collision_document::{CollisionDocument, depth};
@@ -125,7 +127,6 @@ impl<'a> Report<'a> {
     pub(super) fn text(&self) -> String {
         let solution = self.solution;
         let points = counted(self.path.points().len(), "point");
-        let deviation = solution.largest_deviation;
         let reached = solution.rows().len() - solution.missed.len();
         let mut told = vec![
             (
@@ -137,13 +138,7 @@ impl<'a> Report<'a> {
             ),
             ("branches", self.branches()),
             ("length", format!("{:.4} of joint motion", solution.length)),
-            (
-                "deviation",
-                format!(
-                    "at most {:.3e} m (before row {}) and {:.3e} rad (before row {}) between rows",
-                    deviation.metres, deviation.metres_at, deviation.radians, deviation.radians_at
-                ),
-            ),
+            ("deviation", told_deviation(&solution.largest_deviation)),
         ];
         if solution.entry > 0 {
             told.push(("entry", format!("begun at point {}", solution.entry)));
@@ -213,4 +208,14 @@ fn reason(missed: &Missed) -> String {
         MissReason::Touches(pair) => format!("{pair} touch there, {}", depth(pair)),
         _ => "no configuration within the limits was found".to_owned(),
     }
+}
+
+fn told_deviation(deviation: &Deviation) -> String {
+    if deviation.metres == 0.0 && deviation.radians == 0.0 {
+        return "none between rows".to_owned();
+    }
+    format!(
+        "at most {:.3e} m (before row {}) and {:.3e} rad (before row {}) between rows",
+        deviation.metres, deviation.metres_at, deviation.radians, deviation.radians_at
+    )
 }

@@ -27,6 +27,7 @@ fn wrong_usage_is_two() {
     let (_folder, rig) = Folder::with_rig("usage");
     refused("", 2, "info | fk | solve");
     refused!("dance" => 2, "dance");
+    refused!("track robot.urdf" => 2, "`track` | solve MODEL --targets FILE --track");
     refused!("info" => 2, "MODEL");
     refused!("solve {rig}" => 2, "--target | --ray");
     refused!("solve {rig} --json" => 2, "--target");

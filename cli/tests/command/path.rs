@@ -69,6 +69,8 @@ fn courses_and_misses() {
     assert_eq!(list(&told["missed"]).len(), 4);
     let reason = told["missed"][0]["reason"].as_str().unwrap();
     says!(reason => "beyond reach");
+    let text = text!("path {PANDA} {path} --tip tool --at 5,0,0.3");
+    says!(text => "none between rows");
     let run = kinopt!("path {PANDA} {path} --tip tool --at 5,0,0.3 --fail-on-miss");
     assert_eq!(run.status.code(), Some(3));
 }
