@@ -17,8 +17,6 @@ import pytest
 import kinopt
 
 pytest.importorskip("ray", reason="SKIPPED LOUDLY: ray is not installed: pip install 'kinopt[ray]'")
-# Workers step back behind all else that a machine does, and get no turn on a busy one.
-os.environ["RAY_worker_niceness"] = "0"
 
 import pyarrow as pa  # noqa: E402
 import pyarrow.parquet as pq  # noqa: E402
@@ -26,6 +24,7 @@ import ray  # noqa: E402
 
 import kinopt.ray as kr  # noqa: E402
 from kinopt import tasks  # noqa: E402
+from ray_cluster import ray_cluster  # noqa: E402
 from waiting import wait_until  # noqa: E402
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -56,26 +55,13 @@ def want(arm, targets, start):
     return arm.solve_batch(targets, start)
 
 
-def started():
-    """Starts Ray, which gives up after half a minute, as a busy machine does not begin in."""
-    try:
-        ray.init("local", num_cpus=2, include_dashboard=False, log_to_driver=False, logging_level="error")
-    except Exception as failure:  # noqa: BLE001 - it has no class of its own
-        if "timed out during startup" not in str(failure):
-            raise
-        ray.shutdown()
-    return ray.is_initialized()
-
-
 @pytest.fixture(scope="module")
 def cluster():
     # Workers cannot import this file.
     ray.cloudpickle.register_pickle_by_value(sys.modules[__name__])
-    wait_until(started, seconds=400.0)
-    assert ray.is_initialized()
-    ray.data.DataContext.get_current().enable_progress_bars = False
-    yield
-    ray.shutdown()
+    with ray_cluster():
+        ray.data.DataContext.get_current().enable_progress_bars = False
+        yield
 
 
 @pytest.fixture

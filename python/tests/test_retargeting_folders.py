@@ -119,12 +119,11 @@ def test_what_is_wrong_with_folders_is_named(folder: Path, tmp_path: Path) -> No
     importlib.util.find_spec("ray") is None, reason="SKIPPED LOUDLY: ray is not installed: pip install 'kinopt[ray]'"
 )
 def test_ray_writes_the_same(folder: Path, tmp_path: Path) -> None:
-    import ray
-
     import kinopt.ray
 
-    ray.init(num_cpus=2, include_dashboard=False, ignore_reinit_error=True, log_to_driver=False)
-    try:
+    from ray_cluster import ray_cluster
+
+    with ray_cluster():
         expected, into = tmp_path / "expected", tmp_path / "into"
         robot = kinopt.Robot.from_urdf(NAO, base_joint="free")
         retarget_folder(folder, robot, expected, MAP)
@@ -137,5 +136,3 @@ def test_ray_writes_the_same(folder: Path, tmp_path: Path) -> None:
         os.remove(into / "two.npz")
         assert [report.done_before for report in retarget_folder(folder, robot, into, MAP)] == [True, True, False]
         assert all(report.done_before for report in kinopt.ray.retarget_files(folder, robot, into, MAP))
-    finally:
-        ray.shutdown()
