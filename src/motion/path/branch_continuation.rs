@@ -3,9 +3,10 @@
 //! Each goes on as it came, which leads straight through places where branches meet, or where that fails from where it stands; and
 //! where the step is long and both come too far, in small parts along the path.
 
-use super::knots::{NEAR, between};
+use super::knots::NEAR;
 use super::layers::{Growth, Layer};
 use super::sorted::Sorted;
+use super::straight_way::between;
 use crate::arm::{Arm, Ends, QueryError};
 use crate::spatial::Placement;
 

@@ -1,7 +1,7 @@
 //! Where a tool is to be, point after point.
 
 use super::PathError;
-use super::knots::between;
+use super::straight_way::between;
 use crate::spatial::Placement;
 
 /// How a path is gone.

@@ -2,7 +2,7 @@
 
 use super::cartesian_path::{CartesianPath, Traversal};
 use super::tools::Tools;
-use crate::spatial::{Placement, Quaternion, rotation_exp};
+use crate::spatial::Placement;
 
 /// How far the tool goes from one comparison of branches to the next, radians (metres as the arm counts them), where points are as near
 /// as that.
@@ -94,12 +94,4 @@ impl Knots {
     pub(super) fn is_led_to(&self, knot: usize) -> bool {
         self.tool(knot) == self.tool(knot - 1)
     }
-}
-
-/// A place on the straight way, turned evenly.
-pub(super) fn between(from: &Placement<f64>, to: &Placement<f64>, share: f64) -> Placement<f64> {
-    let turn = Quaternion::from_matrix(&(from.rotation.transpose() * to.rotation)).log();
-    let way = to.translation - from.translation;
-    let rotation = from.rotation * rotation_exp(turn * share);
-    Placement::new(rotation, from.translation + way * share).made_rigid()
 }

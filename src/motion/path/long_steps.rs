@@ -4,8 +4,9 @@ use super::PathError;
 use super::branch_continuation::{MOST_PARTS, SMALLER};
 use super::bridge::is_led;
 use super::knot_configurations::Way;
-use super::knots::{NEAR, between};
+use super::knots::NEAR;
 use super::layers::Growth;
+use super::straight_way::between;
 use crate::arm::Ends;
 
 /// Parts of the tool's way in a step at least.

@@ -47,6 +47,7 @@ mod solver;
 mod sorted;
 mod spline;
 mod step_bounds;
+mod straight_way;
 mod timing;
 mod tools;
 mod tridiagonal;
