@@ -211,11 +211,15 @@ fn reason(missed: &Missed) -> String {
 }
 
 fn told_deviation(deviation: &Deviation) -> String {
-    if deviation.metres == 0.0 && deviation.radians == 0.0 {
-        return "none between rows".to_owned();
+    let metres = (deviation.metres, "m", deviation.metres_at);
+    let radians = (deviation.radians, "rad", deviation.radians_at);
+    // Of what no step strays by there is no row either.
+    let strays = [metres, radians].into_iter().filter(|stray| stray.0 > 0.0);
+    let told: Vec<String> = strays
+        .map(|(most, unit, row)| format!("at most {most:.3e} {unit} (before row {row})"))
+        .collect();
+    match told.is_empty() {
+        true => "none between rows".to_owned(),
+        false => format!("{} between rows", told.join(", ")),
     }
-    format!(
-        "at most {:.3e} m (before row {}) and {:.3e} rad (before row {}) between rows",
-        deviation.metres, deviation.metres_at, deviation.radians, deviation.radians_at
-    )
 }
