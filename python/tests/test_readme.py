@@ -61,7 +61,7 @@ def test_what_opens_a_page_opens_one(language, block):
             told = (line for line in process.stdout if "http://" in line)
             url = re.search(r"http://\S+", next(told))
             assert url is not None
-            with urllib.request.urlopen(url[0], timeout=30) as page:
+            with urllib.request.urlopen(url[0], timeout=120) as page:
                 assert page.status == 200
         finally:
             process.kill()
