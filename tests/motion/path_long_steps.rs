@@ -57,18 +57,24 @@ impl StraightWay {
     }
 }
 
-/// How many of these ways that are within reach are left in no step by two hundred points, but in one of so few.
-fn left_by_few_steps(name: &str, steps: u32, cases: &Range<usize>) -> usize {
+fn arm(name: &str) -> Arm {
     let robot = robot(name);
     let builder = Arm::builder(&robot, "base", "flange");
-    let arm = builder.with_atlas(false).build().unwrap();
+    builder.with_atlas(false).build().unwrap()
+}
+
+/// The random ways of these numbers.
+fn ways(arm: &Arm, cases: &Range<usize>) -> impl Iterator<Item = (usize, StraightWay)> {
     let mut random = Random(12);
+    let all = (0..cases.end).map(move |case| (case, StraightWay::random(arm, &mut random)));
+    all.skip(cases.start)
+}
+
+/// How many of these ways that are within reach are left in no step by two hundred points, but in one of so few.
+fn left_by_few_steps(name: &str, steps: u32, cases: &Range<usize>) -> usize {
+    let arm = arm(name);
     let (mut within_reach, mut left) = (0, 0);
-    for case in 0..cases.end {
-        let way = StraightWay::random(&arm, &mut random);
-        if case < cases.start {
-            continue;
-        }
+    for (case, way) in ways(&arm, cases) {
         let few = way.solved(&arm, steps);
         if !few.missed.is_empty() {
             continue;
@@ -116,16 +122,9 @@ fn few_points_leave_no_branch_that_many_do_not() {
 fn rings_of_few_points_leave_no_branch_that_those_of_many_do_not() {
     let cases = asked();
     for name in ["franka_panda", "universal_ur5e"] {
-        let robot = robot(name);
-        let builder = Arm::builder(&robot, "base", "flange");
-        let arm = builder.with_atlas(false).build().unwrap();
-        let mut random = Random(12);
+        let arm = arm(name);
         let mut left = 0;
-        for case in 0..cases.end {
-            let way = StraightWay::random(&arm, &mut random);
-            if case < cases.start {
-                continue;
-            }
+        for (_, way) in ways(&arm, &cases) {
             let few = way.solved_as_ring(&arm, 1);
             if few.missed.is_empty() && !few.reconfigurations.is_empty() {
                 left += usize::from(way.solved_as_ring(&arm, 105).is_whole());

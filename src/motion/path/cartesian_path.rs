@@ -137,10 +137,8 @@ impl CartesianPath {
         let mut own = Vec::new();
         for knot in 0..self.points.len() + usize::from(closes) {
             let point = knot % self.points.len();
-            for place in 1..=count {
-                if steps.binary_search(&knot).is_err() {
-                    break;
-                }
+            let more = steps.binary_search(&knot).map_or(0, |_| count);
+            for place in 1..=more {
                 let share = place as f64 / (count + 1) as f64;
                 let [from, to] = [knot - 1, point].map(|point| &self.points[point]);
                 finer.points.push(between(from, to, share));

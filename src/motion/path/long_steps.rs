@@ -39,8 +39,9 @@ pub(super) fn leave_unled(
 ) -> Result<(), PathError> {
     for knot in 1..way.joined.len() {
         let has_to_be_led = way.joined[knot] && is_long(growth, way, knot);
-        if has_to_be_led && !do_parts_lead(growth, way, knot, spare)? {
-            way.joined[knot] = false;
+        if has_to_be_led {
+            way.joined[knot] =
+                is_led(growth, way, knot) && do_parts_lead(growth, way, knot, spare)?;
         }
     }
     Ok(())
@@ -76,7 +77,7 @@ fn is_long(growth: &Growth<'_>, way: &Way, knot: usize) -> bool {
         > 1.0 + 1e-9
 }
 
-/// Whether the arm comes from knot to knot if it follows the tool's way in small parts, without a long move in any.
+/// Whether the arm comes from knot to knot, to which the path leads, if it follows the tool's way in small parts, without a long move in any.
 fn do_parts_lead(
     growth: &Growth<'_>,
     way: &Way,
@@ -84,9 +85,6 @@ fn do_parts_lead(
     spare: Spare,
 ) -> Result<bool, PathError> {
     let (knots, n) = (growth.knots, growth.width());
-    if !is_led(growth, way, knot) {
-        return Ok(false);
-    }
     let arm = growth.arms.of(knots.tool(knot));
     let [from, to] = [knot - 1, knot].map(|knot| knots.targets[knot]);
     let parts = (knots.way[knot] - knots.way[knot - 1]) / NEAR;
