@@ -108,9 +108,11 @@ impl Arm {
     getters! {
         /// Ids of the free joints in the model the arm was built from, base to tip.
         pub fn joint_ids(&self) -> &[JointId] = &self.serial.joints;
-        /// How fast the speed of each free joint may change, base to tip, radians or metres a second squared, infinite for none: by a
-        /// [file of limits](crate::robot::Robot::acceleration_limit), and as the joints that follow it allow.
+        /// Acceleration limits of the free joints, base to tip, rad/s² or m/s², infinite for none: those of the robot's
+        /// [files](crate::robot::Robot::acceleration_limit), and of the mimic joints that a free joint drives.
         pub fn acceleration_limits(&self) -> &[f64] = &self.rates.acceleration;
+        /// Jerk limits of the free joints, base to tip, rad/s³ or m/s³, infinite for none, by the same rules.
+        pub fn jerk_limits(&self) -> &[f64] = &self.rates.jerk;
         /// Number of free joints: the length of a configuration.
         pub fn joint_count(&self) -> usize = self.serial.joints.len();
     }

@@ -14,8 +14,13 @@ pub trait Mechanism {
         let _ = joint;
         None
     }
-    /// How fast its speed may change, radians or metres a second squared; none known for a bare model.
+    /// Acceleration limit of a joint, rad/s² or m/s²; none for a model, which has no drives.
     fn acceleration_limit(&self, joint: JointId) -> Option<f64> {
+        let _ = joint;
+        None
+    }
+    /// Jerk limit of a joint, rad/s³ or m/s³; none for a model, which has no drives.
+    fn jerk_limit(&self, joint: JointId) -> Option<f64> {
         let _ = joint;
         None
     }
@@ -40,5 +45,9 @@ impl Mechanism for Robot {
 
     fn acceleration_limit(&self, joint: JointId) -> Option<f64> {
         Self::acceleration_limit(self, joint)
+    }
+
+    fn jerk_limit(&self, joint: JointId) -> Option<f64> {
+        Self::jerk_limit(self, joint)
     }
 }

@@ -1,16 +1,18 @@
-//! How fast the joints of an arm may move, and how fast that may change.
+//! Velocity, acceleration and jerk limits of an arm's joints.
 
 use super::mechanism::Mechanism;
 use super::serial_chain::{Serial, source_of};
 use crate::model::{Model, ParameterMap};
 
-/// One number a joint of a model.
+/// Limits of joints, one number a joint.
 #[derive(Clone, Debug)]
 pub(super) struct RateLimits<T> {
-    /// Radians or metres a second.
+    /// rad/s or m/s.
     pub(super) velocity: Vec<T>,
-    /// A second squared.
+    /// rad/s² or m/s².
     pub(super) acceleration: Vec<T>,
+    /// rad/s³ or m/s³.
+    pub(super) jerk: Vec<T>,
 }
 
 impl RateLimits<Option<f64>> {
@@ -22,6 +24,7 @@ impl RateLimits<Option<f64>> {
             acceleration: joints()
                 .map(|id| mechanism.acceleration_limit(id))
                 .collect(),
+            jerk: joints().map(|id| mechanism.jerk_limit(id)).collect(),
         }
     }
 
@@ -51,6 +54,7 @@ impl RateLimits<Option<f64>> {
         RateLimits {
             velocity: least(&self.velocity),
             acceleration: least(&self.acceleration),
+            jerk: least(&self.jerk),
         }
     }
 }

@@ -10,6 +10,8 @@ pub(super) struct Drive {
     pub(super) velocity: Option<f64>,
     /// rad/s² or m/s².
     pub(super) acceleration: Option<f64>,
+    /// rad/s³ or m/s³.
+    pub(super) jerk: Option<f64>,
     /// N·m or N.
     pub(super) effort: Option<f64>,
     /// Radians or metres.
@@ -47,11 +49,18 @@ impl Robot {
         moves.collect()
     }
 
-    /// How fast a joint's speed may change, in rad/s² or m/s²: no URDF says it, but a
-    /// [file of limits](Self::with_joint_limits) may. `None` as for [`velocity_limit`](Self::velocity_limit).
+    /// Acceleration limit of a joint, rad/s² or m/s²: `acceleration` of a URDF's `<limit>` (URDF 1.2), or `max_acceleration` of a
+    /// [`joint_limits.yaml`](Self::with_joint_limits). `None` as for [`velocity_limit`](Self::velocity_limit).
     #[must_use]
     pub fn acceleration_limit(&self, joint: JointId) -> Option<f64> {
         self.drives.get(joint.index())?.acceleration
+    }
+
+    /// Jerk limit of a joint, rad/s³ or m/s³: `jerk` of a URDF's `<limit>` (URDF 1.2), or `max_jerk` of a
+    /// [`joint_limits.yaml`](Self::with_joint_limits). `None` as for [`velocity_limit`](Self::velocity_limit).
+    #[must_use]
+    pub fn jerk_limit(&self, joint: JointId) -> Option<f64> {
+        self.drives.get(joint.index())?.jerk
     }
 
     /// How hard a joint may push, in N·m or N: `effort` of its `<limit>` in the file. `None` as for

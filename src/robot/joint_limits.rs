@@ -13,8 +13,8 @@ const LONGEST: u64 = 16 << 20;
 
 impl Robot {
     /// The same robot with the limits of a `joint_limits.yaml`, as MoveIt's configurations have it: under `joint_limits` each
-    /// joint's `max_velocity` and `max_acceleration` (`has_velocity_limits: false` takes one away), `min_position` and
-    /// `max_position`, which narrow what the robot's file says. Radians and metres, seconds. Other keys, as of jerk, are passed over.
+    /// joint's `max_velocity`, `max_acceleration` and `max_jerk` (`has_velocity_limits: false` removes one), `min_position` and
+    /// `max_position`, which narrow what the robot's file says. Radians and metres, seconds. Other keys are ignored.
     ///
     /// ```
     /// use kinopt::robot::Robot;
@@ -67,6 +67,7 @@ impl Robot {
             let drive = &mut self.drives[id.index()];
             joint.rate("velocity", &mut drive.velocity)?;
             joint.rate("acceleration", &mut drive.acceleration)?;
+            joint.rate("jerk", &mut drive.jerk)?;
             narrowed.extend(joint.positions()?.map(|limits| (id, limits)));
         }
         let invalid = |error| ReadError::new(file, Place::File, ReadProblem::invalid(error));

@@ -57,6 +57,42 @@ fn they_add_to_what_the_file_says() {
     assert_eq!(arm.velocity_limits()[..2], [1.5, inf]);
 }
 
+#[test]
+fn urdf_acceleration_and_jerk_are_limits() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/universal_ur5e.urdf");
+    let text = std::fs::read_to_string(path).unwrap();
+    let stated = r#"velocity="3.141592653589793" acceleration="12.5" jerk="300""#;
+    let text = text.replacen(r#"velocity="3.141592653589793""#, stated, 1);
+    let robot = Robot::parse(&text, "ur5e.urdf").unwrap();
+    assert!(robot.repairs().is_empty(), "{:?}", robot.repairs());
+    let joint = robot.model().joint("joint1").unwrap();
+    assert_eq!(robot.acceleration_limit(joint), Some(12.5));
+    assert_eq!(robot.jerk_limit(joint), Some(300.0));
+    let arm = Arm::new(&robot, "base", "flange").unwrap();
+    assert_eq!(arm.acceleration_limits()[..2], [12.5, f64::INFINITY]);
+    assert_eq!(arm.jerk_limits()[..2], [300.0, f64::INFINITY]);
+}
+
+#[test]
+fn shipped_panda_limits_name_every_joint() {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../models/franka_panda_limits.yaml"
+    );
+    let robot = robot("franka_panda").with_joint_limits(path).unwrap();
+    let arm = Arm::new(&robot, "base", "flange").unwrap();
+    assert_eq!(
+        arm.acceleration_limits(),
+        [15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0]
+    );
+    let ratio = arm.jerk_limits().iter().zip(arm.acceleration_limits());
+    assert!(
+        ratio
+            .clone()
+            .all(|(jerk, acceleration)| *jerk == 500.0 * acceleration)
+    );
+}
+
 /// One that no file has told of, of a model that was built.
 #[test]
 fn they_are_all_that_is_known_of_a_robot_without_a_file() {

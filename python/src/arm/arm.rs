@@ -219,11 +219,18 @@ impl Arm {
         arrays::frozen(py, self.inner.velocity_limits().iter().copied())
     }
 
-    /// How fast the speeds of the free joints may change, shape (dof,), rad/s² or m/s²; inf for none. See
+    /// Acceleration limits of the free joints, shape (dof,), rad/s² or m/s²; inf for none. From the URDF or
     /// `Robot.with_joint_limits`.
     #[getter]
     fn acceleration_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         arrays::frozen(py, self.inner.acceleration_limits().iter().copied())
+    }
+
+    /// Jerk limits of the free joints, shape (dof,), rad/s³ or m/s³; inf for none. From the URDF or
+    /// `Robot.with_joint_limits`.
+    #[getter]
+    fn jerk_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        arrays::frozen(py, self.inner.jerk_limits().iter().copied())
     }
 
     /// What the arm was made of: a `Robot`, or a `Model`.

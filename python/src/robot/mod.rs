@@ -179,7 +179,7 @@ impl Robot {
         })
     }
 
-    /// The same robot with the limits of MoveIt's joint_limits.yaml: `max_velocity`, `max_acceleration`, and `min_position` and
+    /// The same robot with the limits of MoveIt's joint_limits.yaml: `max_velocity`, `max_acceleration`, `max_jerk`, and `min_position` and
     /// `max_position`, which narrow what the robot's file says.
     ///
     /// Raises `FileError` where it cannot be read, `InvalidFileError`, which names the line, for what is wrong in it.
@@ -276,11 +276,18 @@ impl Robot {
         self.per_joint(py, |id| self.inner.velocity_limit(id))
     }
 
-    /// How fast the speeds of the joints may change, in configuration order, shape (nq,), rad/s² or m/s²; inf for none. See
-    /// `with_joint_limits`.
+    /// Acceleration limits in configuration order, shape (nq,), rad/s² or m/s²; inf for none. From the URDF's `<limit acceleration>`
+    /// or `with_joint_limits`.
     #[getter]
     fn acceleration_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         self.per_joint(py, |id| self.inner.acceleration_limit(id))
+    }
+
+    /// Jerk limits in configuration order, shape (nq,), rad/s³ or m/s³; inf for none. From the URDF's `<limit jerk>` or
+    /// `with_joint_limits`.
+    #[getter]
+    fn jerk_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        self.per_joint(py, |id| self.inner.jerk_limit(id))
     }
 
     /// Strongest torques and forces in configuration order, shape (nq,), N m or N; inf for none.

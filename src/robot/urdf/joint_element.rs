@@ -15,7 +15,17 @@ pub(super) const READ: [(&str, &[&str]); 7] = [
     ("parent", &["link"]),
     ("child", &["link"]),
     ("axis", &["xyz"]),
-    ("limit", &["lower", "upper", "effort", "velocity"]),
+    (
+        "limit",
+        &[
+            "lower",
+            "upper",
+            "effort",
+            "velocity",
+            "acceleration",
+            "jerk",
+        ],
+    ),
     ("mimic", &["joint", "multiplier", "offset"]),
     (
         "safety_controller",
@@ -166,7 +176,8 @@ fn drive(limit: Option<Element<'_>>, safety: Option<Element<'_>>, kind: JointKin
     let drive = Drive {
         velocity: stated(number(&limit, "velocity")?),
         effort: stated(number(&limit, "effort")?),
-        acceleration: None,
+        acceleration: stated(number(&limit, "acceleration")?),
+        jerk: stated(number(&limit, "jerk")?),
         soft_limits: lower.or(upper).map(|_| {
             let all = Limits::UNBOUNDED;
             Limits::new(lower.unwrap_or(all.lower), upper.unwrap_or(all.upper))

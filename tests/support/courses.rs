@@ -1,0 +1,292 @@
+//! Target courses for servos: poses over time, with what a servo must never do on them.
+
+use std::f64::consts::TAU;
+
+use kinopt::arm::Arm;
+use kinopt::spatial::{Matrix3, Placement, Vector3, rotation_exp, rotation_log};
+
+use crate::arms::Random;
+
+/// The kinds of courses that [`course`] cycles through.
+pub const KINDS: [&str; 8] = [
+    "line",
+    "circle",
+    "steps",
+    "noisy hand",
+    "line out of reach",
+    "circle out of reach",
+    "along limits",
+    "singularity",
+];
+
+/// Speed above which a change of sign counts as a reversal, radians or metres a second.
+const REVERSAL_SPEED: f64 = 0.1;
+/// Damping of the reference, radians.
+const REFERENCE_DAMPING: f64 = 0.01;
+/// Samples of the reference in one of the servo.
+const REFERENCE_RATE: usize = 10;
+
+/// A start and the poses that a servo is sent, over time.
+pub struct Course {
+    pub kind: &'static str,
+    pub start: Vec<f64>,
+    /// Seconds.
+    pub duration: f64,
+    first: Placement<f64>,
+    shape: Shape,
+}
+
+enum Shape {
+    /// Out at a constant speed, a rest, back, and a rest.
+    Line {
+        direction: Vector3<f64>,
+        length: f64,
+        turn: Vector3<f64>,
+        speed: f64,
+    },
+    Circle {
+        right: Vector3<f64>,
+        up: Vector3<f64>,
+        radius: f64,
+        rate: f64,
+    },
+    /// Constant poses, each for a period.
+    Steps(Vec<Placement<f64>>),
+    /// A sum of sines with noise, held at 30 Hz.
+    Hand {
+        amplitudes: Vec<Vector3<f64>>,
+        rates: Vec<f64>,
+        noise: f64,
+        seed: u64,
+    },
+}
+
+const STEP_PERIOD: f64 = 0.6;
+const REST: f64 = 0.4;
+const HAND_RATE: f64 = 30.0;
+
+impl Course {
+    /// base_from_tool at a time.
+    pub fn at(&self, time: f64) -> Placement<f64> {
+        let moved = |by: Vector3<f64>, turn: Vector3<f64>| {
+            Placement::new(
+                self.first.rotation * rotation_exp(turn),
+                self.first.translation + by,
+            )
+        };
+        match &self.shape {
+            Shape::Line {
+                direction,
+                length,
+                turn,
+                speed,
+            } => {
+                let way = length / speed;
+                let share = match time {
+                    t if t < way => t / way,
+                    t if t < way + REST => 1.0,
+                    t if t < 2.0 * way + REST => 1.0 - (t - way - REST) / way,
+                    _ => 0.0,
+                };
+                moved(*direction * (share * length), *turn * share)
+            }
+            Shape::Circle {
+                right,
+                up,
+                radius,
+                rate,
+            } => {
+                let angle = rate * time;
+                let by = *right * (radius * angle.sin()) + *up * (radius * (1.0 - angle.cos()));
+                moved(by, Vector3::zero())
+            }
+            Shape::Steps(poses) => poses[((time / STEP_PERIOD) as usize).min(poses.len() - 1)],
+            Shape::Hand {
+                amplitudes,
+                rates,
+                noise,
+                seed,
+            } => {
+                let sample = (time * HAND_RATE + 1e-9).floor();
+                let time = sample / HAND_RATE;
+                let mut random = Random(seed.wrapping_add(sample as u64));
+                let mut jitter = || vector(&mut random) * *noise;
+                let mut by = jitter();
+                for (amplitude, rate) in amplitudes.iter().zip(rates) {
+                    by = by + *amplitude * (TAU * rate * time).sin();
+                }
+                moved(by, jitter() * 3.0)
+            }
+        }
+    }
+}
+
+fn vector(random: &mut Random) -> Vector3<f64> {
+    let mut unit = || 2.0 * random.unit() - 1.0;
+    Vector3::new(unit(), unit(), unit())
+}
+
+fn direction(random: &mut Random) -> Vector3<f64> {
+    let way = vector(random);
+    way * way.norm().max(1e-9).recip()
+}
+
+/// Course number `index` of an arm: kinds take turns, all else is random.
+pub fn course(arm: &Arm, index: usize) -> Course {
+    let kind = KINDS[index % KINDS.len()];
+    let mut random = Random(0x5eed + 7919 * index as u64);
+    for _ in 0..3 {
+        random.unit();
+    }
+    let mut start: Vec<f64> = arm
+        .limits()
+        .map(|l| {
+            let (lower, upper) = (l.lower.max(-3.0), l.upper.min(3.0));
+            lower + (0.15 + 0.7 * random.unit()) * (upper - lower)
+        })
+        .collect();
+    let n = start.len();
+    if kind == "along limits" {
+        let joint = (random.unit() * n as f64) as usize % n;
+        let limits = arm.limits().nth(joint).unwrap();
+        let end = if random.unit() < 0.5 { limits.lower } else { limits.upper };
+        start[joint] = if end.is_finite() { end } else { start[joint] };
+    }
+    if kind == "singularity" && n >= 5 {
+        // The wrist's or the elbow's joint next to zero, which the course leads it through.
+        let joint = [n - 2, n / 2][(random.unit() < 0.4) as usize];
+        let limits = arm.limits().nth(joint).unwrap();
+        start[joint] = (0.12 * (2.0 * random.unit() - 1.0)).max(limits.lower).min(limits.upper);
+    }
+    let first = arm.base_from_tool(&start).unwrap();
+    // An arm's size, metres: half a metre for most.
+    let size = first.translation.norm().clamp(0.15, 0.8);
+    let shape = match kind {
+        "line" | "along limits" | "singularity" => Shape::Line {
+            direction: direction(&mut random),
+            length: size * (0.1 + 0.4 * random.unit()),
+            turn: vector(&mut random) * (0.6 * random.unit()),
+            speed: size * (0.15 + 0.35 * random.unit()),
+        },
+        "line out of reach" => Shape::Line {
+            direction: direction(&mut random),
+            length: size * (0.8 + random.unit()),
+            turn: Vector3::zero(),
+            speed: size * (0.2 + 0.8 * random.unit()),
+        },
+        "circle" | "circle out of reach" => {
+            let right = direction(&mut random);
+            let other = direction(&mut random);
+            let up = right.cross(other);
+            let radius = if kind == "circle" { 0.05 + 0.15 * random.unit() } else { 0.4 + 0.6 * random.unit() };
+            let radius = size * radius;
+            Shape::Circle {
+                right,
+                up: up * up.norm().max(1e-9).recip(),
+                radius,
+                rate: size * (0.2 + 0.5 * random.unit()) / radius,
+            }
+        }
+        "steps" => {
+            let pose = |random: &mut Random, near: bool| {
+                let far = if near { 0.1 } else { 0.5 };
+                let by = vector(random) * (far * size);
+                let turn = vector(random) * far;
+                Placement::new(first.rotation * rotation_exp(turn), first.translation + by)
+            };
+            Shape::Steps((0..5).map(|k| pose(&mut random, k % 2 == 0)).collect())
+        }
+        _ => Shape::Hand {
+            amplitudes: (0..3).map(|_| vector(&mut random) * (0.12 * size)).collect(),
+            rates: (0..3).map(|_| 0.2 + 1.3 * random.unit()).collect(),
+            noise: 1e-3 * size,
+            seed: index as u64 * 977,
+        },
+    };
+    let duration = match &shape {
+        Shape::Line { length, speed, .. } => 2.0 * (length / speed + REST),
+        Shape::Steps(poses) => poses.len() as f64 * STEP_PERIOD,
+        Shape::Circle { .. } | Shape::Hand { .. } => 3.0,
+    };
+    Course {
+        kind,
+        start,
+        duration: duration.min(6.0),
+        first,
+        shape,
+    }
+}
+
+/// A joint that reverses: the cycle, the joint, and its velocities before and after, radians or metres a second.
+#[derive(Clone, Copy, Debug)]
+pub struct Reversal {
+    pub cycle: usize,
+    pub joint: usize,
+    pub before: f64,
+    pub after: f64,
+}
+
+/// Reversals in rows of velocities: a joint's velocities in two consecutive rows have opposite signs and both exceed 0.1.
+pub fn reversals(velocities: &[Vec<f64>]) -> Vec<Reversal> {
+    let mut found = Vec::new();
+    for (cycle, pair) in velocities.windows(2).enumerate() {
+        for (joint, (&before, &after)) in pair[0].iter().zip(&pair[1]).enumerate() {
+            if before * after < 0.0 && before.abs().min(after.abs()) > REVERSAL_SPEED {
+                found.push(Reversal {
+                    cycle: cycle + 1,
+                    joint,
+                    before,
+                    after,
+                });
+            }
+        }
+    }
+    found
+}
+
+/// The velocities of plain damped least squares on a course, at ten times the rate.
+pub fn reference(arm: &Arm, course: &Course, time_step: f64) -> Vec<Vec<f64>> {
+    let step = time_step / REFERENCE_RATE as f64;
+    let limits: Vec<_> = arm.limits().collect();
+    let mut jacobian = arm.jacobian().unwrap();
+    let mut q = course.start.clone();
+    let cycles = (course.duration / step) as usize;
+    let mut velocities = Vec::with_capacity(cycles);
+    for k in 1..=cycles {
+        let target = course.at(k as f64 * step);
+        let here = arm.base_from_tool(&q).unwrap();
+        let turn: Matrix3<f64> = target.rotation * here.rotation.transpose();
+        let (by, turn) = (target.translation - here.translation, rotation_log(&turn));
+        let error = nalgebra::Vector6::new(by.x, by.y, by.z, turn.x, turn.y, turn.z);
+        let j = jacobian.at(&q).unwrap();
+        let mut normal = j * j.transpose();
+        for i in 0..6 {
+            normal[(i, i)] += REFERENCE_DAMPING * REFERENCE_DAMPING;
+        }
+        let solved = normal.cholesky().unwrap().solve(&error);
+        let mut velocity = vec![0.0; q.len()];
+        for i in 0..q.len() {
+            let moved = q[i] + j.column(i).dot(&solved);
+            let moved = moved.max(limits[i].lower).min(limits[i].upper);
+            velocity[i] = (moved - q[i]) / step;
+            q[i] = moved;
+        }
+        velocities.push(velocity);
+    }
+    velocities
+}
+
+/// The reversals that the reference does not have within two cycles of the servo.
+pub fn unexcused(found: &[Reversal], reference: &[Vec<f64>]) -> Vec<Reversal> {
+    if found.is_empty() {
+        return Vec::new();
+    }
+    let excuses = reversals(reference);
+    let excused = |own: &&Reversal| {
+        !excuses.iter().any(|other| {
+            let at = other.cycle as f64 / REFERENCE_RATE as f64;
+            other.joint == own.joint && (at - own.cycle as f64).abs() <= 2.0
+        })
+    };
+    found.iter().filter(excused).copied().collect()
+}
