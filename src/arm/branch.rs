@@ -3,7 +3,7 @@
 use super::arm::Arm;
 use super::elbow_side::Bend;
 use super::null_space::Factor;
-use super::redundancy::Easing;
+use super::redundancy::{Easing, SHARE};
 use super::workspace::ArmWorkspace;
 
 /// What is left of the motion to ease each time that a target stays out of reach: where that motion lowers
@@ -11,9 +11,8 @@ use super::workspace::ArmWorkspace;
 const LEFT_AT_REST: f64 = 0.9;
 /// What is left of it when it is over.
 const OVER: f64 = 1e-3;
-/// What becomes of the pace where the motion to ease turns round, and where it does not.
-const SLOWER: f64 = 0.5;
-const FASTER: f64 = 1.1;
+/// Share of a measured stiffness that is kept from step to step.
+const STIFFNESS_KEPT: f64 = 0.9;
 
 /// What a follower and a servo carry from one step to the next.
 #[derive(Clone, Debug)]
@@ -28,9 +27,11 @@ pub(super) struct Branch {
     rests: bool,
     /// How much of the motion to ease is left where a target stays out of reach, 0 to 1.
     left: f64,
-    /// How much of it is taken, and the last one: less where it goes back and forth.
-    pace: f64,
+    /// Last step of the null-space motion, the slope there, and the stiffness along it that its change showed: the step is
+    /// the shorter the stiffer the null space is, so that it does not overshoot.
     last: Vec<f64>,
+    slope: Vec<f64>,
+    stiffness: f64,
 }
 
 impl Branch {
@@ -43,8 +44,9 @@ impl Branch {
             strayed: false,
             rests: false,
             left: 1.0,
-            pace: 1.0,
             last: vec![0.0; start.len()],
+            slope: vec![0.0; start.len()],
+            stiffness: 0.0,
         }
     }
 
@@ -82,13 +84,31 @@ impl Branch {
         if arm.has_freedom() {
             let x = std::mem::take(&mut workspace.x);
             workspace.take_twists(arm, &x);
-            self.aim_at_ease(arm, workspace, &x, ease, None);
+            self.aim_at_ease(arm, workspace, &x, ease, SHARE, None);
             workspace.x = x;
             workspace.go_by_projected();
         }
         if !self.rests {
             self.bend.lean(workspace, side);
         }
+    }
+
+    /// Moves the workspace's x on in the null space, by at most `longest` radians a joint and this share of the distance to the lowest
+    /// point; the largest motion of a joint, radians.
+    pub(super) fn lead_to_ease(
+        &mut self,
+        arm: &Arm,
+        workspace: &mut ArmWorkspace,
+        longest: f64,
+        share: f64,
+    ) -> f64 {
+        let x = std::mem::take(&mut workspace.x);
+        workspace.take_twists(arm, &x);
+        self.aim_at_ease(arm, workspace, &x, longest, share, None);
+        workspace.x = x;
+        workspace.go_by_projected();
+        let moved = workspace.projected.iter();
+        moved.fold(0.0_f64, |most, by| most.max(by.abs()))
     }
 
     /// Writes into the workspace's `projected` the motion to ease from x, radians a joint. The Jacobian at x is
@@ -99,23 +119,23 @@ impl Branch {
         workspace: &mut ArmWorkspace,
         x: &[f64],
         longest: f64,
+        share: f64,
         free: Option<&Factor>,
     ) {
         let how = Easing {
             ease: &self.ease,
             stretched: Some(&self.bend).filter(|bend| self.missed && bend.is_known()),
-            share: self.left * self.pace,
+            share: self.left * share,
             longest,
+            last: &self.last,
+            last_slope: &self.slope,
+            stiffness: STIFFNESS_KEPT * self.stiffness,
             free,
         };
-        let moves = workspace.aim_at_ease(arm, x, &how);
+        let (moves, stiffness) = workspace.aim_at_ease(arm, x, &how);
         self.strayed &= moves;
-        let both = self.last.iter().zip(&workspace.projected);
-        let along: f64 = both.map(|(last, by)| last * by).sum();
-        self.pace = match along < 0.0 {
-            true => SLOWER * self.pace,
-            false => (FASTER * self.pace).min(1.0),
-        };
+        self.stiffness = stiffness;
+        self.slope.copy_from_slice(&workspace.slope);
         self.last.copy_from_slice(&workspace.projected);
     }
 

@@ -143,6 +143,30 @@ pub enum QueryError {
     /// A servo's time step that is no positive number of seconds.
     #[error("the time step is {0} s: a positive finite number")]
     TimeStep(f64),
+    /// A servo's start state beyond a velocity or acceleration limit.
+    #[error("joint `{joint}`: {rate} {value} exceeds its limit {limit}")]
+    RateLimit {
+        /// The joint.
+        joint: String,
+        /// "velocity" or "acceleration".
+        rate: &'static str,
+        /// Given, rad/s or m/s (or that a second).
+        value: f64,
+        /// The joint's limit.
+        limit: f64,
+    },
+    /// A servo's start state from which a joint cannot brake before a position limit.
+    #[error(
+        "joint `{joint}` cannot brake before its limit {limit}: it would pass it by {distance:.6}"
+    )]
+    CannotBrake {
+        /// The joint.
+        joint: String,
+        /// The position limit, radians or metres.
+        limit: f64,
+        /// Distance beyond the limit at which the joint would come to rest, radians or metres.
+        distance: f64,
+    },
     /// The problem behind the arm could not be set up once more; it could when the arm was built.
     #[error(transparent)]
     Problem(#[from] ProblemError),

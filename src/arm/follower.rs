@@ -7,6 +7,7 @@
 
 use super::arm::Arm;
 use super::branch::Branch;
+use super::redundancy::SHARE;
 use super::workspace::Errors;
 use super::{QueryError, Reply};
 use crate::ik::Solution;
@@ -304,7 +305,7 @@ impl Follower<'_> {
             for (motion, by) in motion.iter_mut().zip(&workspace.projected) {
                 *motion -= by;
             }
-            branch.aim_at_ease(arm, workspace, q, LONGEST_EASE, free.as_ref());
+            branch.aim_at_ease(arm, workspace, q, LONGEST_EASE, SHARE, free.as_ref());
             for (motion, by) in motion.iter_mut().zip(&workspace.projected) {
                 *motion += by;
             }

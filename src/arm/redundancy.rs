@@ -17,12 +17,14 @@ const MIDDLE: f64 = 0.6;
 /// The share of a joint's half range that a posture of ease stays within.
 const OFF_LIMITS: f64 = 0.95;
 /// The share of the way to ease that one step goes.
-const SHARE: f64 = 0.5;
+pub(super) const SHARE: f64 = 0.5;
 /// The longest motion in one go, as a share of the distance from the nearest singular place: what leaves the
 /// tool where it is turns within that distance.
 const TURNS: f64 = 0.5;
 /// Directions that move the tool by less than this share of the longest column leave it where an arm is stretched out.
 const SHARP: f64 = 1e-3;
+/// Largest stiffness that a measurement shows, radians a radian: targets that move change the slope, too.
+const MAX_STIFFNESS: f64 = 20.0;
 /// A motion that is none, radians.
 const AT_EASE: f64 = 1e-9;
 
@@ -79,18 +81,38 @@ pub(super) struct Easing<'e> {
     pub(super) ease: &'e [f64],
     /// The side that an arm keeps which is stretched out towards a target that it misses.
     pub(super) stretched: Option<&'e Bend>,
-    /// How much of a step is taken, 0 to 1.
+    /// Share of the distance to the lowest point that is taken, 0 to 1.
     pub(super) share: f64,
+    /// Last motion, and the slope before it, radians a joint: how much the slope changed since shows how stiff the null space is.
+    pub(super) last: &'e [f64],
+    pub(super) last_slope: &'e [f64],
+    /// Least stiffness along the motion, radians a radian.
+    pub(super) stiffness: f64,
     /// The longest motion of a joint, radians.
     pub(super) longest: f64,
     /// What the workspace's [`factor_freely`](ArmWorkspace::factor_freely) gave at x, if that is known.
     pub(super) free: Option<&'e Factor>,
 }
 
+impl Easing<'_> {
+    /// Stiffness along the last motion by the change of the slope: without it, a step shorter than the null space is curved overshoots.
+    fn measured_stiffness(&self, slope: &[f64]) -> f64 {
+        let (mut fell, mut length) = (0.0, 0.0);
+        for ((last, before), now) in self.last.iter().zip(self.last_slope).zip(slope) {
+            fell += last * (before - now);
+            length += last * last;
+        }
+        match length > 0.0 {
+            true => (fell / length).clamp(0.0, MAX_STIFFNESS),
+            false => 0.0,
+        }
+    }
+}
+
 impl ArmWorkspace {
     /// Writes into `projected` the motion to ease from x that leaves the tool where it is, radians a joint.
     /// The Jacobian at x is here (or [one](ArmWorkspace::take_twists) of its null space). Whether there is any.
-    pub(super) fn aim_at_ease(&mut self, arm: &Arm, x: &[f64], how: &Easing<'_>) -> bool {
+    pub(super) fn aim_at_ease(&mut self, arm: &Arm, x: &[f64], how: &Easing<'_>) -> (bool, f64) {
         let mut pull = std::mem::take(&mut self.wanted);
         arm.pull(x, how.ease, &mut pull);
         let reach = self.longest_column();
@@ -109,14 +131,19 @@ impl ArmWorkspace {
         let most = self.projected.iter();
         let most = most.fold(0.0_f64, |most, by| most.max(by.abs()));
         let moves = most > AT_EASE;
+        let stiffness = how.stiffness.max(how.measured_stiffness(&self.projected));
         let share = match moves {
-            true => how.share * (SHARE / arm.stiffness(x, &self.projected)).min(room / most),
+            true => {
+                let stiffness = arm.stiffness(x, &self.projected).max(stiffness);
+                (how.share / stiffness).min(room / most)
+            }
             false => 0.0,
         };
+        self.slope.copy_from_slice(&self.projected);
         for by in &mut self.projected {
             *by *= share;
         }
-        moves
+        (moves, stiffness)
     }
 
     /// Goes from x by the motion in `projected`, within the bounds.

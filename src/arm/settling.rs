@@ -205,9 +205,12 @@ impl ArmWorkspace {
         let weight = |scale: f64| (damping + anchor) * scale * scale;
         let share = anchor / (damping + anchor);
         let mut y = Vector6::<f64>::zeros();
+        // Joints at a bound, a bit each; where they repeat, y is exact.
+        let mut last = None;
         for _ in 0..NEWTON {
             let mut miss = y - residual;
             let mut normal = Matrix6::<f64>::identity();
+            let mut bound = 0_u64;
             for (i, &from) in x.iter().enumerate() {
                 let column: Vector6<f64> = self.jacobian.fixed_view::<6, 1>(0, i).into();
                 let inverse = 1.0 / weight(self.scale[i]);
@@ -218,11 +221,15 @@ impl ArmWorkspace {
                 miss -= column * (held - from);
                 if held == free {
                     add_square(&mut normal, &column, inverse);
+                } else {
+                    bound |= 1 << (i % 64);
                 }
             }
-            if miss.norm() <= 1e-12 * (y.norm() + residual.norm()) {
+            let exact = last == Some(bound) && x.len() <= 64;
+            if exact || miss.norm() <= 1e-12 * (y.norm() + residual.norm()) {
                 return;
             }
+            last = Some(bound);
             let Some(factor) = normal.cholesky() else {
                 return;
             };

@@ -59,6 +59,8 @@ pub(super) struct ArmWorkspace {
     pub(super) trial: Vec<f64>,
     pub(super) projected: Vec<f64>,
     pub(super) wanted: Vec<f64>,
+    /// The pull to the nominal posture in the null space, radians a joint.
+    pub(super) slope: Vec<f64>,
     /// The best of all attempts, where the start's own misses.
     pub(super) best: Vec<f64>,
     /// The start's own end, while others are looked for.
@@ -118,6 +120,7 @@ impl ArmWorkspace {
             trial: vec![0.0; n],
             projected: vec![0.0; n],
             wanted: vec![0.0; n],
+            slope: vec![0.0; n],
             best: vec![0.0; n],
             kept: vec![0.0; n],
             anchor: vec![0.0; n],

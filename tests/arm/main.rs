@@ -21,6 +21,7 @@ mod reused_arms;
 mod same_bits;
 mod searches;
 mod servo;
+mod servo_limits;
 mod servo_ticks;
 mod shared_workloads;
 mod shipped_robots;

@@ -290,7 +290,7 @@ fn after_a_rest_it_is_as_calm_as_before() {
     let arm = planar(&[0.6, 0.4], 2.5, 1.0);
     let servo = |start: &[f64]| {
         let servo = arm.servo(start, TICK).unwrap().with_damping(0.2).unwrap();
-        servo.with_velocity_limits(&[5.0; 3]).unwrap()
+        servo.with_velocity_limits(&[100.0; 3]).unwrap()
     };
     let mut rested = servo(&[0.0, 0.4, 0.9]);
     for _ in 0..200 {

@@ -43,7 +43,7 @@ fn the_tables_are_the_code() {
         &[("src/arm/builder.rs", "")],
         &["Arm::with_checker"],
     );
-    assert_same("Followers and servos", &[("src/arm/servo.rs", "")], &[]);
+    assert_same("Followers and servos", &[("src/arm/servo/mod.rs", "")], &[]);
     let solvers = [
         ("src/ik/solver.rs", "Solver::"),
         ("src/solver/stopping.rs", "Stopping::"),

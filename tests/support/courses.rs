@@ -149,14 +149,20 @@ pub fn course(arm: &Arm, index: usize) -> Course {
     if kind == "along limits" {
         let joint = (random.unit() * n as f64) as usize % n;
         let limits = arm.limits().nth(joint).unwrap();
-        let end = if random.unit() < 0.5 { limits.lower } else { limits.upper };
+        let end = if random.unit() < 0.5 {
+            limits.lower
+        } else {
+            limits.upper
+        };
         start[joint] = if end.is_finite() { end } else { start[joint] };
     }
     if kind == "singularity" && n >= 5 {
         // The wrist's or the elbow's joint next to zero, which the course leads it through.
         let joint = [n - 2, n / 2][(random.unit() < 0.4) as usize];
         let limits = arm.limits().nth(joint).unwrap();
-        start[joint] = (0.12 * (2.0 * random.unit() - 1.0)).max(limits.lower).min(limits.upper);
+        start[joint] = (0.12 * (2.0 * random.unit() - 1.0))
+            .max(limits.lower)
+            .min(limits.upper);
     }
     let first = arm.base_from_tool(&start).unwrap();
     // An arm's size, metres: half a metre for most.
@@ -178,7 +184,11 @@ pub fn course(arm: &Arm, index: usize) -> Course {
             let right = direction(&mut random);
             let other = direction(&mut random);
             let up = right.cross(other);
-            let radius = if kind == "circle" { 0.05 + 0.15 * random.unit() } else { 0.4 + 0.6 * random.unit() };
+            let radius = if kind == "circle" {
+                0.05 + 0.15 * random.unit()
+            } else {
+                0.4 + 0.6 * random.unit()
+            };
             let radius = size * radius;
             Shape::Circle {
                 right,
@@ -197,7 +207,9 @@ pub fn course(arm: &Arm, index: usize) -> Course {
             Shape::Steps((0..5).map(|k| pose(&mut random, k % 2 == 0)).collect())
         }
         _ => Shape::Hand {
-            amplitudes: (0..3).map(|_| vector(&mut random) * (0.12 * size)).collect(),
+            amplitudes: (0..3)
+                .map(|_| vector(&mut random) * (0.12 * size))
+                .collect(),
             rates: (0..3).map(|_| 0.2 + 1.3 * random.unit()).collect(),
             noise: 1e-3 * size,
             seed: index as u64 * 977,

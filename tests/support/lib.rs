@@ -20,6 +20,7 @@ pub mod changed_text;
 pub mod changed_xml;
 pub mod classics;
 pub mod convex_shapes;
+pub mod courses;
 pub mod figures;
 pub mod folders;
 pub mod follower_chains;

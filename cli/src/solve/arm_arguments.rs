@@ -79,8 +79,8 @@ pub(crate) struct ArmArguments {
 
     /// Follow --targets as a servo does: one a tick, so many ticks a second.
     ///
-    /// Robots only. Default: off. It begins at the first start; no tick moves a joint further than its velocity limit allows (the
-    /// file's, or --velocity-limits), nor beyond its limits. Told: how ticks ended, top speeds, the error
+    /// Robots only. Default: off. It begins at the first start; every tick keeps the position, velocity, acceleration and jerk limits of
+    /// the joints (the files', or --velocity-limits, --acceleration-limits and --jerk-limits). Told: how ticks ended, top speeds, the error
     /// at last (JSON: every tick's q, velocity, errors and what held which joint). --fail-on-miss counts
     /// the last target.
     #[arg(long, value_name = "HZ", value_parser = number_list::positive,
@@ -88,11 +88,23 @@ pub(crate) struct ArmArguments {
           help_heading = FOLLOWING)]
     pub(super) servo: Option<f64>,
 
-    /// How fast each joint may move while --servo follows, in radians (--degrees) or metres a second:
-    /// numbers as for --max-move. Default: as the robot's file says.
+    /// Velocity limits of the joints for --servo, radians (--degrees) or metres a second: numbers as for --max-move. Default: those of
+    /// the robot's files.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, value_parser = Numbers::parse_some, help_heading = FOLLOWING,
           hide_short_help = true)]
     pub(super) velocity_limits: Option<Numbers>,
+
+    /// Acceleration limits of the joints for --servo, radians (--degrees) or metres a second squared: numbers as for --max-move.
+    /// Default: those of the robot's files.
+    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, value_parser = Numbers::parse_some, help_heading = FOLLOWING,
+          hide_short_help = true)]
+    pub(super) acceleration_limits: Option<Numbers>,
+
+    /// Jerk limits of the joints for --servo, radians (--degrees) or metres a second cubed: numbers as for --max-move. Default: those
+    /// of the robot's files.
+    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, value_parser = Numbers::parse_some, help_heading = FOLLOWING,
+          hide_short_help = true)]
+    pub(super) jerk_limits: Option<Numbers>,
 
     /// Metres that weigh as much as a radian where a target is out of reach. Robots only. Default: a
     /// quarter of the arm's length.

@@ -135,12 +135,20 @@ impl<'a> ArmBackend<'a> {
     ) -> Outcome<Servo<'_>> {
         let mut start = Vec::new();
         self.arm.joint_values(&first.start, &mut start)?;
-        let servo = self.arm.servo(&start, 1.0 / rate)?;
+        let mut servo = self.arm.servo(&start, 1.0 / rate)?;
+        let one_each = |option, limits| {
+            let columns = &self.columns;
+            columns.one_each(self.loaded, option, limits, arguments.degrees)
+        };
+        if let Some(limits) = &arguments.arm.acceleration_limits {
+            let limits = one_each("--acceleration-limits", limits)?;
+            servo = servo.with_acceleration_limits(&limits)?;
+        }
+        if let Some(limits) = &arguments.arm.jerk_limits {
+            servo = servo.with_jerk_limits(&one_each("--jerk-limits", limits)?)?;
+        }
         if let Some(limits) = &arguments.arm.velocity_limits {
-            let (option, degrees) = ("--velocity-limits", arguments.degrees);
-            let limits = self
-                .columns
-                .one_each(self.loaded, option, limits, degrees)?;
+            let limits = one_each("--velocity-limits", limits)?;
             return Ok(servo.with_velocity_limits(&limits)?);
         }
         let limits = self.arm.joints().zip(self.arm.velocity_limits());

@@ -92,8 +92,15 @@ impl Arguments {
         goals: &Goals<'_>,
     ) -> Outcome<Option<&'l Robot>> {
         // clap's `requires` would not ask for an option that another forbids.
-        if self.arm.velocity_limits.is_some() && self.arm.servo.is_none() {
-            return Err(usage!("--velocity-limits is for --servo"));
+        let limits = [
+            ("--velocity-limits", &self.arm.velocity_limits),
+            ("--acceleration-limits", &self.arm.acceleration_limits),
+            ("--jerk-limits", &self.arm.jerk_limits),
+        ];
+        for (option, given) in limits {
+            if given.is_some() && self.arm.servo.is_none() {
+                return Err(usage!("{option} is for --servo"));
+            }
         }
         let general = self.solver.is_some()
             || self.jacobian.is_some()

@@ -10,6 +10,7 @@ use pyo3::types::PyDict;
 
 use super::batch::{self, Batch};
 use super::derivative::{self, ArmDerivative};
+use super::servo::ServoOptions;
 use super::track::Track;
 use super::{Follower, Servo, obstacles, options};
 use crate::arrays::{self, axes};
@@ -446,34 +447,44 @@ impl Arm {
         Follower::new(Arc::clone(&self.inner), &self.start(start)?)
     }
 
-    /// A `Servo` that stands at `start` and takes a target every `time_step` seconds.
+    /// A `Servo` at `start` that takes a target every `time_step` seconds.
     ///
-    /// `velocity_limits` are those of the robot's file, or given: shape (dof,), rad/s or m/s, inf for none.
-    /// `damping`: a motion of the tool that takes the joints this many times as many radians is made at
-    /// half its speed; default 0.01.
+    /// `velocity_limits`, `acceleration_limits`, `jerk_limits`: shape (dof,), rad/s, rad/s², rad/s³ or m/s, m/s², m/s³, inf for none.
+    /// Default: those of the robot's files. They hold in every cycle for the differences of the commanded positions.
+    /// `velocity`, `acceleration`: shape (dof,), the motion at the start; default at rest.
+    /// `damping`: a motion of the tool that needs this many radians of joint motion a radian is made at half of its speed;
+    /// default 0.01.
     ///
-    /// Raises `InvalidValueError` for a start of another length or one that is not finite, a time step that
-    /// is no positive number, and speeds or a damping out of range.
-    #[pyo3(signature = (start, time_step, *, velocity_limits = None, damping = None))]
+    /// Raises `InvalidValueError` for a start of another length or not finite, a time step that is not a positive number, limits or a
+    /// damping out of range, and a joint whose motion violates a limit or which cannot brake before a position limit.
+    #[pyo3(signature = (start, time_step, *, velocity_limits = None, acceleration_limits = None, jerk_limits = None, velocity = None, acceleration = None, damping = None))]
+    #[allow(clippy::too_many_arguments)]
     fn servo(
         &self,
         start: &Bound<'_, PyAny>,
         time_step: f64,
         velocity_limits: Option<&Bound<'_, PyAny>>,
+        acceleration_limits: Option<&Bound<'_, PyAny>>,
+        jerk_limits: Option<&Bound<'_, PyAny>>,
+        velocity: Option<&Bound<'_, PyAny>>,
+        acceleration: Option<&Bound<'_, PyAny>>,
         damping: Option<f64>,
     ) -> PyResult<Servo> {
         let start = self.start(Some(start))?;
-        let limits = match velocity_limits {
-            Some(limits) => Some(arrays::vector(limits, "velocity_limits")?.to_vec()),
-            None => None,
+        let numbers = |given: Option<&Bound<'_, PyAny>>, name: &'static str| {
+            given
+                .map(|numbers| Ok(arrays::vector(numbers, name)?.to_vec()))
+                .transpose()
         };
-        Servo::new(
-            Arc::clone(&self.inner),
-            &start,
-            time_step,
-            limits.as_deref(),
+        let options = ServoOptions {
+            velocity_limits: numbers(velocity_limits, "velocity_limits")?,
+            acceleration_limits: numbers(acceleration_limits, "acceleration_limits")?,
+            jerk_limits: numbers(jerk_limits, "jerk_limits")?,
+            velocity: numbers(velocity, "velocity")?,
+            acceleration: numbers(acceleration, "acceleration")?,
             damping,
-        )
+        };
+        Servo::new(Arc::clone(&self.inner), &start, time_step, &options)
     }
 
     /// The same arm with another tool on its tip (4 x 4, metres), at once: the table of seeds is shared.

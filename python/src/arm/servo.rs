@@ -1,8 +1,8 @@
-//! One target a tick, with bounded speeds.
+//! Servoing: one target a control cycle, within all limits of the joints.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use kinopt::arm::{HeldBy, Servo as Ticking, ServoStatus};
+use kinopt::arm::{HeldBy, Servo as Controlled, ServoStatus, ServoStep as Cycle};
 use kinopt::ik::Side;
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -18,16 +18,26 @@ self_cell!(
     struct Cell {
         owner: Arc<kinopt::Arm>,
         #[covariant]
-        dependent: Ticking,
+        dependent: Controlled,
     }
 );
 
-/// Follows targets that come at a fixed rate, with bounded joint speeds; made by `Arm.servo`.
+/// Follows targets that come at a fixed rate; made by `Arm.servo`.
 ///
-/// No tick moves a joint further than its velocity limit times the time step, and limits hold to the bit.
+/// Every cycle keeps the position, velocity, acceleration and jerk limits of the joints, whatever the targets do.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Servo {
     cell: Mutex<Cell>,
+}
+
+/// Options of a servo, one number a free joint; none for the default.
+pub(super) struct ServoOptions {
+    pub(super) velocity_limits: Option<Vec<f64>>,
+    pub(super) acceleration_limits: Option<Vec<f64>>,
+    pub(super) jerk_limits: Option<Vec<f64>>,
+    pub(super) velocity: Option<Vec<f64>>,
+    pub(super) acceleration: Option<Vec<f64>>,
+    pub(super) damping: Option<f64>,
 }
 
 impl Servo {
@@ -35,69 +45,100 @@ impl Servo {
         arm: Arc<kinopt::Arm>,
         start: &[f64],
         time_step: f64,
-        velocity_limits: Option<&[f64]>,
-        damping: Option<f64>,
+        options: &ServoOptions,
     ) -> PyResult<Self> {
         let cell = Cell::try_new(arm, |arm| {
             let mut servo = arm.servo(start, time_step).or_raise()?;
-            if let Some(limits) = velocity_limits {
+            if let Some(limits) = &options.velocity_limits {
                 servo = servo.with_velocity_limits(limits).or_raise()?;
             }
-            match damping {
-                Some(radians) => servo.with_damping(radians).or_raise(),
-                None => Ok(servo),
+            if let Some(limits) = &options.acceleration_limits {
+                servo = servo.with_acceleration_limits(limits).or_raise()?;
             }
+            if let Some(limits) = &options.jerk_limits {
+                servo = servo.with_jerk_limits(limits).or_raise()?;
+            }
+            if let Some(radians) = options.damping {
+                servo = servo.with_damping(radians).or_raise()?;
+            }
+            if options.velocity.is_some() || options.acceleration.is_some() {
+                let rest = vec![0.0; start.len()];
+                let velocity = options.velocity.as_ref().unwrap_or(&rest);
+                let acceleration = options.acceleration.as_ref().unwrap_or(&rest);
+                servo = servo.with_motion(velocity, acceleration).or_raise()?;
+            }
+            PyResult::Ok(servo)
         })?;
         Ok(Self {
             cell: Mutex::new(cell),
         })
     }
+
+    fn list<'py>(
+        &self,
+        py: Python<'py>,
+        numbers: fn(&Controlled<'_>) -> Vec<f64>,
+    ) -> Bound<'py, PyArray1<f64>> {
+        let cell = self.cell.lock().unwrap_or_else(PoisonError::into_inner);
+        arrays::list(py, &numbers(cell.borrow_dependent()))
+    }
 }
 
 #[pymethods]
 impl Servo {
-    /// Where the arm stands, shape (dof,), radians or metres.
+    /// Commanded joint positions, shape (dof,), radians or metres.
     #[getter]
     fn q<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let cell = self.cell.lock().unwrap_or_else(PoisonError::into_inner);
-        arrays::list(py, cell.borrow_dependent().q())
+        self.list(py, |servo| servo.q().to_vec())
     }
 
-    /// Highest speeds, shape (dof,), rad/s or m/s; inf for none.
+    /// Commanded velocities, shape (dof,), rad/s or m/s.
+    #[getter]
+    fn velocity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.list(py, |servo| servo.velocity().to_vec())
+    }
+
+    /// Commanded accelerations, shape (dof,), rad/s² or m/s².
+    #[getter]
+    fn acceleration<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.list(py, |servo| servo.acceleration().to_vec())
+    }
+
+    /// Velocity limits, shape (dof,), rad/s or m/s; inf for none.
     #[getter]
     fn velocity_limits<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let cell = self.cell.lock().unwrap_or_else(PoisonError::into_inner);
-        arrays::list(py, cell.borrow_dependent().velocity_limits())
+        self.list(py, |servo| servo.velocity_limits().to_vec())
     }
 
-    /// One tick towards a target (4 x 4, metres): a `ServoStep`.
+    /// Acceleration limits, shape (dof,), rad/s² or m/s²; inf for none.
+    #[getter]
+    fn acceleration_limits<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.list(py, |servo| servo.acceleration_limits().to_vec())
+    }
+
+    /// Jerk limits, shape (dof,), rad/s³ or m/s³; inf for none.
+    #[getter]
+    fn jerk_limits<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.list(py, |servo| servo.jerk_limits().to_vec())
+    }
+
+    /// One control cycle towards a target (4 x 4, metres): a `ServoStep`.
     ///
-    /// Raises `InvalidValueError` for a target that is no rigid motion.
+    /// Raises `InvalidValueError` for a target that is not a rigid motion; the state is then unchanged.
     fn step(&self, py: Python<'_>, target: &Bound<'_, PyAny>) -> PyResult<ServoStep> {
         let target = placement(target, "target")?;
         py.detach(|| {
             let mut cell = self.cell.lock().unwrap_or_else(PoisonError::into_inner);
-            cell.with_dependent_mut(|_, servo| {
-                let step = servo.step(target).or_raise()?;
-                Ok(ServoStep {
-                    q: step.q.to_vec(),
-                    velocity: step.velocity.to_vec(),
-                    status: status_name(step.status),
-                    reached: step.reached(),
-                    position_error: step.position_error,
-                    orientation_error: step.orientation_error,
-                    held: step
-                        .held()
-                        .map(|(joint, by)| (joint.to_owned(), by_name(by)))
-                        .collect(),
-                    collisions: step
-                        .collisions
-                        .iter()
-                        .cloned()
-                        .map(Collision::from)
-                        .collect(),
-                })
-            })
+            cell.with_dependent_mut(|_, servo| Ok(ServoStep::of(&servo.step(target).or_raise()?)))
+        })
+    }
+
+    /// One control cycle of a stop: every joint brakes as hard as its limits allow. Call it once a cycle until the status is
+    /// "stopped".
+    fn stop(&self, py: Python<'_>) -> ServoStep {
+        py.detach(|| {
+            let mut cell = self.cell.lock().unwrap_or_else(PoisonError::into_inner);
+            cell.with_dependent_mut(|_, servo| ServoStep::of(&servo.stop()))
         })
     }
 
@@ -114,6 +155,8 @@ fn status_name(status: ServoStatus) -> &'static str {
         ServoStatus::Settling => "settling",
         ServoStatus::Blocked => "blocked",
         ServoStatus::Touching => "touching",
+        ServoStatus::Stopping => "stopping",
+        ServoStatus::Stopped => "stopped",
         _ => "nearest",
     }
 }
@@ -124,21 +167,26 @@ fn by_name(by: HeldBy) -> &'static str {
         HeldBy::Limit(Side::Upper) => "upper limit",
         HeldBy::Speed(Side::Lower) => "speed down",
         HeldBy::Speed(Side::Upper) => "speed up",
+        HeldBy::Acceleration(Side::Lower) => "acceleration down",
+        HeldBy::Acceleration(Side::Upper) => "acceleration up",
+        HeldBy::Outside(Side::Lower) => "below lower limit",
+        HeldBy::Outside(Side::Upper) => "above upper limit",
         _ => "other",
     }
 }
 
-/// One tick of a `Servo`: where the arm stands after it, and the truth about it.
+/// One control cycle of a `Servo`: the commanded configuration and its errors.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct ServoStep {
     q: Vec<f64>,
     velocity: Vec<f64>,
-    /// "on_target", "speed_limited" (on its way, as fast as a joint may), "settling" (on its way, held back
-    /// by damping alone), "nearest" (at rest at the nearest place), "blocked" (stopped before it touches
-    /// something) or "touching" (something touches still that did where the servo began, and comes no nearer).
+    acceleration: Vec<f64>,
+    /// "on_target", "speed_limited" (on the way, as fast as a velocity, acceleration or jerk limit allows), "settling" (on the way,
+    /// slowed by damping only), "nearest" (at rest at the closest pose), "blocked" (brakes before a collision),
+    /// "touching" (a pair is still in contact that was where the servo began), "stopping" or "stopped" (by `Servo.stop`).
     #[pyo3(get)]
     status: &'static str,
-    /// Whether the tool is within the tolerances of its target, and nothing touches.
+    /// Whether the tool is within the tolerances of its target, and nothing is in contact.
     #[pyo3(get)]
     reached: bool,
     /// Distance of the tool from its target, metres.
@@ -151,22 +199,53 @@ pub(crate) struct ServoStep {
     collisions: Vec<Collision>,
 }
 
+impl ServoStep {
+    fn of(step: &Cycle<'_>) -> Self {
+        Self {
+            q: step.q.to_vec(),
+            velocity: step.velocity.to_vec(),
+            acceleration: step.acceleration.to_vec(),
+            status: status_name(step.status),
+            reached: step.reached(),
+            position_error: step.position_error,
+            orientation_error: step.orientation_error,
+            held: step
+                .held()
+                .map(|(joint, by)| (joint.to_owned(), by_name(by)))
+                .collect(),
+            collisions: step
+                .collisions
+                .iter()
+                .cloned()
+                .map(Collision::from)
+                .collect(),
+        }
+    }
+}
+
 #[pymethods]
 impl ServoStep {
-    /// The joints, shape (dof,), radians or metres, within their limits.
+    /// Commanded joint positions, shape (dof,), radians or metres, within their limits.
     #[getter]
     fn q<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         arrays::list(py, &self.q)
     }
 
-    /// How fast the joints went in this tick, shape (dof,), rad/s or m/s.
+    /// Difference of `q` to the last cycle by the time step, shape (dof,), rad/s or m/s.
     #[getter]
     fn velocity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         arrays::list(py, &self.velocity)
     }
 
-    /// The joints that are held back, and by what: [(joint, "lower limit" | "upper limit" | "speed down" |
-    /// "speed up")].
+    /// Difference of `velocity` to the last cycle by the time step, shape (dof,), rad/s² or m/s².
+    #[getter]
+    fn acceleration<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::list(py, &self.acceleration)
+    }
+
+    /// The joints that a limit holds back, with that limit: [(joint, "lower limit" | "upper limit" | "speed down" | "speed up" |
+    /// "acceleration down" | "acceleration up" | "below lower limit" | "above upper limit")]. The acceleration ones cover
+    /// jerk and braking distance; the last two are joints that began outside their limits and return.
     #[getter]
     fn held(&self) -> Vec<(String, &'static str)> {
         self.held.clone()

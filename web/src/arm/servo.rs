@@ -22,9 +22,13 @@ self_cell!(
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
 export interface ServoOptions {
-    /** How fast each joint may move, radians or metres a second, infinite for no limit; otherwise as the robot's file says. */
+    /** Velocity limits of the joints, rad/s or m/s, infinite for none; default: those of the robot's files. */
     velocityLimits?: Numbers;
-    /** How much moving is damped near singular places, radians; 0.01 unless told. */
+    /** Acceleration limits of the joints, rad/s² or m/s², infinite for none; default: those of the robot's files. */
+    accelerationLimits?: Numbers;
+    /** Jerk limits of the joints, rad/s³ or m/s³, infinite for none; default: those of the robot's files. */
+    jerkLimits?: Numbers;
+    /** Damping near singular configurations, radians; default 0.01. */
     damping?: number;
 }
 "#;
@@ -51,17 +55,28 @@ impl Servo {
         step: f64,
         options: Option<ServoOptions>,
     ) -> Result<Self, JsError> {
-        const KNOWN: [&str; 2] = ["velocityLimits", "damping"];
+        const KNOWN: [&str; 4] = [
+            "velocityLimits",
+            "accelerationLimits",
+            "jerkLimits",
+            "damping",
+        ];
         let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
         let options = Given::new(options, "option of a servo", &KNOWN)?;
-        let (limits, damping) = (
-            options.numbers("velocityLimits")?,
-            options.number("damping")?,
-        );
+        let damping = options.number("damping")?;
+        let limits = options.numbers("velocityLimits")?;
+        let accelerations = options.numbers("accelerationLimits")?;
+        let jerks = options.numbers("jerkLimits")?;
         let cell = Cell::try_new(arm, |arm| {
             let mut servo = arm.servo(start, step).map_err(raise)?;
             if let Some(limits) = limits {
                 servo = servo.with_velocity_limits(&limits).map_err(raise)?;
+            }
+            if let Some(limits) = accelerations {
+                servo = servo.with_acceleration_limits(&limits).map_err(raise)?;
+            }
+            if let Some(limits) = jerks {
+                servo = servo.with_jerk_limits(&limits).map_err(raise)?;
             }
             match damping {
                 Some(radians) => servo.with_damping(radians).map_err(raise),
@@ -84,10 +99,40 @@ impl Servo {
         self.cell.borrow_dependent().q().to_vec()
     }
 
-    /// The highest speeds, radians or metres a second; infinite for none.
+    /// Velocity limits, rad/s or m/s; infinite for none.
     #[wasm_bindgen(getter, js_name = velocityLimits)]
     pub fn velocity_limits(&self) -> Vec<f64> {
         self.cell.borrow_dependent().velocity_limits().to_vec()
+    }
+
+    /// Acceleration limits, rad/s² or m/s²; infinite for none.
+    #[wasm_bindgen(getter, js_name = accelerationLimits)]
+    pub fn acceleration_limits(&self) -> Vec<f64> {
+        self.cell.borrow_dependent().acceleration_limits().to_vec()
+    }
+
+    /// Jerk limits, rad/s³ or m/s³; infinite for none.
+    #[wasm_bindgen(getter, js_name = jerkLimits)]
+    pub fn jerk_limits(&self) -> Vec<f64> {
+        self.cell.borrow_dependent().jerk_limits().to_vec()
+    }
+
+    /// Commanded velocities, rad/s or m/s.
+    #[wasm_bindgen(getter)]
+    pub fn velocity(&self) -> Vec<f64> {
+        self.cell.borrow_dependent().velocity().to_vec()
+    }
+
+    /// Commanded accelerations, rad/s² or m/s².
+    #[wasm_bindgen(getter)]
+    pub fn acceleration(&self) -> Vec<f64> {
+        self.cell.borrow_dependent().acceleration().to_vec()
+    }
+
+    /// One control cycle of a stop; the commanded joint positions. Call it until `velocity` is zero.
+    pub fn stop(&mut self) -> Vec<f64> {
+        self.cell
+            .with_dependent_mut(|_, servo| servo.stop().q.to_vec())
     }
 
     /// How far the tool is from its target, metres.

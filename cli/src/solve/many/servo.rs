@@ -177,7 +177,7 @@ fn documents<S: Serializer>(pairs: &[Collision], serializer: S) -> Result<S::Ok,
 fn words(status: ServoStatus) -> &'static str {
     match status {
         ServoStatus::OnTarget => "on target",
-        ServoStatus::SpeedLimited => "held by a velocity limit",
+        ServoStatus::SpeedLimited => "held by a limit of velocity, acceleration or jerk",
         ServoStatus::Nearest => "at rest as near as it comes",
         ServoStatus::Blocked => "stopped before it touches something",
         ServoStatus::Touching => "touching something",
@@ -191,6 +191,10 @@ fn limit(by: HeldBy) -> &'static str {
         HeldBy::Limit(Side::Upper) => "upper limit",
         HeldBy::Speed(Side::Lower) => "velocity limit, downwards",
         HeldBy::Speed(Side::Upper) => "velocity limit, upwards",
+        HeldBy::Acceleration(Side::Lower) => "acceleration limit, downwards",
+        HeldBy::Acceleration(Side::Upper) => "acceleration limit, upwards",
+        HeldBy::Outside(Side::Lower) => "below its lower limit",
+        HeldBy::Outside(Side::Upper) => "above its upper limit",
         _ => "another bound",
     }
 }

@@ -1,0 +1,61 @@
+//! Prediction of the goal configuration's motion from its last positions.
+
+use super::joint_motion::GoalMotion;
+
+/// Positions of a goal configuration in the last cycles, and the motion that they agree on.
+///
+/// The step of a joint is the smaller of its last two differences where they have one sign, else zero; its change likewise.
+/// So a target that moves smoothly is followed without lag, and one that is noisy, or held between updates, is taken for
+/// resting.
+#[derive(Clone, Debug)]
+pub(super) struct GoalHistory {
+    /// The last position, its last step and the last change of that.
+    last: Vec<f64>,
+    steps: Vec<f64>,
+    changes: Vec<f64>,
+    motions: Vec<GoalMotion>,
+}
+
+/// The number of smaller size of two with one sign; zero for two with different signs.
+fn agreed(a: f64, b: f64) -> f64 {
+    if a * b <= 0.0 {
+        0.0
+    } else if a.abs() < b.abs() {
+        a
+    } else {
+        b
+    }
+}
+
+impl GoalHistory {
+    pub(super) fn resting_at(goal: &[f64]) -> Self {
+        let n = goal.len();
+        Self {
+            last: goal.to_vec(),
+            steps: vec![0.0; n],
+            changes: vec![0.0; n],
+            motions: vec![GoalMotion::default(); n],
+        }
+    }
+
+    /// Takes the goal of the next cycle.
+    pub(super) fn push(&mut self, goal: &[f64]) {
+        for (i, &goal) in goal.iter().enumerate() {
+            let step = goal - self.last[i];
+            let newest = self.steps[i];
+            let change = step - newest;
+            self.motions[i] = GoalMotion {
+                step: agreed(step, newest),
+                change: agreed(change, self.changes[i]),
+            };
+            self.last[i] = goal;
+            self.steps[i] = step;
+            self.changes[i] = change;
+        }
+    }
+
+    /// The predicted motion of each joint, a control cycle.
+    pub(super) fn motions(&self) -> &[GoalMotion] {
+        &self.motions
+    }
+}

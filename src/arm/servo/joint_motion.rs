@@ -1,0 +1,351 @@
+//! Motion of one joint in control cycles, within limits of position, velocity, acceleration and jerk.
+//!
+//! All rates are counted a cycle: a step is `velocity * time_step`, its change `acceleration * time_step²`, and the change of
+//! that `jerk * time_step³`. So q′ = q + d′, d′ = d + e′ and |e′ − e| ≤ K: the limits hold for the finite differences of
+//! the commanded positions, which is what robot controllers check.
+//!
+//! A state is viable if the joint can come to rest from it within all limits. [`JointMotion::braking_change`] is the
+//! policy that does so soonest: it decelerates as hard as it may and still releases the deceleration in time. A cycle
+//! chooses among the changes after which the policy still stops within the limits. The policy's own change is one of
+//! them, so that a viable state always has a viable successor.
+
+/// Limits of a joint, positions in radians or metres, rates a control cycle; infinite for none.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CycleLimits {
+    pub(super) lower: f64,
+    pub(super) upper: f64,
+    /// Largest step D.
+    pub(super) step: f64,
+    /// Largest change E of a step.
+    pub(super) change: f64,
+    /// Largest change K of that.
+    pub(super) change_rate: f64,
+}
+
+/// State of a joint after a cycle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct JointMotion {
+    /// Radians or metres.
+    pub(super) q: f64,
+    /// Last step d.
+    pub(super) step: f64,
+    /// Last change e of the step.
+    pub(super) change: f64,
+}
+
+/// Extremes of a stop, as offsets from where it begins.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Stop {
+    pub(super) lowest: f64,
+    pub(super) highest: f64,
+    pub(super) end: f64,
+}
+
+/// Iterations of a one-dimensional search; each at least halves the interval in two.
+const SEARCH_ITERATIONS: usize = 60;
+/// Cycles after which a stop is taken for endless: beyond any limits that a robot has.
+const MAX_STOP_CYCLES: usize = 100_000;
+/// Longest stop that is simulated exactly where only an estimate is needed, cycles.
+const MAX_SIMULATED_CYCLES: f64 = 24.0;
+
+/// Largest first decrement x that ends at zero after a total of `total` if every decrement is at most `rate` smaller than
+/// the one before: the root of x + Σ max(x − k·rate, 0) = total. Zero for a total below zero.
+fn first_decrement(total: f64, rate: f64) -> f64 {
+    if total <= 0.0 {
+        return 0.0;
+    }
+    if rate >= total {
+        return total;
+    }
+    // Number of decrements after the first.
+    let count = (0.5 * ((1.0 + 8.0 * total / rate).sqrt() - 1.0)).floor();
+    (total + 0.5 * rate * count * (count + 1.0)) / (count + 1.0)
+}
+
+/// Sum of the decrements after the first: Σ max(first − k·rate, 0).
+fn later_decrements(first: f64, rate: f64) -> f64 {
+    if first <= rate {
+        return 0.0;
+    }
+    let count = (first / rate).ceil() - 1.0;
+    count * first - 0.5 * rate * count * (count + 1.0)
+}
+
+impl JointMotion {
+    pub(super) fn at_rest(q: f64) -> Self {
+        Self {
+            q,
+            step: 0.0,
+            change: 0.0,
+        }
+    }
+
+    pub(super) fn is_at_rest(&self) -> bool {
+        self.step == 0.0 && self.change == 0.0
+    }
+
+    /// The state after a cycle whose step changes by `change`.
+    pub(super) fn after(&self, change: f64) -> Self {
+        let step = self.step + change;
+        Self {
+            q: self.q + step,
+            step,
+            change,
+        }
+    }
+
+    /// The change of the policy that comes to rest soonest.
+    pub(super) fn braking_change(&self, limits: &CycleLimits) -> f64 {
+        let CycleLimits {
+            change: most,
+            change_rate: rate,
+            ..
+        } = *limits;
+        let release = first_decrement(self.step.abs(), rate).min(most);
+        let wanted = -release.copysign(self.step);
+        if rate.is_infinite() {
+            return wanted;
+        }
+        wanted
+            .max(self.change - rate)
+            .min(self.change + rate)
+            .clamp(-most, most)
+    }
+
+    /// The path of a stop by the braking policy.
+    pub(super) fn stop(&self, limits: &CycleLimits) -> Stop {
+        let (change, rate) = (limits.change, limits.change_rate);
+        let mut stop = Stop::default();
+        if change.is_infinite() && rate.is_infinite() {
+            return stop;
+        }
+        if rate.is_infinite() {
+            stop.end = later_decrements(self.step.abs(), change).copysign(self.step);
+            stop.lowest = stop.end.min(0.0);
+            stop.highest = stop.end.max(0.0);
+            return stop;
+        }
+        let mut state = Self { q: 0.0, ..*self };
+        // Below this nothing is left but rounding.
+        let negligible = 1e-12 * rate;
+        for _ in 0..MAX_STOP_CYCLES {
+            let next = state.braking_change(limits);
+            // Cycles at full deceleration are counted at once.
+            if next == state.change && next.abs() == change {
+                let held = state.step.abs() - later_decrements(change, rate);
+                let count = (held / change).floor() - 1.0;
+                if count > 1.0 {
+                    let by = count * state.step + 0.5 * next * count * (count + 1.0);
+                    state.q += by;
+                    state.step += count * next;
+                }
+            }
+            state = state.after(next);
+            stop.lowest = stop.lowest.min(state.q);
+            stop.highest = stop.highest.max(state.q);
+            if state.step.abs() <= negligible && state.change.abs() <= rate {
+                break;
+            }
+        }
+        stop.end = state.q;
+        stop
+    }
+
+    /// The least and the largest change of the next cycle from which the joint still stops within its limits.
+    pub(super) fn viable_changes(&self, limits: &CycleLimits) -> (f64, f64) {
+        let braking = self.braking_change(limits);
+        let mut lower = (-limits.change).max(self.change - limits.change_rate);
+        let mut upper = limits.change.min(self.change + limits.change_rate);
+        // Velocity limits: what the acceleration adds until it is released counts.
+        let rate = limits.change_rate;
+        let up = limits.step - self.step;
+        let down = limits.step + self.step;
+        upper = upper.min(if up < 0.0 {
+            up
+        } else {
+            first_decrement(up, rate)
+        });
+        lower = lower.max(if down < 0.0 {
+            -down
+        } else {
+            -first_decrement(down, rate)
+        });
+        // What lies on the wrong side is rounding, or a joint beyond its velocity limit, which brakes.
+        upper = upper.max(braking);
+        lower = lower.min(braking);
+        upper = self.highest_change(braking, upper, limits);
+        let mirrored = Self {
+            q: -self.q,
+            step: -self.step,
+            change: -self.change,
+        };
+        let opposite = CycleLimits {
+            lower: -limits.upper,
+            upper: -limits.lower,
+            ..*limits
+        };
+        lower = -mirrored.highest_change(-braking, -lower, &opposite);
+        (lower, upper)
+    }
+
+    /// The largest change up to `most` from which the joint stops short of its upper limit; `braking` is known to be one.
+    fn highest_change(&self, braking: f64, most: f64, limits: &CycleLimits) -> f64 {
+        let room = limits.upper - self.q;
+        if room.is_infinite() {
+            return most;
+        }
+        if limits.change_rate.is_infinite() {
+            // In closed form: the first step and all later ones of a stop.
+            let step = match limits.change.is_infinite() {
+                true => room,
+                false => first_decrement(room, limits.change),
+            };
+            return most.min(step - self.step).max(braking);
+        }
+        // Far from the limit no stop is simulated.
+        let reached =
+            self.step + most.max(0.0) + later_decrements(most.max(0.0), limits.change_rate);
+        let cycles = reached / limits.change
+            + (limits.change.min(reached) / limits.change_rate) * 2.0
+            + (most.max(0.0) / limits.change_rate)
+            + 3.0;
+        let cycles = match limits.change.is_infinite() {
+            true => 2.0 * (reached.max(0.0) / limits.change_rate).sqrt() + 3.0,
+            false => cycles,
+        };
+        if reached.max(0.0) * cycles < room {
+            return most;
+        }
+        let excess = |change: f64| {
+            let next = self.after(change);
+            self.step + change + next.stop(limits).highest - room
+        };
+        if excess(most) <= 0.0 {
+            return most;
+        }
+        let (mut fine, mut beyond) = (braking, most);
+        for _ in 0..SEARCH_ITERATIONS {
+            let middle = 0.5 * (fine + beyond);
+            if middle <= fine || middle >= beyond {
+                break;
+            }
+            match excess(middle) <= 0.0 {
+                true => fine = middle,
+                false => beyond = middle,
+            }
+            if beyond - fine <= 1e-9 * limits.change_rate {
+                break;
+            }
+        }
+        fine
+    }
+}
+
+/// Predicted motion of a joint's goal, a control cycle.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct GoalMotion {
+    pub(super) step: f64,
+    pub(super) change: f64,
+}
+
+/// Share of an acceleration limit that is left at least to meet a goal that accelerates.
+const LEAST_AUTHORITY: f64 = 0.25;
+
+impl JointMotion {
+    /// Where the joint would meet its goal's motion if it braked towards that from now on, as a position of the goal now: for a
+    /// goal at rest the position at which the joint comes to rest.
+    pub(super) fn meeting(&self, goal: GoalMotion, limits: &CycleLimits) -> f64 {
+        if limits.change.is_infinite() && limits.change_rate.is_infinite() {
+            return self.q;
+        }
+        let relative = Self {
+            q: 0.0,
+            step: self.step - goal.step,
+            change: self.change - goal.change,
+        };
+        let help = goal.change.copysign(goal.change * relative.step);
+        let limits = CycleLimits {
+            change: (limits.change + help).max(LEAST_AUTHORITY * limits.change),
+            ..*limits
+        };
+        if limits.change_rate.is_infinite() {
+            let by = later_decrements(relative.step.abs(), limits.change);
+            return self.q + by.copysign(relative.step);
+        }
+        self.q + relative.stop_offset(&limits)
+    }
+
+    /// Offset of the end of a stop: exact for short ones, else of the continuous motion a cycle earlier.
+    fn stop_offset(&self, limits: &CycleLimits) -> f64 {
+        let (most, rate) = (limits.change, limits.change_rate);
+        let peak = self.step.abs() + 0.5 * self.change * self.change / rate;
+        let cycles = self.change.abs() / rate
+            + match most * most > peak * rate {
+                true => 2.0 * (peak / rate).sqrt(),
+                false => 2.0 * most / rate,
+            };
+        if cycles <= MAX_SIMULATED_CYCLES {
+            return self.stop(limits).end;
+        }
+        let (v, a) = (self.step - 0.5 * self.change, self.change);
+        // Velocity once the acceleration is released.
+        let released = v + 0.5 * a * a.abs() / rate;
+        let sign = 1.0_f64.copysign(released);
+        let (v, a) = (v * sign, a * sign);
+        let braking = |v: f64| match v * rate <= most * most {
+            true => v * (v / rate).sqrt(),
+            false => 0.5 * v * (v / most + most / rate),
+        };
+        let distance = if a >= 0.0 {
+            v * a / rate + a * a * a / (3.0 * rate * rate) + braking(released * sign)
+        } else {
+            // The stop began earlier, without acceleration.
+            let begun = v + 0.5 * a * a / rate;
+            let time = -a / rate;
+            braking(begun) - (begun * time - rate * time * time * time / 6.0)
+        };
+        sign * distance - self.step
+    }
+
+    /// The change within `range` after which the joint meets its goal nearest to `position`.
+    pub(super) fn change_to_meet(
+        &self,
+        position: f64,
+        range: (f64, f64),
+        goal: GoalMotion,
+        limits: &CycleLimits,
+    ) -> f64 {
+        let (mut low, mut high) = range;
+        let excess = |change: f64| self.after(change).meeting(goal, limits) - position;
+        // Straight to the goal, where that needs no braking.
+        let straight = (position - self.q) - self.step;
+        if straight >= low && straight <= high && excess(straight).abs() <= 1e-12 {
+            return straight;
+        }
+        let (mut below, mut above) = (excess(low), excess(high));
+        if below >= 0.0 {
+            return low;
+        }
+        if above <= 0.0 {
+            return high;
+        }
+        // Regula falsi; the weight of an end that stays twice is halved (Illinois).
+        let mut last = 0.0;
+        for _ in 0..SEARCH_ITERATIONS {
+            let middle = (low * above - high * below) / (above - below);
+            let value = excess(middle);
+            if value.abs() <= 1e-11 || high - low <= 1e-12 * (low.abs() + high.abs()) {
+                return middle;
+            }
+            if value < 0.0 {
+                (low, below) = (middle, value);
+                above *= if last < 0.0 { 0.5 } else { 1.0 };
+            } else {
+                (high, above) = (middle, value);
+                below *= if last > 0.0 { 0.5 } else { 1.0 };
+            }
+            last = value;
+        }
+        0.5 * (low + high)
+    }
+}

@@ -1,0 +1,692 @@
+//! Servoing: one target a control cycle, within limits of position, velocity, acceleration and jerk.
+//!
+//! A cycle has three parts.
+//! 1. The *goal configuration* goes on to the target on the arm's [branch](super::branch): damped steps from the goal of the last cycle
+//!    (Wampler 1986, "Manipulator inverse kinematic solutions based on vector formulations and damped least-squares
+//!    methods"), within the position limits. Where the target rests the damping fades, so that the arm settles at the
+//!    closest pose.
+//! 2. Each joint has an interval of next steps from which it can still [brake](joint_motion) within all of its limits. So no later
+//!    cycle is infeasible. Every step in it has a position at which the joint would *meet* its goal if it braked
+//!    from now on. Within the box of these positions a bounded least-squares problem finds the ones nearest to the goal
+//!    configuration, with joints that are free to move making up for those at a bound.
+//! 3. Each joint takes the step that leads to its position.
+//!
+//! Without limits of acceleration a joint meets its goal in the next cycle, and the box is that of the velocity limits.
+
+mod goal_motion;
+mod joint_motion;
+mod report;
+
+use self::goal_motion::GoalHistory;
+use self::joint_motion::{CycleLimits, JointMotion};
+use super::arm::Arm;
+use super::branch::Branch;
+use super::follower::{LONG_STEP, LONGEST_EASE};
+use super::redundancy::SHARE;
+use super::settling::Settling;
+use super::workspace::{ArmWorkspace, Errors};
+use super::{ArmError, QueryError};
+use crate::bad_option::{AT_LEAST_0, BadOption, NOT_NEGATIVE, Range};
+use crate::ik::Side;
+use crate::search::{Collision, within};
+use crate::solver::Termination;
+use crate::spatial::{Placement, Quaternion, rotation_exp};
+
+pub use report::{HeldBy, ServoStatus, ServoStep};
+
+/// Steps of one cycle towards the goal configuration; the next cycle continues from there.
+const GOAL_STEPS: usize = 8;
+/// Largest step of a joint without a velocity limit in a cycle, radians.
+const UNLIMITED_STEP: f64 = 0.5 * LONG_STEP;
+/// Default damping, radians.
+const DAMPING: f64 = 0.01;
+/// Share of the damping that is left after each cycle with the same target.
+const FADING: f64 = 0.7;
+/// Share of a joint's velocity limit that null-space motion uses while the target moves.
+const NULL_SPACE_SPEED: f64 = 0.5;
+/// Time constant of null-space motion, seconds.
+const NULL_SPACE_TIME: f64 = 0.03;
+/// Share of an acceleration limit that null-space motion uses.
+const NULL_SPACE_ACCELERATION: f64 = 0.1;
+/// Time in which null-space motion gains its full speed without limits of acceleration, seconds.
+const NULL_SPACE_RISE: f64 = 0.05;
+/// Distance of a goal's target from the last one from which on it is approached in steps, radians.
+const LEAD: f64 = 0.1;
+/// Most of those steps in a cycle.
+const MAX_LEADS: usize = 4;
+/// Speed from which on a joint comes to rest for a cycle before it moves the other way, rad/s.
+const REVERSAL_SPEED: f64 = 0.1;
+
+/// Share of a limit that is left for rounding that adds up over a stop.
+const ROUNDING: f64 = 1e-9;
+
+const ABOVE_0: Range = (|v| v > 0.0, "a number above 0 (infinity for none)");
+
+/// Follows targets that come at a fixed rate within all limits of the joints: see [`Arm::servo`].
+#[derive(Clone, Debug)]
+pub struct Servo<'a> {
+    arm: &'a Arm,
+    workspace: ArmWorkspace,
+    time_step: f64,
+    /// rad/s or m/s, infinite for none; so are the others.
+    velocity_limits: Vec<f64>,
+    acceleration_limits: Vec<f64>,
+    jerk_limits: Vec<f64>,
+    limits: Vec<CycleLimits>,
+    /// m² a rad².
+    damping: f64,
+    /// Share of the damping that is left.
+    fading: f64,
+    target: Option<Placement<f64>>,
+    /// Target of the goal configuration, which approaches a target that jumps in steps.
+    approached: Placement<f64>,
+    branch: Branch,
+    goal: Vec<f64>,
+    history: GoalHistory,
+    /// Whether limits of rates kept a joint from its goal in the last cycle.
+    limited: bool,
+    /// Largest null-space motion of the last cycle, radians.
+    null_space_step: f64,
+    joints: Vec<JointMotion>,
+    next: Vec<JointMotion>,
+    changes: Vec<(f64, f64)>,
+    q: Vec<f64>,
+    velocity: Vec<f64>,
+    acceleration: Vec<f64>,
+    held: Vec<Option<HeldBy>>,
+    collisions: Vec<Collision>,
+}
+
+impl Arm {
+    /// Starts a servo at rest at `start`; it takes a target every `time_step` seconds. The velocity, acceleration and jerk limits of
+    /// the robot's files hold in every cycle, or [others](Servo::with_velocity_limits). A joint without a velocity limit
+    /// moves by at most 0.1 rad a cycle (a prismatic joint by the metres that weigh as much).
+    ///
+    /// The arm stays on its branch and settles at the closest pose to a target out of reach. The null space of a redundant arm goes
+    /// to the posture of the start, or to [another](super::ArmBuilder::with_posture), at half of the velocity limits while the
+    /// target moves. A joint that starts outside its position limits returns at its velocity limit.
+    ///
+    /// A joint that moves faster than 0.1 rad/s comes to rest for a cycle before it moves the other way.
+    ///
+    /// # Errors
+    /// A start of the wrong length or not finite; a time step that is not a positive number.
+    pub fn servo(&self, start: &[f64], time_step: f64) -> Result<Servo<'_>, QueryError> {
+        let n = self.joint_count();
+        self.check_length("the start", start.len(), n)?;
+        self.check_query(0, &Placement::identity(), start)?;
+        if !(time_step > 0.0 && time_step.is_finite()) {
+            return Err(QueryError::TimeStep(time_step));
+        }
+        let map = &self.serial.map;
+        let ends = map.lower().iter().zip(map.upper());
+        let goal = start.iter().zip(ends).map(|(q, (l, u))| q.max(*l).min(*u));
+        let goal: Vec<f64> = goal.collect();
+        let unset = CycleLimits {
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            step: 0.0,
+            change: 0.0,
+            change_rate: 0.0,
+        };
+        let mut servo = Servo {
+            arm: self,
+            workspace: ArmWorkspace::new(&self.serial, &self.options)?,
+            time_step,
+            velocity_limits: self.velocity_limits().to_vec(),
+            acceleration_limits: self.acceleration_limits().to_vec(),
+            jerk_limits: self.jerk_limits().to_vec(),
+            limits: vec![unset; n],
+            damping: 0.0,
+            fading: 1.0,
+            target: None,
+            approached: self.base_from_tool(&goal)?,
+            branch: Branch::begin(self, &goal),
+            history: GoalHistory::resting_at(&goal),
+            goal,
+            limited: false,
+            null_space_step: 0.0,
+            joints: start.iter().map(|q| JointMotion::at_rest(*q)).collect(),
+            next: vec![JointMotion::default(); n],
+            changes: vec![(0.0, 0.0); n],
+            q: start.to_vec(),
+            velocity: vec![0.0; n],
+            acceleration: vec![0.0; n],
+            held: vec![None; n],
+            collisions: Vec::new(),
+        };
+        servo.set_damping(DAMPING);
+        servo.set_cycle_limits();
+        Ok(servo)
+    }
+
+    /// Velocity limits of the free joints by the robot's file, base to tip, rad/s or m/s; infinite for a joint without
+    /// one. The limits of mimic joints count for the joint that drives them.
+    #[must_use]
+    pub fn velocity_limits(&self) -> &[f64] {
+        &self.rates.velocity
+    }
+}
+
+impl Servo<'_> {
+    /// Sets the velocity limits, base to tip, rad/s or m/s: at least 0, infinite for none.
+    ///
+    /// # Errors
+    /// Another number of limits than free joints; a limit that is negative or NaN.
+    pub fn with_velocity_limits(mut self, limits: &[f64]) -> Result<Self, ArmError> {
+        self.check_limits("velocity_limits", limits, AT_LEAST_0)?;
+        self.velocity_limits.copy_from_slice(limits);
+        self.set_cycle_limits();
+        Ok(self)
+    }
+
+    /// Sets the acceleration limits, base to tip, rad/s² or m/s²: above 0, infinite for none.
+    ///
+    /// # Errors
+    /// Another number of limits than free joints; a limit that is not above 0.
+    pub fn with_acceleration_limits(mut self, limits: &[f64]) -> Result<Self, ArmError> {
+        self.check_limits("acceleration_limits", limits, ABOVE_0)?;
+        self.acceleration_limits.copy_from_slice(limits);
+        self.set_cycle_limits();
+        Ok(self)
+    }
+
+    /// Sets the jerk limits, base to tip, rad/s³ or m/s³: above 0, infinite for none.
+    ///
+    /// # Errors
+    /// Another number of limits than free joints; a limit that is not above 0.
+    pub fn with_jerk_limits(mut self, limits: &[f64]) -> Result<Self, ArmError> {
+        self.check_limits("jerk_limits", limits, ABOVE_0)?;
+        self.jerk_limits.copy_from_slice(limits);
+        self.set_cycle_limits();
+        Ok(self)
+    }
+
+    fn check_limits(
+        &self,
+        option: &'static str,
+        limits: &[f64],
+        range: Range,
+    ) -> Result<(), ArmError> {
+        if limits.len() != self.q.len() {
+            return Err(ArmError::JointCount {
+                option,
+                given: limits.len(),
+                joints: self.arm.joints().map(str::to_owned).collect(),
+            });
+        }
+        for &limit in limits {
+            BadOption::check(option, limit, range)?;
+        }
+        Ok(())
+    }
+
+    /// Sets the damping: a motion of the tool that needs this many radians of joint motion for a radian (of the tool's rotation, or
+    /// the metres that weigh as much) is made at half of its speed, others the less the easier they are. Radians, at least 0; default
+    /// 0.01. More is calmer near singular configurations and lags there.
+    ///
+    /// # Errors
+    /// A number that is negative or not finite.
+    pub fn with_damping(mut self, radians: f64) -> Result<Self, ArmError> {
+        BadOption::check("damping", radians, NOT_NEGATIVE)?;
+        self.set_damping(radians);
+        Ok(self)
+    }
+
+    /// Starts from a moving state: velocities (rad/s or m/s) and accelerations (rad/s² or m/s²) of the free joints at the start.
+    ///
+    /// # Errors
+    /// Slices of the wrong length or not finite; a joint whose state violates a velocity or acceleration limit, or which
+    /// cannot brake before a position limit: the error names the joint and the missing distance.
+    pub fn with_motion(
+        mut self,
+        velocity: &[f64],
+        acceleration: &[f64],
+    ) -> Result<Self, QueryError> {
+        let n = self.q.len();
+        self.arm.check_length("the velocity", velocity.len(), n)?;
+        self.arm
+            .check_length("the acceleration", acceleration.len(), n)?;
+        self.arm.check_finite(velocity)?;
+        self.arm.check_finite(acceleration)?;
+        let t = self.time_step;
+        for i in 0..n {
+            let limits = &self.limits[i];
+            let state = JointMotion {
+                step: velocity[i] * t,
+                change: acceleration[i] * t * t,
+                ..self.joints[i]
+            };
+            let joint = || self.arm.names.variables[i].clone();
+            let rates = [
+                ("velocity", velocity[i], self.velocity_limits[i]),
+                ("acceleration", acceleration[i], self.acceleration_limits[i]),
+            ];
+            for (rate, value, limit) in rates {
+                if value.abs() > limit {
+                    let joint = joint();
+                    return Err(QueryError::RateLimit {
+                        joint,
+                        rate,
+                        value,
+                        limit,
+                    });
+                }
+            }
+            let stop = state.stop(limits);
+            let above = state.q + stop.highest - limits.upper;
+            let below = limits.lower - (state.q + stop.lowest);
+            let distance = above.max(below);
+            if distance > BRAKING_TOLERANCE {
+                return Err(QueryError::CannotBrake {
+                    joint: joint(),
+                    distance,
+                    limit: if above > below {
+                        limits.upper
+                    } else {
+                        limits.lower
+                    },
+                });
+            }
+            self.joints[i] = state;
+        }
+        self.velocity.copy_from_slice(velocity);
+        self.acceleration.copy_from_slice(acceleration);
+        Ok(self)
+    }
+
+    fn set_damping(&mut self, radians: f64) {
+        let metres = radians * self.arm.options.metres_per_radian;
+        self.damping = metres * metres;
+    }
+
+    /// The limits a cycle, less what rounding of positions adds to their differences.
+    fn set_cycle_limits(&mut self) {
+        let (map, t) = (&self.arm.serial.map, self.time_step);
+        for (i, limits) in self.limits.iter_mut().enumerate() {
+            let (lower, upper) = (map.lower()[i], map.upper()[i]);
+            let size = |bound: f64| if bound.is_finite() { bound.abs() } else { 1.0 };
+            let ulp = f64::EPSILON * size(lower).max(size(upper)).max(self.q[i].abs());
+            let less = |limit: f64, rounding: f64| (limit * (1.0 - ROUNDING) - rounding).max(0.0);
+            *limits = CycleLimits {
+                lower: lower.min(self.q[i]),
+                upper: upper.max(self.q[i]),
+                step: match self.velocity_limits[i].is_finite() {
+                    true => (self.velocity_limits[i] * t - ulp).max(0.0),
+                    false => UNLIMITED_STEP / self.arm.scale[i] - ulp,
+                },
+                change: less(self.acceleration_limits[i] * t * t, 2.0 * ulp),
+                change_rate: less(self.jerk_limits[i] * t * t * t, 4.0 * ulp),
+            };
+        }
+    }
+
+    getters! {
+        /// Velocity limits of the free joints, base to tip, rad/s or m/s; infinite for none.
+        pub fn velocity_limits(&self) -> &[f64] = &self.velocity_limits;
+        /// Acceleration limits of the free joints, base to tip, rad/s² or m/s²; infinite for none.
+        pub fn acceleration_limits(&self) -> &[f64] = &self.acceleration_limits;
+        /// Jerk limits of the free joints, base to tip, rad/s³ or m/s³; infinite for none.
+        pub fn jerk_limits(&self) -> &[f64] = &self.jerk_limits;
+        /// Commanded joint positions, radians or metres.
+        pub fn q(&self) -> &[f64] = &self.q;
+        /// Commanded velocities of the joints, rad/s or m/s.
+        pub fn velocity(&self) -> &[f64] = &self.velocity;
+        /// Commanded accelerations of the joints, rad/s² or m/s².
+        pub fn acceleration(&self) -> &[f64] = &self.acceleration;
+    }
+
+    /// One control cycle towards a target. Allocates nothing, unless a collision is in the way.
+    ///
+    /// # Errors
+    /// A target that is not a rigid motion; the state is then unchanged. [`stop`](Self::stop) brings a moving arm to rest.
+    pub fn step(
+        &mut self,
+        base_from_tool: impl Into<Placement<f64>>,
+    ) -> Result<ServoStep<'_>, QueryError> {
+        let target = base_from_tool.into();
+        self.arm.check_query(0, &target, &self.goal)?;
+        let rests = self.target.replace(target) == Some(target);
+        let ended = self.advance_goal(&target, rests);
+        self.history.push(&self.goal);
+        let limited = self.meet_goal();
+        self.limited = limited;
+        #[cfg(feature = "collision")]
+        let contact = self.avoid_collisions()?;
+        self.commit();
+        self.workspace.aim(&target);
+        self.workspace.x.copy_from_slice(&self.q);
+        let errors = self.workspace.judge_x();
+        let status = self.status(&errors, limited, ended);
+        #[cfg(feature = "collision")]
+        let status = contact.unwrap_or(status);
+        self.fading = match rests && !limited {
+            true => self.fading * FADING,
+            false => 1.0,
+        };
+        Ok(self.report(status, errors))
+    }
+
+    /// One control cycle of a stop: every joint brakes as hard as its limits allow. Call it once a cycle until the status is
+    /// [`Stopped`](ServoStatus::Stopped); the next [`step`](Self::step) continues from there.
+    pub fn stop(&mut self) -> ServoStep<'_> {
+        for (i, next) in self.next.iter_mut().enumerate() {
+            let joint = &self.joints[i];
+            *next = joint.after(joint.braking_change(&self.limits[i]));
+        }
+        self.collisions.clear();
+        self.held.fill(None);
+        self.commit();
+        self.follow_own_motion();
+        let errors = match self.target {
+            Some(target) => {
+                self.workspace.aim(&target);
+                self.workspace.x.copy_from_slice(&self.q);
+                self.workspace.judge_x()
+            }
+            None => Errors::default(),
+        };
+        let status = match self.joints.iter().all(JointMotion::is_at_rest) {
+            true => ServoStatus::Stopped,
+            false => ServoStatus::Stopping,
+        };
+        self.report(status, errors)
+    }
+
+    /// Takes the configuration at which the arm comes to rest for the goal.
+    fn follow_own_motion(&mut self) {
+        let map = &self.arm.serial.map;
+        for (i, goal) in self.goal.iter_mut().enumerate() {
+            let joint = &self.joints[i];
+            let end = joint.q + joint.stop(&self.limits[i]).end;
+            *goal = end.max(map.lower()[i]).min(map.upper()[i]);
+        }
+        self.history = GoalHistory::resting_at(&self.goal);
+        if let Ok(approached) = self.arm.base_from_tool(&self.goal) {
+            self.approached = approached;
+        }
+        self.null_space_step = 0.0;
+        self.fading = 1.0;
+    }
+
+    fn report(&self, status: ServoStatus, errors: Errors) -> ServoStep<'_> {
+        ServoStep {
+            q: &self.q,
+            velocity: &self.velocity,
+            acceleration: &self.acceleration,
+            status,
+            position_error: errors.position,
+            orientation_error: errors.orientation,
+            collisions: &self.collisions,
+            held: &self.held,
+            names: &self.arm.names.variables,
+        }
+    }
+
+    /// Moves the goal configuration on to the target; the joints at a position limit that push against it are held.
+    fn advance_goal(&mut self, target: &Placement<f64>, rests: bool) -> Termination {
+        let arm = self.arm;
+        let mut ended = Termination::IterationLimit;
+        if arm.pose_distance(target, &self.approached) > LEAD && !rests {
+            self.follow_own_motion();
+        }
+        for lead in 0..MAX_LEADS {
+            let distance = arm.pose_distance(target, &self.approached);
+            let arrives = distance <= LEAD;
+            self.approached = match arrives {
+                true => *target,
+                false => between(&self.approached, target, LEAD / distance),
+            };
+            self.workspace.aim(&self.approached);
+            self.bound_goal();
+            self.workspace.x.copy_from_slice(&self.goal);
+            if lead == 0 {
+                self.branch.take_target(rests);
+                self.lead_null_space(rests);
+            }
+            let settling = Settling {
+                steps: GOAL_STEPS,
+                anchor: self.damping * self.fading,
+                deadline: None,
+            };
+            (ended, _) = self.workspace.settle_near(&settling);
+            if arrives {
+                // In flat valleys short steps creep.
+                if ended == Termination::IterationLimit && self.branch.rests_long() {
+                    (ended, _) = self.workspace.settle(None);
+                }
+                self.goal.copy_from_slice(&self.workspace.x);
+                break;
+            }
+            self.goal.copy_from_slice(&self.workspace.x);
+        }
+        let errors = self.workspace.judge_x();
+        self.hold_at_limits(errors.reached);
+        self.branch
+            .arrive(self.arm, &mut self.workspace, errors.reached);
+        ended
+    }
+
+    /// The box of the goal configuration in a cycle: the position limits, and no farther than a jump.
+    fn bound_goal(&mut self) {
+        let map = &self.arm.serial.map;
+        let question = &mut self.workspace.question;
+        for (i, &goal) in self.goal.iter().enumerate() {
+            let most = (UNLIMITED_STEP / self.arm.scale[i]).max(2.0 * self.limits[i].step);
+            question.lower[i] = map.lower()[i].max(within(goal, -most));
+            question.upper[i] = map.upper()[i].min(within(goal, most));
+        }
+    }
+
+    /// Null-space motion of the goal configuration.
+    fn lead_null_space(&mut self, rests: bool) {
+        if !self.arm.has_freedom() {
+            return;
+        }
+        let (mut step, mut change) = (LONGEST_EASE, f64::INFINITY);
+        for (limits, scale) in self.limits.iter().zip(&self.arm.scale) {
+            if limits.step > 0.0 {
+                step = step.min(limits.step * scale);
+                change = change.min(limits.change * scale);
+            }
+        }
+        if !rests {
+            step *= NULL_SPACE_SPEED;
+        }
+        let rise = (self.time_step / NULL_SPACE_RISE).min(1.0);
+        let gain = (NULL_SPACE_ACCELERATION * change).min(rise * step);
+        // An arm that is still on its way to a target that rests does not see the goal's own motion.
+        let (longest, share) = match rests && self.limited {
+            true => (LONGEST_EASE, SHARE),
+            false => (
+                step.min(self.null_space_step + gain),
+                1.0 - (-self.time_step / NULL_SPACE_TIME).exp(),
+            ),
+        };
+        self.null_space_step =
+            self.branch
+                .lead_to_ease(self.arm, &mut self.workspace, longest, share);
+    }
+
+    /// Finds the joints that push against a position limit at the goal configuration.
+    fn hold_at_limits(&mut self, reached: bool) {
+        self.held.fill(None);
+        let map = &self.arm.serial.map;
+        let at_limit = |i: usize, x: f64| x <= map.lower()[i] || x >= map.upper()[i];
+        let mut ends = self.workspace.x.iter().enumerate();
+        if reached || !ends.any(|(i, x)| at_limit(i, *x)) {
+            return;
+        }
+        let negligible = self.workspace.take_slope();
+        let ArmWorkspace { x, gradient, .. } = &self.workspace;
+        for (i, held) in self.held.iter_mut().enumerate() {
+            if x[i] <= map.lower()[i] && gradient[i] > negligible {
+                *held = Some(HeldBy::Limit(Side::Lower));
+            } else if x[i] >= map.upper()[i] && gradient[i] < -negligible {
+                *held = Some(HeldBy::Limit(Side::Upper));
+            }
+        }
+    }
+
+    /// Chooses the next step of every joint; whether limits of rates keep one from its goal.
+    fn meet_goal(&mut self) -> bool {
+        let reversal = REVERSAL_SPEED * self.time_step;
+        let mut limited = false;
+        for (i, joint) in self.joints.iter().enumerate() {
+            let limits = &self.limits[i];
+            let (mut lower, mut upper) = joint.viable_changes(limits);
+            // A step against the last one is at most none.
+            let step = joint.step;
+            if step.abs() * self.arm.scale[i] > reversal {
+                if step > 0.0 {
+                    lower = lower.max(-step).min(upper);
+                } else {
+                    upper = upper.min(-step).max(lower);
+                }
+            }
+            self.changes[i] = (lower, upper);
+            let motion = self.history.motions()[i];
+            let meeting = |change| joint.after(change).meeting(motion, limits);
+            let (from, to) = (meeting(lower), meeting(upper));
+            let question = &mut self.workspace.question;
+            (question.lower[i], question.upper[i]) = (from, to.max(from));
+            let clamped = question.clamp(i, self.goal[i]);
+            limited |= clamped != self.goal[i];
+            self.workspace.x[i] = clamped;
+        }
+        let map = &self.arm.serial.map;
+        for (i, joint) in self.joints.iter().enumerate() {
+            let limits = &self.limits[i];
+            let motion = self.history.motions()[i];
+            let (lower, upper) = self.changes[i];
+            let change = joint.change_to_meet(self.workspace.x[i], (lower, upper), motion, limits);
+            let mut next = joint.after(change);
+            // Rounding, but for a joint that began outside.
+            let inside = next.q.max(limits.lower).min(limits.upper);
+            if inside != next.q {
+                next.q = inside;
+                next.step = inside - joint.q;
+                next.change = next.step - joint.step;
+            }
+            self.next[i] = next;
+            let outside = match joint.q {
+                q if q > map.upper()[i] => Some(HeldBy::Outside(Side::Upper)),
+                q if q < map.lower()[i] => Some(HeldBy::Outside(Side::Lower)),
+                _ => None,
+            };
+            let side = if self.goal[i] > self.workspace.x[i] {
+                Side::Upper
+            } else {
+                Side::Lower
+            };
+            let rate = (self.goal[i] != self.workspace.question.clamp(i, self.goal[i])).then(
+                || match next.step.abs() >= limits.step * (1.0 - 1e-9) {
+                    true => HeldBy::Speed(side),
+                    false => HeldBy::Acceleration(side),
+                },
+            );
+            self.held[i] = outside.or(rate).or(self.held[i]);
+        }
+        limited
+    }
+
+    /// Replaces the cycle by one of a stop where the arm could not come to rest before a collision after it; the status where
+    /// something is in the way or in contact.
+    #[cfg(feature = "collision")]
+    fn avoid_collisions(&mut self) -> Result<Option<ServoStatus>, QueryError> {
+        let (arm, workspace) = (self.arm, &mut self.workspace);
+        self.collisions.clear();
+        let Some(kept) = &arm.collisions else {
+            return Ok(None);
+        };
+        let room = workspace.clear_room.get_or_insert_with(|| kept.room());
+        // The configuration at which the arm would come to rest.
+        for (i, x) in workspace.x.iter_mut().enumerate() {
+            *x = self.next[i].q + self.next[i].stop(&self.limits[i]).end;
+        }
+        let way = kept.way_from_contact(arm, room, &self.q, &workspace.x)?;
+        let touches = way.begins_touching();
+        let Some(by) = way.blocked_by else {
+            if touches {
+                for (x, next) in workspace.x.iter_mut().zip(&self.next) {
+                    *x = next.q;
+                }
+                self.collisions = kept.collisions(arm, room, &workspace.x)?;
+            }
+            let touching = (!self.collisions.is_empty()).then_some(ServoStatus::Touching);
+            return Ok(touching);
+        };
+        let instant = self
+            .limits
+            .iter()
+            .all(|limits| limits.change.is_infinite() && limits.change_rate.is_infinite());
+        if instant {
+            let share = kept.cautious_share(arm, room, &self.q, &workspace.x)?;
+            for (i, x) in workspace.x.iter_mut().enumerate() {
+                *x = self.q[i] + share * (*x - self.q[i]);
+                let step = *x - self.q[i];
+                self.next[i] = JointMotion {
+                    q: *x,
+                    step,
+                    change: step - self.joints[i].step,
+                };
+            }
+        } else {
+            for (i, x) in workspace.x.iter_mut().enumerate() {
+                let joint = &self.joints[i];
+                self.next[i] = joint.after(joint.braking_change(&self.limits[i]));
+                *x = self.next[i].q;
+            }
+        }
+        if touches {
+            self.collisions = kept.collisions(arm, room, &workspace.x)?;
+        }
+        let status = match self.collisions.is_empty() {
+            true => ServoStatus::Blocked,
+            false => ServoStatus::Touching,
+        };
+        if !self.collisions.iter().any(|own| own.is_of_same_pair(&by)) {
+            self.collisions.push(by);
+        }
+        Ok(Some(status))
+    }
+
+    /// Takes the chosen states of the joints.
+    fn commit(&mut self) {
+        let (map, t) = (&self.arm.serial.map, self.time_step);
+        for (i, joint) in self.joints.iter_mut().enumerate() {
+            *joint = self.next[i];
+            self.q[i] = joint.q;
+            self.velocity[i] = joint.step / t;
+            self.acceleration[i] = joint.change / (t * t);
+            // A joint that returns from outside does not go back there.
+            self.limits[i].lower = map.lower()[i].min(joint.q);
+            self.limits[i].upper = map.upper()[i].max(joint.q);
+        }
+    }
+
+    fn status(&self, errors: &Errors, limited: bool, ended: Termination) -> ServoStatus {
+        let at_rest = self.joints.iter().all(|joint| joint.step == 0.0);
+        if errors.reached {
+            ServoStatus::OnTarget
+        } else if limited {
+            ServoStatus::SpeedLimited
+        } else if at_rest && ended != Termination::NonFinite {
+            ServoStatus::Nearest
+        } else {
+            ServoStatus::Settling
+        }
+    }
+}
+
+/// How far beyond a limit a stop may end, radians or metres: rounding.
+const BRAKING_TOLERANCE: f64 = 1e-9;
+
+/// The placement at a share of the motion from one to another: straight, about one axis.
+fn between(from: &Placement<f64>, to: &Placement<f64>, share: f64) -> Placement<f64> {
+    let turn = Quaternion::from_matrix(&(from.rotation.transpose() * to.rotation)).log();
+    let way = to.translation - from.translation;
+    Placement::new(
+        from.rotation * rotation_exp(turn * share),
+        from.translation + way * share,
+    )
+}
