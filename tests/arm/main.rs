@@ -24,6 +24,7 @@ mod servo;
 mod servo_ticks;
 mod shared_workloads;
 mod shipped_robots;
+mod small_steps;
 mod starts;
 mod starts_and_ways;
 mod time_limit;
