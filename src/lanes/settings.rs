@@ -39,6 +39,7 @@ impl Settings {
         let position_tolerance = options.position_tolerance * lengths_per_metre;
         let length_per_radian = options.metres_per_radian * lengths_per_metre;
         let smaller = position_tolerance.min(options.orientation_tolerance * length_per_radian);
+        let nearby = options.nearby * length_per_radian;
         let mut axes = options.axes;
         let half_widths = &mut axes.position_half_widths;
         *half_widths = half_widths.map(|half_width| half_width * lengths_per_metre);
@@ -52,7 +53,7 @@ impl Settings {
             axes,
             // Convergence is quadratic: the error after a step is about its square, in lengths.
             closing_twice_cost: CLOSING * smaller,
-            nearby_twice_cost: (options.nearby * length_per_radian).powi(2),
+            nearby_twice_cost: nearby * nearby,
             carries: false,
         }
     }
