@@ -3,7 +3,7 @@
 use super::arm::Arm;
 use super::follower::LONG_STEP;
 use super::lanes_or_core::{QUICK, Query};
-use super::options::Search;
+use super::options::{NEARBY, Search};
 use super::settling::Settling;
 use super::workspace::{ArmWorkspace, Errors};
 use crate::lanes;
@@ -14,10 +14,10 @@ use crate::solver::Termination;
 const NEAR_STEPS: usize = 100;
 
 impl Arm {
-    /// Takes a miss to the place where nothing near is better: first the start's own way, whose end is
-    /// in the workspace's x, then, for a target that it does not reach, the best of all attempts and
-    /// the attempts that are left. A target that none reaches is answered by the start's own end,
-    /// unless the arm searches everywhere on a miss.
+    /// Continues attempts that gave up, with the general solver: the first one, whose end is in the workspace's x, then the
+    /// best of all, then the attempts that are left. For a target near the start all that a single attempt would do comes
+    /// before the attempts that are left. If none reaches, the result is the end of the first attempt, unless the arm searches
+    /// everywhere on a miss.
     pub(super) fn finish(
         &self,
         workspace: &mut ArmWorkspace,
@@ -33,25 +33,75 @@ impl Arm {
             found.number = 0;
         }
         self.settle(workspace, query, found);
+        let stays = !self.options.leaps_on_miss();
+        let nearby = stays && self.is_nearby(workspace);
+        let mut has_stayed = false;
         if !found.reached && !self.asks_for_own_way(query.target) && !query.is_late() {
-            let (own, errors) = (*found, workspace.errors);
-            // Taken out and put back, so that nothing is allocated.
-            let mut kept = std::mem::take(&mut workspace.kept);
-            kept.copy_from_slice(&workspace.x);
+            let mut first = self.keep_first(workspace, found);
             found.number = best;
-            self.search_elsewhere(workspace, query, found);
-            let lower = self.options.leaps_on_miss() && found.cost < own.cost;
-            if !found.reached && !lower {
-                found.fall_back_to(&own);
-                workspace.errors = errors;
-                workspace.x.copy_from_slice(&kept);
+            workspace.x.copy_from_slice(&workspace.best);
+            self.settle(workspace, query, found);
+            if nearby && !found.reached && !query.is_late() {
+                self.return_to_first(workspace, &first, found);
+                self.stay_near(workspace, query, found);
+                has_stayed = true;
+                first = self.keep_first(workspace, found);
             }
-            workspace.kept = kept;
+            if !found.reached {
+                self.make_attempts_left(workspace, query, found);
+            }
+            let lower = !stays && found.cost < first.0.cost;
+            if !found.reached && !lower {
+                self.return_to_first(workspace, &first, found);
+            }
         }
-        if !found.reached && !self.options.leaps_on_miss() && !query.is_late() {
+        if !found.reached && stays && !has_stayed && !query.is_late() {
             self.stay_near(workspace, query, found);
         }
         found.termination = self.ended(found, query.is_late());
+    }
+
+    /// Continues the first attempt alone, whose end is in the workspace's x, as a search of one attempt does.
+    pub(super) fn finish_first(
+        &self,
+        workspace: &mut ArmWorkspace,
+        query: &Query<'_>,
+        found: &mut Found,
+    ) {
+        self.settle(workspace, query, found);
+        if !found.reached && !self.options.leaps_on_miss() && !query.is_late() {
+            self.stay_near(workspace, query, found);
+        }
+    }
+
+    /// Whether the target is so near to the tool at the start that the first attempt is continued before others are made.
+    pub(super) fn is_nearby(&self, workspace: &mut ArmWorkspace) -> bool {
+        // Taken out and put back, so that nothing is allocated.
+        let start = std::mem::take(&mut workspace.start);
+        let errors = workspace.judge(&start);
+        workspace.start = start;
+        let radians = NEARBY * self.options.metres_per_radian;
+        2.0 * self.cost(errors) < radians * radians
+    }
+
+    /// Keeps what the first attempt has come to, whose end is in the workspace's x.
+    fn keep_first(&self, workspace: &mut ArmWorkspace, found: &Found) -> (Found, Errors) {
+        let ArmWorkspace { kept, x, .. } = workspace;
+        kept.copy_from_slice(x);
+        (*found, workspace.errors)
+    }
+
+    /// Returns to what was kept of the first attempt.
+    fn return_to_first(
+        &self,
+        workspace: &mut ArmWorkspace,
+        (first, errors): &(Found, Errors),
+        found: &mut Found,
+    ) {
+        found.fall_back_to(first);
+        let ArmWorkspace { kept, x, .. } = workspace;
+        x.copy_from_slice(kept);
+        workspace.errors = *errors;
     }
 
     /// Replaces an end far from the start by the nearest place that short steps from the start lead to, if that
@@ -59,6 +109,7 @@ impl Arm {
     fn stay_near(&self, workspace: &mut ArmWorkspace, query: &Query<'_>, found: &mut Found) {
         let moved = |workspace: &ArmWorkspace| self.longest_move(&workspace.start, &workspace.x).1;
         if moved(workspace) <= LONG_STEP {
+            self.leave_ridge(workspace, query, found);
             return;
         }
         // Taken out and put back, so that nothing is allocated.
@@ -84,6 +135,19 @@ impl Arm {
         }
     }
 
+    /// Continues from beside an end near the start if that is a ridge: a stretched arm whose target is within reach is
+    /// stationary there. The end stays where that does not reach the target near the start.
+    fn leave_ridge(&self, workspace: &mut ArmWorkspace, query: &Query<'_>, found: &mut Found) {
+        let first = self.keep_first(workspace, found);
+        if workspace.step_off_ridge() {
+            self.settle(workspace, query, found);
+            let near = self.longest_move(&workspace.start, &workspace.x).1 <= LONG_STEP;
+            if !(found.reached && near) {
+                self.return_to_first(workspace, &first, found);
+            }
+        }
+    }
+
     /// How a question ended that was taken to its end.
     pub(super) fn ended(&self, found: &Found, late: bool) -> Termination {
         if found.reached {
@@ -101,11 +165,14 @@ impl Arm {
         }
     }
 
-    /// Settles from the workspace's best, then runs the attempts that are left and settles from their
-    /// best; the lower of the two ends is in x and found.
-    fn search_elsewhere(&self, workspace: &mut ArmWorkspace, query: &Query<'_>, found: &mut Found) {
-        workspace.x.copy_from_slice(&workspace.best);
-        self.settle(workspace, query, found);
+    /// Makes the attempts that are left and continues the best of them; the lower of two ends, of the workspace's x and of
+    /// that one, is in x and found.
+    fn make_attempts_left(
+        &self,
+        workspace: &mut ArmWorkspace,
+        query: &Query<'_>,
+        found: &mut Found,
+    ) {
         let Some(lanes) = self.lanes_within(&workspace.bounded_lanes) else {
             return;
         };

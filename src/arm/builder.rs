@@ -6,7 +6,7 @@ use super::arm::Arm;
 use super::coordinates::Coordinates;
 use super::kinematic_path::{self, Part};
 use super::mechanism::Mechanism;
-use super::options::{ATTEMPTS, Options, Search};
+use super::options::{ATTEMPTS, NEARBY, Options, Search};
 use super::rate_limits::RateLimits;
 use super::serial_chain::{Serial, source_of};
 use super::{ArmError, Goal};
@@ -310,6 +310,7 @@ impl ArmBuilder<'_> {
             seed: options.seed,
             // Atlas seeds stand anywhere; a bound on moves keeps to the start.
             atlas: self.atlas && options.max_move.is_none(),
+            nearby: NEARBY,
             ..LaneOptions::default()
         }
     }

@@ -31,6 +31,28 @@ impl Arm {
     /// else the start is, and the best of all in its best.
     pub(super) fn search_by_core(&self, workspace: &mut ArmWorkspace, query: &Query<'_>) -> Found {
         let attempts = self.attempts_at(query.target) as usize;
+        let mut spent = 0;
+        if attempts > 1 && self.is_nearby(workspace) {
+            // All that a search of one attempt does comes before other attempts.
+            let mut first = self.make_attempts(workspace, query, 1);
+            self.finish(workspace, query, &mut first);
+            if first.reached || query.is_late() {
+                return first;
+            }
+            spent = first.iterations;
+        }
+        let mut found = self.make_attempts(workspace, query, attempts);
+        found.iterations += spent;
+        found
+    }
+
+    /// So many attempts at most.
+    fn make_attempts(
+        &self,
+        workspace: &mut ArmWorkspace,
+        query: &Query<'_>,
+        attempts: usize,
+    ) -> Found {
         let mut found = self.restart(workspace, query, attempts.min(OWN));
         // Where moves are bounded, seeds from all over the limits are far outside.
         let everywhere = self.options.max_move.is_none();

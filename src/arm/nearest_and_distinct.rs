@@ -2,6 +2,7 @@
 
 use super::QueryError;
 use super::arm::Arm;
+use super::batch::outcome_of;
 use super::lanes_or_core::Query;
 use super::options::Search;
 use super::workspace::{ArmWorkspace, Errors};
@@ -59,6 +60,9 @@ impl Arm {
         while first < wanted && spent(&workspace.outcomes) < budget {
             let count = GROUP.min(wanted - first);
             self.run_attempts(workspace, query, first, count);
+            if first == 0 {
+                self.continue_first(workspace, query);
+            }
             first += count;
             if query.is_late() {
                 break;
@@ -79,6 +83,24 @@ impl Arm {
             Termination::TimeLimit
         } else {
             Termination::Reached
+        }
+    }
+
+    /// Continues the first of the attempts gathered as a search of one attempt does, if it missed.
+    fn continue_first(&self, workspace: &mut ArmWorkspace, query: &Query<'_>) {
+        let Some(outcome) = workspace.outcomes.first() else {
+            return;
+        };
+        let mut found = self.found_by(outcome);
+        if found.reached || self.asks_for_own_way(query.target) {
+            return;
+        }
+        workspace.stand_at_found(0);
+        self.finish_first(workspace, query, &mut found);
+        if found.reached {
+            let n = self.joint_count();
+            workspace.found[..n].copy_from_slice(&workspace.x);
+            workspace.outcomes[0] = outcome_of(&found, workspace.errors);
         }
     }
 

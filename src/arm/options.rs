@@ -10,16 +10,20 @@ use crate::bad_option::{AT_LEAST_0, AT_LEAST_ONE, BadOption, NOT_NEGATIVE, POSIT
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Search {
-    /// The one that the start's own attempt comes to, if it succeeds; others only rescue it, the
-    /// lowest that reaches first. A target that none reaches is answered by the nearest place on the
-    /// start's own way. For continuity. The default.
+    /// The result of the attempt from the start, if that attempt reaches the target. Other attempts are made only if it
+    /// fails; the lowest that reaches the target counts. For a target within 1 rad of the tool at the start (metres divided by
+    /// [`with_metres_per_radian`](super::ArmBuilder::with_metres_per_radian)) the attempt from the start runs to its end first:
+    /// the result is that of [`with_attempts(1)`](super::ArmBuilder::with_attempts) wherever that reaches. For a target
+    /// farther away the attempt fails as soon as it stalls. If no attempt reaches the target, the result is the closest pose
+    /// reached from the start. For continuity. The default.
     #[default]
     Start,
     /// Whichever takes the fewest iterations. A target that none reaches is answered by the best of
     /// all attempts, wherever that is.
     First,
     /// The one nearest to the start in weighted joint distance, among many attempts; on redundant
-    /// arms it is then moved towards the start within the null space. Where a time limit cuts the
+    /// arms it is then moved towards the start within the null space. It is never farther away than the solution of the
+    /// attempt from the start. Where a time limit cuts the
     /// comparison short the solution says [`TimeLimit`](crate::solver::Termination::TimeLimit).
     Nearest,
     /// Up to `k` solutions, nearest to the start first, any two farther apart than `distance`. A
@@ -51,6 +55,10 @@ impl Search {
 /// Attempts of a question for which nothing else is asked, and the iterations of all together.
 pub(super) const ATTEMPTS: u32 = 200;
 const ITERATIONS: u32 = 2600;
+/// Distance between the tool at the start and a target, radians (metres divided by the metres per radian), below which the
+/// first attempt runs to its end before any other is made. Farther targets leave an attempt that stalls to the other attempts,
+/// which take less time than continuing it.
+pub(super) const NEARBY: f64 = 1.0;
 /// How strongly joints are drawn away from their limits while following.
 const LIMIT_AVOIDANCE: f64 = 4.0;
 /// A radian counts as much as this share of the arm's reach.

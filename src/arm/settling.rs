@@ -149,6 +149,28 @@ impl ArmWorkspace {
         })
     }
 
+    /// Moves the workspace's x off a ridge, a stationary point with lower cost along the null space of the Jacobian; whether
+    /// there is such a direction among the joints' own, projected into the null space.
+    pub(super) fn step_off_ridge(&mut self) -> bool {
+        let x = std::mem::take(&mut self.x);
+        let error = Vector6::from(self.linearise(&x)).norm();
+        let (before, longest) = (0.5 * error * error, self.longest_column());
+        let mut direction = std::mem::take(&mut self.wanted);
+        let falls = (0..x.len()).any(|joint| {
+            direction.fill(0.0);
+            direction[joint] = 1.0;
+            self.project_to_null(&x, &direction, BLUNT * longest);
+            [PROBE, -PROBE]
+                .into_iter()
+                .any(|probe| self.falls_along_projected(&x, probe, before, 0.0))
+        });
+        (self.wanted, self.x) = (direction, x);
+        if falls {
+            self.x.copy_from_slice(&self.trial);
+        }
+        falls
+    }
+
     /// Whether the level place is a ridge: a stretched arm whose target has come back within reach. A place a little down from it is
     /// written into `trial`. What bends the arm there leaves the tool in first order, as else the tool would go aside by more
     /// than it comes nearer: down the slope, to the elbow's side, or where there is none by any joint, to either.

@@ -80,6 +80,8 @@ struct Job<'a> {
     age: u32,
     iterations: u32,
     best_twice_cost: f64,
+    /// Whether the target is so near to the start that no other attempt is made where the first misses.
+    nearby: bool,
 }
 
 /// The queries of a batch under way, in L lanes.
@@ -146,6 +148,7 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
             age: 0,
             iterations: 0,
             best_twice_cost: f64::INFINITY,
+            nearby: false,
         })
     }
 
@@ -180,6 +183,12 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
         for (lane, job) in self.jobs.iter_mut().enumerate() {
             if let Some(job) = job {
                 job.age += 1;
+                // The accepted point of a first attempt is still the start.
+                if job.age == 1 && job.attempt == 0 {
+                    let twice_cost = self.group.twice_cost(lane);
+                    job.nearby = job.query.search == Prefer::Start
+                        && twice_cost < self.prepared.settings.nearby_twice_cost;
+                }
                 over |= u32::from(job.age >= self.prepared.options.iterations) << lane;
             }
         }
@@ -226,6 +235,7 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
         job.attempt += 1;
         job.ended += 1;
         let over = reached
+            || job.nearby
             || job.ended >= job.query.attempts.1
             || job.iterations >= options.total_iterations;
         if over {

@@ -31,6 +31,10 @@ pub struct LaneOptions {
     pub(crate) seed: u64,
     pub(crate) atlas: bool,
     pub(crate) portable: bool,
+    /// Distance between the tool at the start and a target, radians (metres by `metres_per_radian`), below which the first
+    /// attempt alone is made under [`Prefer::Start`]: the caller continues it where it misses. 0 for none.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(crate) nearby: f64,
 }
 
 impl Default for LaneOptions {
@@ -48,6 +52,7 @@ impl Default for LaneOptions {
             seed: 0,
             atlas: true,
             portable: false,
+            nearby: 0.0,
         }
     }
 }

@@ -20,6 +20,8 @@ pub(crate) struct Settings {
     pub(crate) axes: AxisGoal,
     /// Twice the cost below which one more step should reach.
     pub(crate) closing_twice_cost: f64,
+    /// Twice the cost of a start below which the first attempt alone is made.
+    pub(crate) nearby_twice_cost: f64,
     /// Whether a step that leads onto the goal by its linear model, and is short, ends the attempt, and not only one from so near.
     pub(crate) carries: bool,
     /// An attempt whose error has not halved in this many iterations is given up.
@@ -37,6 +39,7 @@ impl Settings {
         let position_tolerance = options.position_tolerance * lengths_per_metre;
         let length_per_radian = options.metres_per_radian * lengths_per_metre;
         let smaller = position_tolerance.min(options.orientation_tolerance * length_per_radian);
+        let nearby = options.nearby * length_per_radian;
         let mut axes = options.axes;
         let half_widths = &mut axes.position_half_widths;
         *half_widths = half_widths.map(|half_width| half_width * lengths_per_metre);
@@ -50,6 +53,7 @@ impl Settings {
             axes,
             // Convergence is quadratic: the error after a step is about its square, in lengths.
             closing_twice_cost: CLOSING * smaller,
+            nearby_twice_cost: nearby * nearby,
             carries: false,
         }
     }

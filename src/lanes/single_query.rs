@@ -44,6 +44,7 @@ pub(crate) fn race<V: LaneScalar, const N: usize>(
             break;
         }
         let ended = (stages.step)(race.group, &prepared.links, &prepared.settings);
+        race.note_start_cost();
         let failed = race.age(&ended);
         let close = (ended.reached | ended.closing) & race.active;
         let mut over = close | failed;
@@ -54,6 +55,10 @@ pub(crate) fn race<V: LaneScalar, const N: usize>(
             let won = close & bit != 0 && race.may_win(lane) && race.wins(lane, &ended);
             if won || failed & bit != 0 {
                 race.active &= !bit;
+            }
+            if !won && failed & bit != 0 && race.is_first_of_nearby(lane) {
+                race.end_with_first(lane);
+                break;
             }
             if !won && failed & bit != 0 && race.winner.is_none() {
                 race.keep_miss(lane);
@@ -96,9 +101,15 @@ struct Race<'a, 'b, V, const N: usize> {
     next: u32,
     iterations: u32,
     late: bool,
+    /// Whether the first attempt has ended the search.
+    ended: bool,
     /// Whether the lowest attempt that reaches wins, and whether the start's own is among them.
     by_number: bool,
     has_own: bool,
+    /// Whether the first attempt has made no step yet.
+    unmoved: bool,
+    /// Whether the target is so near to the start that no other attempt is made where the first misses.
+    nearby: bool,
     /// Cost and attempt of the best miss so far.
     best: Option<(f64, u32)>,
     winner: Option<Winner>,
@@ -132,8 +143,11 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
             next: query.attempts.0,
             iterations: 0,
             late: false,
+            ended: false,
             by_number,
             has_own: by_number && query.attempts.0 == 0,
+            unmoved: true,
+            nearby: false,
             best: None,
             winner: None,
         }
@@ -224,6 +238,34 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
         reached
     }
 
+    /// After the first step, notes whether the target is near the start.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn note_start_cost(&mut self) {
+        if self.unmoved {
+            self.unmoved = false;
+            // The first attempt runs in lane 0, and its accepted point is still the start.
+            let twice_cost = self.group.twice_cost(0);
+            self.nearby = self.has_own && twice_cost < self.prepared.settings.nearby_twice_cost;
+        }
+    }
+
+    /// Whether the attempt of a lane is the first one, and its target near the start. A search that is cut short keeps
+    /// what other attempts have reached.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn is_first_of_nearby(&self, lane: usize) -> bool {
+        self.nearby && self.attempt[lane] == 0 && !self.late
+    }
+
+    /// Ends the search as a miss of the first attempt alone, whatever the others have come to.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn end_with_first(&mut self, lane: usize) {
+        let Self { group, answer, .. } = self;
+        group.point(lane, answer.q);
+        group.point(lane, answer.best);
+        answer.best_attempt = 0;
+        (self.winner, self.next, self.ended) = (None, 1, true);
+    }
+
     /// Keeps what an attempt came to that gave up, if it is the best of all or the start's own.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn keep_miss(&mut self, lane: usize) {
@@ -251,7 +293,7 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_decided(&self) -> bool {
         let Some(winner) = &self.winner else {
-            return false;
+            return self.ended;
         };
         for lane in 0..V::WIDTH {
             let lower = self.active >> lane & 1 != 0 && self.attempt[lane] < winner.attempt;

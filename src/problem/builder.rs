@@ -17,7 +17,7 @@ use crate::task::{ErasedResidual, Quantity, Residual, Role, Room, Rows, Task};
 /// Default tolerance of lengths in metres and angles in radians.
 const DEFAULT_TOLERANCE: f64 = 1e-6;
 /// By default a radian counts as much as this share of the model's reach.
-const RADIAN_PER_REACH: f64 = 0.25;
+pub(super) const RADIAN_PER_REACH: f64 = 0.25;
 /// Default tolerance of image distances, in pixels.
 const DEFAULT_TOLERANCE_PIXELS: f64 = 1e-3;
 

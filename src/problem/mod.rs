@@ -420,6 +420,19 @@ impl Problem {
         })
     }
 
+    /// Whether all goals are near, given the weighted residual of a share at the start: those that are not reached miss by at most
+    /// [`NEARBY`], metres as a share of the distance that counts as much as a radian.
+    pub(crate) fn is_nearby(&self, share: Share, r: &[f64]) -> bool {
+        self.errors(share, r).all(|block| {
+            let most = match block.quantity {
+                Quantity::Radians => NEARBY,
+                Quantity::Metres => NEARBY * builder::RADIAN_PER_REACH * self.reach,
+                _ => 0.0,
+            };
+            block.reached || block.role == Role::Preference || block.error <= most
+        })
+    }
+
     /// As [`is_reached`](Self::is_reached), by the residual of a share.
     pub(crate) fn is_reached_by(&self, share: Share, r: &[f64]) -> bool {
         r.len() == self.rows_of(share)
@@ -428,6 +441,9 @@ impl Problem {
                 .all(|block| block.reached || block.role == Role::Preference)
     }
 }
+
+/// Largest error of a near goal, radians.
+const NEARBY: f64 = 1.0;
 
 /// A task is swept where its frames pass so many times more joints than a sweep does.
 const SWEPT: usize = 2;

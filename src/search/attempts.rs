@@ -74,6 +74,13 @@ pub(crate) fn run(
             break;
         }
         match trial {
+            Trial::NearbyFirst => {
+                let residual = engine.residual_at_start(start);
+                if !question.problem.is_nearby(share, residual) {
+                    continue;
+                }
+                x.copy_from_slice(start);
+            }
             Trial::Quick(index) | Trial::Full(index) => {
                 if index == 1 {
                     let residual = engine.residual_at_start(start);

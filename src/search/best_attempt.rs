@@ -59,7 +59,7 @@ impl Keeper {
             found.iterations >= schedule.restarts().steps || self.agreeing >= schedule.enough();
         match trial {
             Trial::Quick(_) | Trial::Full(_) => found.attempts == 0 || !over,
-            Trial::FinishBest => found.termination == Termination::Stalled,
+            Trial::FinishBest | Trial::NearbyFirst => found.termination == Termination::Stalled,
             Trial::FinishFirst => !self.first_is_best && self.first_may_win,
             Trial::FinishAtLast => {
                 !schedule.settles(found.termination) && found.attempts != schedule.attempts()
@@ -85,9 +85,14 @@ impl Keeper {
         schedule: &Schedule,
     ) {
         let found = &mut self.found;
-        found.attempts += usize::from(!matches!(trial, Trial::FinishBest | Trial::FinishFirst));
+        let goes_on = [Trial::NearbyFirst, Trial::FinishBest, Trial::FinishFirst];
+        found.attempts += usize::from(!goes_on.contains(&trial));
         found.iterations += attempt.iterations;
         found.counts += attempt.counts;
+        if trial == Trial::NearbyFirst && !attempt.reached {
+            // It counts as the attempt that gave up, which is finished later like any other.
+            return;
+        }
         let settled = schedule.settles(attempt.termination);
         let ended = settled || attempt.termination == Termination::Stalled;
         if ended && !trial.goes_on() && schedule.tells_agreement() {

@@ -25,7 +25,11 @@ const USUAL_WHERE_TIGHT: usize = 512;
 /// Every so many attempts a free base, too, goes anywhere; in the others it is nudged.
 const FAR_BASE_EVERY: usize = 4;
 
-/// How often to try again, and from where.
+/// Number of attempts, and the seed of their starts.
+///
+/// The first attempt is from the caller's start. If every goal is within 1 rad of the start, lengths divided by a quarter of the
+/// model's reach, it runs to its end before others are made: a solution that it reaches is the one that is returned. For goals
+/// farther away it gives up when it stalls, and others are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Restarts {

@@ -27,6 +27,8 @@ const AGREEING: usize = 3;
 pub(super) enum Trial {
     /// An attempt that gives up when it stalls.
     Quick(usize),
+    /// The attempt from the caller's start to its end, if it gave up when it stalled and its targets are near.
+    NearbyFirst,
     /// The best attempt so far goes on to its end, if it gave up when it stalled.
     FinishBest,
     /// The caller's own attempt does, if another is the best.
@@ -138,8 +140,11 @@ impl Schedule {
         let best = (quick > 0).then_some(Trial::FinishBest);
         let first = (quick > 0 && agreeing.is_none()).then_some(Trial::FinishFirst);
         let at_last = (self.kind != Kind::Sweeps).then_some(Trial::FinishAtLast);
-        (0..quick)
+        let nearby = (quick > 0).then_some(Trial::NearbyFirst);
+        (0..quick.min(1))
             .map(Trial::Quick)
+            .chain(nearby)
+            .chain((1..quick).map(Trial::Quick))
             .chain(best)
             .chain((quick..self.attempts).map(later))
             .chain(best)

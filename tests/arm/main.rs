@@ -25,6 +25,7 @@ mod servo_limits;
 mod servo_ticks;
 mod shared_workloads;
 mod shipped_robots;
+mod small_steps;
 mod starts;
 mod starts_and_ways;
 mod time_limit;

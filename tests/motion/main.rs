@@ -26,6 +26,7 @@ mod one_sided_limits;
 mod path_bounds;
 mod path_entries;
 mod path_files;
+mod path_from_start;
 mod path_long_steps;
 mod path_malformed;
 mod path_misses;

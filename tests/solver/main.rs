@@ -17,6 +17,7 @@ mod limits_hold;
 mod method_battery;
 mod method_options;
 mod moves;
+mod near_targets;
 mod nearly_dependent_rows;
 mod not_finite;
 mod nudges;

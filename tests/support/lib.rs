@@ -35,6 +35,7 @@ pub mod path_steps;
 pub mod random;
 pub mod robot_promises;
 pub mod sample;
+pub mod shipped_arms;
 pub mod skins;
 pub mod small_rig;
 pub mod state_machines;

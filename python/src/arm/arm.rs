@@ -36,8 +36,8 @@ use crate::world::World;
 ///
 /// tool: the tool's placement on the tip, 4 x 4, metres. Default: the tip itself.
 /// goal: which components of the pose count, and how exactly, a `Goal`. Default: the full pose.
-/// search: "start" (the solution that the start leads to), "first" (the quickest) or "nearest" (the nearest
-///     to the start). Default: "start".
+/// search: "start" (the solution of the attempt from the start; other attempts only if that fails), "first" (the
+///     quickest) or "nearest" (the nearest to the start). Default: "start".
 /// position_tolerance, orientation_tolerance: metres and radians. Default: 1e-6 each.
 /// metres_per_radian: how many metres weigh as much as a radian. Default: a quarter of the arm's reach.
 /// locked: {joint: value}, held there, radians or metres. Default: none.

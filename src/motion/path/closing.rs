@@ -25,7 +25,7 @@ impl Growth<'_> {
             let before = pairs.len();
             for (end, other) in last.q.chunks_exact(n).enumerate() {
                 let same = other.iter().zip(q).enumerate().all(|(joint, (a, b))| {
-                    let turned = f64::from(a - b) - self.turns(joint, f64::from(a - b));
+                    let turned = f64::from(a - b) - self.whole_turns(joint, f64::from(a - b));
                     turned.abs() as f32 <= self.merging[joint]
                 });
                 if same {
@@ -65,13 +65,13 @@ impl Growth<'_> {
             }
         };
         let moves = begin.iter().zip(&end).enumerate();
-        let turns = moves.map(|(joint, (a, b))| self.turns(joint, b - a));
+        let turns = moves.map(|(joint, (a, b))| self.whole_turns(joint, b - a));
         let end = start.iter().zip(turns).map(|(q, turn)| q + turn).collect();
         Ok((start, end))
     }
 
     /// The whole turns in an angle of a joint without limits.
-    fn turns(&self, joint: usize, angle: f64) -> f64 {
+    pub(super) fn whole_turns(&self, joint: usize, angle: f64) -> f64 {
         let mut limits = self.arms.own().limits();
         let free = limits.nth(joint).is_some_and(|limits| {
             limits.lower == f64::NEG_INFINITY && limits.upper == f64::INFINITY

@@ -20,6 +20,8 @@ pub(super) struct Knots {
     pub(super) times: Vec<f64>,
     /// The knots at which branches are compared: the first, the last, and every so many.
     pub(super) stations: Vec<usize>,
+    /// Whether the last knot is the first point again.
+    pub(super) closed: bool,
 }
 
 impl Knots {
@@ -41,6 +43,7 @@ impl Knots {
             way: vec![0.0],
             times,
             stations: Vec::new(),
+            closed,
         };
         for knot in 1..knots.len() {
             // Between tools the path says nothing of the way.

@@ -50,6 +50,7 @@ mod step_bounds;
 mod straight_way;
 mod timing;
 mod tools;
+mod tracked_path;
 mod tridiagonal;
 mod turns;
 

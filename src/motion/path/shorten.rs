@@ -78,9 +78,7 @@ impl Shortening<'_, '_> {
     }
 
     fn length(&self, q: &[f64]) -> f64 {
-        let n = self.weights.len();
-        let rows = q.chunks_exact(n).zip(q.chunks_exact(n).skip(1));
-        rows.map(|(a, b)| step_length(a, b, self.weights)).sum()
+        length(q, self.weights)
     }
 
     /// Solves for where all knots would go.
@@ -222,6 +220,13 @@ impl Shortening<'_, '_> {
             *last = first + turn;
         }
     }
+}
+
+/// Weighted joint length of a path, one configuration after another.
+pub(super) fn length(q: &[f64], weights: &[f64]) -> f64 {
+    let n = weights.len();
+    let rows = q.chunks_exact(n).zip(q.chunks_exact(n).skip(1));
+    rows.map(|(a, b)| step_length(a, b, weights)).sum()
 }
 
 /// The root of the sum of (weight · difference)².

@@ -8,10 +8,11 @@ use super::knot_configurations::{self, Way, fill};
 use super::knots::Knots;
 use super::layers::{Growth, Layer};
 use super::long_steps::{self, Spare};
-use super::shorten::Shortening;
+use super::shorten::{Shortening, length};
 use super::solution::PathSolution;
 use super::step_bounds::StepBounds;
 use super::tools::Tools;
+use super::tracked_path;
 use super::turns::Turns;
 use crate::arm::Arm;
 
@@ -87,7 +88,8 @@ impl<'a> PathSolver<'a> {
         pub fn with_times_kept(mut self, kept: bool) { self.times_count = kept }
         /// How many configurations are known of a place at most, from 4 to 4096; fewer where the path is very long. Default 256.
         pub fn with_samples(mut self, most: usize) { self.samples = most }
-        /// The configuration that the first point is to be reached in, radians or metres. It must stand there. Default: any.
+        /// The configuration at the first point, radians or metres; its tool must be at that point. The path that [`Arm::track`] finds
+        /// from there is among those that are compared, so the solution is never worse. Default: any.
         pub fn with_start(mut self, q: &[f64]) { self.start = Some(q.to_vec()) }
         /// The same of the last point. Default: any.
         pub fn with_end(mut self, q: &[f64]) { self.end = Some(q.to_vec()) }
@@ -98,7 +100,7 @@ impl<'a> PathSolver<'a> {
         }
     }
 
-    /// Finds joints for a whole path: fewest reconfigurations first, then the shortest.
+    /// Finds joints for a whole path: fewest missed points first, then fewest reconfigurations, then the shortest.
     ///
     /// # Errors
     /// An option out of its range, a configuration to begin or end with that does not stand there, a tool that there is not. A point
@@ -152,7 +154,7 @@ impl<'a> PathSolver<'a> {
                 (way, touching) = (other, others);
             }
         }
-        Ok(FoundWay {
+        self.compare_with_track(FoundWay {
             knots,
             way,
             touching,
@@ -281,11 +283,38 @@ impl<'a> PathSolver<'a> {
         growth.end = Some(&end);
         let way = self.along(&growth, &layers, (chosen, between(turn)))?;
         let touching = self.touching(&knots, &way)?;
-        Ok(FoundWay {
+        self.compare_with_track(FoundWay {
             knots,
             way,
             touching,
         })
+    }
+
+    /// The better of a path that was found and the one that [`Arm::track`] finds from the start that is given.
+    fn compare_with_track(&self, mut found: FoundWay) -> Result<FoundWay, PathError> {
+        let Some(start) = &self.start else {
+            return Ok(found);
+        };
+        // Of a long path whose points are all reached without a reconfiguration the length would not change much.
+        let is_best = rank(&found.way, &found.touching) == (0, (0, 0));
+        if is_best && found.knots.len() > LONGEST_SHORTENED {
+            return Ok(found);
+        }
+        let bounds = self.bounds();
+        let mut growth = Growth::new(&self.tools, &found.knots, &bounds, 0);
+        let (mut way, end) = tracked_path::track(&growth, start, self.end.as_deref())?;
+        growth.start = Some(start);
+        growth.end = end.as_deref();
+        self.refine(&growth, &mut way)?;
+        let touching = self.touching(&found.knots, &way)?;
+        let weights = self.weights();
+        let [known, other] = [&found.way, &way].map(|way| length(&way.q, &weights));
+        let ranks = [(&found.way, &found.touching), (&way, &touching)];
+        let [known_rank, other_rank] = ranks.map(|(way, touching)| rank(way, touching));
+        if other_rank < known_rank || other_rank == known_rank && other < known {
+            (found.way, found.touching) = (way, touching);
+        }
+        Ok(found)
     }
 
     /// Round once from where that is best: a reconfiguration less, if the path is entered where one would be.
@@ -339,8 +368,16 @@ impl<'a> PathSolver<'a> {
                 way = other;
             }
         }
-        bridge(growth, &mut way)?;
-        long_steps::join_led(growth, &mut way)?;
+        self.refine(growth, &mut way)?;
+        Ok(way)
+    }
+
+    /// Bridges, joins and shortens what steps it can. Neither a point that is reached nor a step that is joined is lost, but for long steps
+    /// that the tool's way does not lead along.
+    fn refine(&self, growth: &Growth<'_>, way: &mut Way) -> Result<(), PathError> {
+        let weights = self.weights();
+        bridge(growth, way)?;
+        long_steps::join_led(growth, way)?;
         // Of a ring what is between its ends first: all of it at once may drift far for little, and takes short steps then.
         let rings = [None, growth.ring.as_deref()];
         let rings = &rings[..1 + usize::from(growth.ring.is_some())];
@@ -355,16 +392,15 @@ impl<'a> PathSolver<'a> {
                 rounds: ROUNDS,
                 ring: *ring,
             };
-            shortening.run(&mut way)?;
+            shortening.run(way)?;
             // It has drawn the branches together, and may have moved a long step off the tool's way.
             // A bridge, whose steps are short, comes first.
-            long_steps::leave_unled(growth, &mut way, Spare::Left)?;
-            bridge(growth, &mut way)?;
-            long_steps::join_led(growth, &mut way)?;
+            long_steps::leave_unled(growth, way, Spare::Left)?;
+            bridge(growth, way)?;
+            long_steps::join_led(growth, way)?;
         }
-        knot_configurations::rejoin(growth, &mut way);
-        long_steps::leave_unled(growth, &mut way, Spare::GoesAlong)?;
-        Ok(way)
+        knot_configurations::rejoin(growth, way);
+        long_steps::leave_unled(growth, way, Spare::GoesAlong)
     }
 
     pub(super) fn weights(&self) -> Vec<f64> {

@@ -1,0 +1,59 @@
+//! The path that [`Arm::track`](crate::Arm::track) finds from a start.
+
+use super::PathError;
+use super::knot_configurations::Way;
+use super::layers::Growth;
+
+/// Tracks all knots from a start, which stays the first configuration; the path, and the configuration that it has to end in, if any: `end`,
+/// or of a ring the start, with the whole turns that joints without limits have come on.
+pub(super) fn track(
+    growth: &Growth<'_>,
+    start: &[f64],
+    end: Option<&[f64]>,
+) -> Result<(Way, Option<Vec<f64>>), PathError> {
+    let (knots, n) = (growth.knots, growth.width());
+    let mut q: Vec<f64> = Vec::with_capacity(knots.len() * n);
+    let mut reached = Vec::with_capacity(knots.len());
+    while reached.len() < knots.len() {
+        let first = reached.len();
+        let same_tool = (first + 1..knots.len()).take_while(|knot| knots.is_led_to(*knot));
+        let targets = &knots.targets[first..first + 1 + same_tool.count()];
+        let from = match first {
+            0 => start,
+            _ => &q[(first - 1) * n..],
+        };
+        let arm = growth.arms.of(knots.tool(first));
+        let track = arm.track(targets, from)?;
+        for solution in track.solutions {
+            q.extend_from_slice(&solution.q);
+            reached.push(solution.reached);
+        }
+    }
+    q[..n].copy_from_slice(start);
+    reached[0] = true;
+    let last = (knots.len() - 1) * n;
+    let end = match end {
+        Some(end) => Some(end.to_vec()),
+        None if knots.closed => {
+            let moves = q[last..].iter().zip(start).enumerate();
+            let end = moves.map(|(joint, (q, start))| start + growth.whole_turns(joint, q - start));
+            Some(end.collect())
+        }
+        None => None,
+    };
+    if let Some(end) = &end {
+        q[last..].copy_from_slice(end);
+        reached[knots.len() - 1] = true;
+    }
+    let mut way = Way {
+        joined: vec![true; knots.len()],
+        allowance: vec![1.0; knots.len()],
+        q,
+        reached,
+    };
+    for knot in 1..knots.len() {
+        let (from, to) = (way.row(knot - 1, n), way.row(knot, n));
+        way.joined[knot] = growth.bounds.allow(knots, knot, from, to);
+    }
+    Ok((way, end))
+}

@@ -1,0 +1,79 @@
+//! Promise: near targets of a whole body are reached by the attempt from the start wherever that reaches them, also from joint limits.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::ik::Restarts;
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::model::Model;
+use kinopt::problem::Problem;
+use kinopt::robot::BaseJoint;
+use kinopt::task::{Point, Pose};
+use kinopt::{Solver, Workspace};
+use support::arms::robot;
+use support::random::Random;
+use support::sample::cases;
+
+/// Largest joint displacement that a target is taken from, radians.
+const JOINT_STEP: f64 = 0.1;
+
+/// A random configuration with every third joint on one of its limits, and one beside it.
+fn on_limits(model: &Model, random: &mut Random) -> [Vec<f64>; 2] {
+    let mut start = model.random_configuration(random.bits());
+    let mut beside = start.clone();
+    for id in model.joint_ids() {
+        let joint = &model.joints()[id.index()];
+        let turns = joint.kind.moves() && !joint.kind.is_ball() && !joint.kind.slides();
+        let Some(at) = model.coordinate(id).filter(|_| turns) else {
+            continue;
+        };
+        let limits = joint.limits;
+        let limit = [limits.lower, limits.upper][random.below(2)];
+        if random.below(3) == 0 && limit.is_finite() {
+            start[at] = limit;
+        }
+        beside[at] = limits.clamp(start[at] + random.within(-JOINT_STEP, JOINT_STEP));
+    }
+    [start, beside]
+}
+
+/// Feet at poses and hands at points of a configuration.
+fn problem(model: &Model, there: &[f64]) -> Problem {
+    let mut kinematics = ForwardKinematics::new(model);
+    let places = kinematics.place(there).unwrap();
+    let mut tasks = Problem::builder(model);
+    for foot in ["left_sole", "right_sole"] {
+        let frame = model.frame(foot).unwrap();
+        tasks.add(Pose::new(frame, places[frame.index()]));
+    }
+    for hand in ["left_hand", "right_hand"] {
+        let frame = model.frame(hand).unwrap();
+        tasks.add(Point::new(frame, places[frame.index()].translation));
+    }
+    tasks.build().unwrap()
+}
+
+#[test]
+fn near_body_targets_keep_the_first_attempt() {
+    let cases = cases(400, 100);
+    for free in [false, true] {
+        let mut robot = robot("aldebaran_nao");
+        if free {
+            robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
+        }
+        let model = robot.model();
+        let mut random = Random::new(71);
+        let [mut all, mut alone] = [Workspace::new(), Workspace::new()];
+        let first = Solver::default().with_restarts(Restarts::none());
+        let (mut reached, mut differ) = (0, 0);
+        for _ in 0..cases {
+            let [start, beside] = on_limits(model, &mut random);
+            let problem = problem(model, &beside);
+            let first = first.solve(&problem, &start, &mut alone).unwrap();
+            let found = Solver::default().solve(&problem, &start, &mut all).unwrap();
+            reached += usize::from(first.reached);
+            differ += usize::from(first.reached && found.q != first.q);
+        }
+        println!("free base {free}: the first attempt reaches {reached} of {cases}");
+        assert!(reached * 10 > cases * 9, "{reached}");
+        assert_eq!(differ, 0, "of {reached}");
+    }
+}
