@@ -10,10 +10,9 @@ use nalgebra::Vector6;
 use super::arm::Arm;
 use super::workspace::ArmWorkspace;
 
-/// How far to its side a stretched arm leans where a step begins, radians, and how many times as far as the place
-/// where sides meet went in the last one.
+/// Offset of a step's start to the side of a stretched arm, radians. It is constant: one that grows with the arm's motion
+/// along the side feeds on itself, and the arm swings.
 const LEANING: f64 = 2e-3;
-const AHEAD: f64 = 2.0;
 /// Directions that move the tool by less than this share of the longest column count as leaving it: where the
 /// arm bends away, and where it is stretched out.
 const BLUNT: f64 = 0.05;
@@ -35,9 +34,6 @@ const STRIDE: f64 = 0.1;
 pub(super) struct Bend {
     way: Vec<f64>,
     known: bool,
-    /// Where the arm was stretched out last, and how far it went along the way in the last step, radians.
-    at: Vec<f64>,
-    drift: f64,
     /// Where the arm was lately, and before: by a stride of one joint apart.
     lately: Vec<f64>,
     earlier: Vec<f64>,
@@ -48,8 +44,6 @@ impl Bend {
         Self {
             way: vec![0.0; start.len()],
             known: false,
-            at: start.to_vec(),
-            drift: 0.0,
             lately: start.to_vec(),
             earlier: start.to_vec(),
         }
@@ -82,11 +76,10 @@ impl Bend {
         }
     }
 
-    /// Goes a little from x to this side, further than the place where sides meet went in the last step, but no
-    /// further than `longest` radians and within the bounds.
+    /// Goes a little from x to this side, but no further than `longest` radians and within the bounds.
     pub(super) fn lean(&self, workspace: &mut ArmWorkspace, longest: f64) {
         if self.known {
-            let by = (LEANING + AHEAD * self.drift).min(longest);
+            let by = LEANING.min(longest);
             for (projected, way) in workspace.projected.iter_mut().zip(&self.way) {
                 *projected = by * way;
             }
@@ -119,12 +112,6 @@ impl Bend {
             normalise(&mut self.way);
         }
         let carried = self.known;
-        let moved = x.iter().zip(&self.at).zip(&arm.scale).zip(&self.way);
-        let along: f64 = moved
-            .map(|(((x, at), scale), way)| (x - at) * scale * way)
-            .sum();
-        self.drift = if carried { along.abs() } else { 0.0 };
-        self.at.copy_from_slice(&x);
         self.known = self.turn_into_null(workspace, &x, BLUNT);
         if self.known && missed {
             let rounds = if carried { 1 } else { ROUNDS };

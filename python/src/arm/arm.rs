@@ -471,10 +471,9 @@ impl Arm {
         damping: Option<f64>,
     ) -> PyResult<Servo> {
         let start = self.start(Some(start))?;
-        let numbers = |given: Option<&Bound<'_, PyAny>>, name: &'static str| {
-            given
-                .map(|numbers| Ok(arrays::vector(numbers, name)?.to_vec()))
-                .transpose()
+        let numbers = |given: Option<&Bound<'_, PyAny>>, name: &'static str| match given {
+            Some(numbers) => PyResult::Ok(Some(arrays::vector(numbers, name)?.to_vec())),
+            None => Ok(None),
         };
         let options = ServoOptions {
             velocity_limits: numbers(velocity_limits, "velocity_limits")?,
