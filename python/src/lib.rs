@@ -40,6 +40,7 @@ mod solution;
 mod solver;
 mod srdf;
 mod threads;
+mod trajectory;
 mod transforms;
 mod vertices;
 mod world;
@@ -91,6 +92,8 @@ mod _kinopt {
     use super::solver::{Drag, Iteration, Leap, Solutions, Solver};
     #[pymodule_export]
     use super::srdf::Srdf;
+    #[pymodule_export]
+    use super::trajectory::{Trajectory, TrajectoryPoint};
     #[pymodule_export]
     use super::world::{Obstacle, Separation, World};
 

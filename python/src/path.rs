@@ -4,12 +4,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use kinopt::motion::path::{
-    CartesianPath, MissReason, PathSolver, QuaternionOrder, Traversal, trapezoid_times,
+    self, CartesianPath, MissReason, PathSolver, QuaternionOrder, TimingLimits, Traversal,
 };
 use kinopt::spatial::{Placement, Quaternion, Vector3};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyType;
+use pyo3::types::{PyDict, PyType};
 
 use crate::arm::Arm;
 use crate::arrays::{self, shape_text};
@@ -17,6 +17,7 @@ use crate::error::{OrRaise, invalid};
 use crate::pickling;
 use crate::placement::placements;
 use crate::solution::Collision;
+use crate::trajectory::Trajectory;
 
 /// A step in which an arm leaves its branch.
 #[pyclass(frozen, get_all, module = "kinopt")]
@@ -149,11 +150,11 @@ pub(crate) struct PathSolution {
 
 #[pymethods]
 impl PathSolution {
-    /// When each row is, shape (N,), seconds, the first at 0: a plain trapezoid of speed from rest to rest, in which no joint is faster than its
-    /// velocity limit nor changes its speed faster than its acceleration limit, shape (dof,), or one number for all. Without them the
-    /// arm's own, where `Robot.with_joint_limits` says accelerations. Before and after a reconfiguration the arm rests.
+    /// Time of each row, shape (N,), seconds, the first at 0: the fastest under joint acceleration and velocity limits, shape (dof,) or one
+    /// number for all joints. They default to the arm's own; accelerations come from `Robot.with_joint_limits`. The arm rests before
+    /// and after a reconfiguration. Same as `trajectory(acceleration_limits, velocity_limits).times`.
     ///
-    /// Raises `InvalidValueError` for limits that are not above 0, and for accelerations that nobody said.
+    /// Raises `InvalidValueError` for limits that are not above 0, and if no joint that moves has a finite acceleration limit.
     #[pyo3(signature = (acceleration_limits = None, velocity_limits = None))]
     fn times<'py>(
         &self,
@@ -161,21 +162,72 @@ impl PathSolution {
         acceleration_limits: Option<&Bound<'py, PyAny>>,
         velocity_limits: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let width = self.joint_names.len();
-        let limits = |given: Option<&Bound<'py, PyAny>>, what: &str, own: &[f64]| match given {
-            None => Ok(own.to_vec()),
-            Some(given) => match given.extract::<f64>() {
-                Ok(one) => Ok(vec![one; width]),
-                Err(_) => arrays::copied(given, what),
-            },
-        };
-        let [velocities, accelerations] = &self.rates;
-        let velocities = limits(velocity_limits, "velocity_limits", velocities)?;
-        let accelerations = limits(acceleration_limits, "acceleration_limits", accelerations)?;
-        let rows: Vec<&[f64]> = self.q.chunks(width.max(1)).collect();
-        let rests: Vec<usize> = self.reconfigured_at.iter().map(|told| told.index).collect();
-        let times = trapezoid_times(&rows, &rests, &velocities, &accelerations).or_raise()?;
-        Ok(PyArray1::from_vec(py, times))
+        let limits = self.timing_limits(acceleration_limits, velocity_limits)?;
+        let solved = py.detach(|| self.timed(&limits)).or_raise()?;
+        Ok(PyArray1::from_slice(py, solved.times()))
+    }
+
+    /// Time-optimal `Trajectory` along the rows, from rest to rest, under joint limits, shape (dof,) or one number for all joints.
+    ///
+    /// `acceleration_limits` and `velocity_limits`: as for `times`. `jerk_limits`: largest rates of change of accelerations, unbounded by
+    /// default. `tool_linear_limits` and `tool_angular_limits`: largest speed and acceleration of the tool, in metres or radians and
+    /// seconds, of the `arm` that has to be given for them. `corner_tolerance`: largest distance of a joint from the path where a corner is
+    /// blended, radians or metres; with 0 the arm stops at corners. `grid_points`: of the speed profile over the whole path.
+    ///
+    /// Joints follow a cubic spline within 1e-5 (radians or metres) of every row. Raises `InvalidValueError`, which names option and joint.
+    #[pyo3(signature = (acceleration_limits = None, velocity_limits = None, *, jerk_limits = None, arm = None,
+        tool_linear_limits = None, tool_angular_limits = None, corner_tolerance = 1e-3, grid_points = 1000))]
+    #[expect(clippy::too_many_arguments, reason = "they are keywords")]
+    fn trajectory<'py>(
+        slf: &Bound<'py, Self>,
+        acceleration_limits: Option<&Bound<'py, PyAny>>,
+        velocity_limits: Option<&Bound<'py, PyAny>>,
+        jerk_limits: Option<&Bound<'py, PyAny>>,
+        arm: Option<&Bound<'py, Arm>>,
+        tool_linear_limits: Option<(f64, f64)>,
+        tool_angular_limits: Option<(f64, f64)>,
+        corner_tolerance: f64,
+        grid_points: usize,
+    ) -> PyResult<Trajectory> {
+        let (py, own) = (slf.py(), slf.get());
+        let arm_inner = arm.map(|arm| Arc::clone(&arm.get().inner));
+        let mut limits = own.timing_limits(acceleration_limits, velocity_limits)?;
+        if let Some(jerks) = jerk_limits {
+            limits = limits.with_jerk_limits(&own.one_each(jerks, "jerk_limits")?);
+        }
+        if let Some(arm) = arm_inner.as_deref() {
+            limits = limits.with_arm(arm);
+        }
+        if let Some((speed, acceleration)) = tool_linear_limits {
+            limits = limits.with_tool_linear_limits(speed, acceleration);
+        }
+        if let Some((speed, acceleration)) = tool_angular_limits {
+            limits = limits.with_tool_angular_limits(speed, acceleration);
+        }
+        let limits = limits
+            .with_corner_tolerance(corner_tolerance)
+            .with_grid_points(grid_points);
+        let inner = py.detach(|| own.timed(&limits)).or_raise()?;
+        // Made again from the solution when it is unpickled.
+        let options = PyDict::new(py);
+        for (name, value) in [
+            ("acceleration_limits", acceleration_limits),
+            ("velocity_limits", velocity_limits),
+            ("jerk_limits", jerk_limits),
+            ("arm", arm.map(Bound::as_any)),
+        ] {
+            options.set_item(name, value)?;
+        }
+        options.set_item("tool_linear_limits", tool_linear_limits)?;
+        options.set_item("tool_angular_limits", tool_angular_limits)?;
+        options.set_item("corner_tolerance", corner_tolerance)?;
+        options.set_item("grid_points", grid_points)?;
+        Ok(Trajectory {
+            inner,
+            joint_names: own.joint_names.clone(),
+            solution: slf.clone().unbind(),
+            options: options.unbind(),
+        })
     }
 
     /// One configuration a point, shape (N, dof), in the order in which the path is gone.
@@ -266,6 +318,37 @@ impl PathSolution {
             read_as,
             rates,
         }
+    }
+}
+
+impl PathSolution {
+    /// One number a joint, from as many or from one for all.
+    fn one_each(&self, given: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<f64>> {
+        match given.extract::<f64>() {
+            Ok(one) => Ok(vec![one; self.joint_names.len()]),
+            Err(_) => arrays::copied(given, what),
+        }
+    }
+
+    /// Limits of joints, the arm's own by default.
+    fn timing_limits(
+        &self,
+        acceleration_limits: Option<&Bound<'_, PyAny>>,
+        velocity_limits: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<TimingLimits<'static>> {
+        let limits = |given: Option<&Bound<'_, PyAny>>, what: &str, own: &[f64]| match given {
+            None => Ok(own.to_vec()),
+            Some(given) => self.one_each(given, what),
+        };
+        let [velocities, accelerations] = &self.rates;
+        let velocities = limits(velocity_limits, "velocity_limits", velocities)?;
+        let accelerations = limits(acceleration_limits, "acceleration_limits", accelerations)?;
+        Ok(TimingLimits::new(&velocities, &accelerations).with_joint_names(&self.joint_names))
+    }
+
+    fn timed(&self, limits: &TimingLimits<'_>) -> Result<path::Trajectory, path::PathError> {
+        let rests: Vec<usize> = self.reconfigured_at.iter().map(|step| step.index).collect();
+        path::Trajectory::through(&self.q, self.joint_names.len(), &rests, limits)
     }
 }
 

@@ -8,7 +8,8 @@
 
 /// In double precision, angles in radians.
 pub(crate) use libm::{
-    acos, asin, atan2, cbrt, cos, exp, hypot, log as ln, log10, pow, sin, sincos as sin_cos,
+    acos, asin, atan2, cbrt, cos, cosh, exp, hypot, log as ln, log1p as ln_1p, log10, pow, sin,
+    sincos as sin_cos, sinh,
 };
 
 /// In single precision, angles in radians.

@@ -61,6 +61,8 @@ fn the_tables_are_the_code() {
         "PathSolution::times",
     ];
     assert_same("Paths", &paths, &of_paths);
+    let limits = [("src/motion/path/timing/limits.rs", "")];
+    assert_same("Trajectories", &limits, &[]);
 }
 
 #[test]

@@ -48,6 +48,7 @@ mod shipped_capture;
 mod slide;
 mod speeds_of_followers;
 mod spliced_keys;
+mod trajectories;
 mod turning_bodies;
 mod walker;
 mod window_seams;

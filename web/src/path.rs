@@ -2,9 +2,7 @@
 
 use js_sys::Array;
 use kinopt::model::UnknownName;
-use kinopt::motion::path::{
-    self, CartesianPath, MissReason, PathSolver, Traversal, trapezoid_times,
-};
+use kinopt::motion::path::{self, CartesianPath, MissReason, PathSolver, TimingLimits, Traversal};
 use wasm_bindgen::prelude::*;
 
 use crate::arm::Arm;
@@ -244,8 +242,8 @@ impl PathSolution {
         self.inner.largest_deviation.radians
     }
 
-    /// When each row is, seconds, the first at 0: a trapezoid of speed from rest to rest within limits of acceleration and
-    /// velocity, one number a joint, or one for all; the robot's own velocity limits unless told.
+    /// Time of each row, seconds, the first at 0: the fastest from rest to rest under acceleration and velocity limits, one number a
+    /// joint or one for all. Velocity limits default to the robot's own.
     pub fn times(
         &self,
         #[wasm_bindgen(unchecked_param_type = "Numbers | number")] accelerations: JsValue,
@@ -259,9 +257,8 @@ impl PathSolution {
         let [own_velocities, own_accelerations] = &self.rates;
         let velocities = limits(&velocities, "velocities", own_velocities)?;
         let accelerations = limits(&accelerations, "accelerations", own_accelerations)?;
-        let rows: Vec<&[f64]> = self.inner.rows().collect();
-        let rests = self.inner.reconfigurations.iter().map(|step| step.index);
-        let rests: Vec<usize> = rests.collect();
-        trapezoid_times(&rows, &rests, &velocities, &accelerations).map_err(raise)
+        let limits = TimingLimits::new(&velocities, &accelerations).with_joint_names(&self.joints);
+        let trajectory = self.inner.trajectory(&limits).map_err(raise)?;
+        Ok(trajectory.times().to_vec())
     }
 }

@@ -125,8 +125,8 @@ pub(crate) struct Arguments {
     #[arg(long, help_heading = LIMITS)]
     pub(super) keep_times: bool,
 
-    /// When each row is: a plain trapezoid of speed within the joints' velocity limits and these accelerations, in radians (--degrees) or
-    /// metres a second squared. One number for all, or as for --start. Default: those of --joint-limits, where it has any.
+    /// Largest joint accelerations for the times of the rows, in radians (--degrees) or metres a second squared. The times are the shortest
+    /// within these and the joints' velocity limits. One number for all, or as for --start. Default: those of --joint-limits, where it has any.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, value_parser = Numbers::parse_some, help_heading = LIMITS)]
     pub(super) accelerations: Option<Numbers>,
 

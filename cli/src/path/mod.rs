@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use kinopt::arm::{Arm, Base};
 use kinopt::counted;
-use kinopt::motion::path::{CartesianPath, PathSolution, PathSolver};
+use kinopt::motion::path::{CartesianPath, PathSolution, PathSolver, TimingLimits};
 use kinopt::spatial::Placement;
 
 pub(crate) use arguments::Arguments;
@@ -108,7 +108,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
     }
 }
 
-/// When each row is, seconds: as the limits of the joints allow, where accelerations are known, else by the table.
+/// Times of the rows, seconds: the shortest under joint limits where accelerations are known, otherwise the table's.
 fn times(
     arm: &Arm,
     path: &CartesianPath,
@@ -118,7 +118,8 @@ fn times(
     let own = arm.acceleration_limits();
     let known = own.iter().all(|limit| limit.is_finite()).then_some(own);
     if let Some(accelerations) = accelerations.or(known) {
-        return Ok(Some(solution.times(arm.velocity_limits(), accelerations)?));
+        let limits = TimingLimits::of(arm).with_acceleration_limits(accelerations);
+        return Ok(Some(solution.trajectory(&limits)?.times().to_vec()));
     }
     let own = path
         .times()

@@ -108,9 +108,10 @@ fn rows_are_timed_by_limits_of_a_file() {
     assert_eq!((times.len(), times[0]), (rows.len(), 0.0));
     for (place, step) in times.windows(2).enumerate() {
         for (before, after) in list(&rows[place]).iter().zip(list(&rows[place + 1])) {
+            // Rows are within 1e-5 of the curve that keeps the limits.
             let moved = after.as_f64().unwrap() - before.as_f64().unwrap();
             assert!(
-                moved.abs() <= 0.5 * (step[1] - step[0]) + 1e-9,
+                moved.abs() <= 0.5 * (step[1] - step[0]) + 2e-5,
                 "row {place}"
             );
         }

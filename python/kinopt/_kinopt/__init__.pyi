@@ -776,6 +776,18 @@ class PathSolution:
         acceleration_limits: ArrayLike | None = None,
         velocity_limits: ArrayLike | None = None,
     ) -> Floats: ...
+    def trajectory(
+        self,
+        acceleration_limits: ArrayLike | None = None,
+        velocity_limits: ArrayLike | None = None,
+        *,
+        jerk_limits: ArrayLike | None = None,
+        arm: Arm | None = None,
+        tool_linear_limits: tuple[float, float] | None = None,
+        tool_angular_limits: tuple[float, float] | None = None,
+        corner_tolerance: float = 1e-3,
+        grid_points: int = 1000,
+    ) -> Trajectory: ...
     @property
     def q(self) -> Floats: ...
     @property
@@ -804,6 +816,25 @@ class PathSolution:
     def read_as(self) -> str | None: ...
     @property
     def is_whole(self) -> bool: ...
+
+@final
+class Trajectory:
+    @property
+    def times(self) -> Floats: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def joint_names(self) -> list[str]: ...
+    def at(self, time: ArrayLike) -> TrajectoryPoint: ...
+
+@final
+class TrajectoryPoint:
+    @property
+    def q(self) -> Floats: ...
+    @property
+    def velocity(self) -> Floats: ...
+    @property
+    def acceleration(self) -> Floats: ...
 
 def solve_path(
     arm: Arm,

@@ -83,6 +83,34 @@ pub enum PathError {
         /// Numbers of a row.
         joints: usize,
     },
+    /// A limit of one joint that is out of its range.
+    #[error("{option} of {joint} is {value}: {allowed}")]
+    JointLimit {
+        /// Name of the option.
+        option: &'static str,
+        /// Name of the joint, or its index.
+        joint: String,
+        /// The value given.
+        value: f64,
+        /// Allowed values.
+        allowed: &'static str,
+    },
+    /// A step that no acceleration limit bounds.
+    #[error(
+        "acceleration_limits: {joint} moves to row {row}, and no joint that moves there has a finite limit"
+    )]
+    Unbounded {
+        /// Name of the joint that moves most, or its index.
+        joint: String,
+        /// The row that the step leads to.
+        row: usize,
+    },
+    /// A row of joint values that is not finite.
+    #[error("row {row} of joint values is not finite")]
+    Row {
+        /// Index of the row.
+        row: usize,
+    },
     /// A configuration to begin or end with that does not stand at the path's end.
     #[error(
         "the {which} configuration does not stand at the path's {which} point: its tool is {metres:.2e} m and {radians:.2e} rad \

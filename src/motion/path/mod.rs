@@ -59,4 +59,4 @@ pub use csv::{CsvColumns, QuaternionOrder};
 pub use error::PathError;
 pub use solution::{Blocked, Deviation, MissReason, Missed, PathSolution, Reconfiguration};
 pub use solver::PathSolver;
-pub use timing::trapezoid_times;
+pub use timing::{TimingLimits, Trajectory, TrajectoryPoint};

@@ -1,0 +1,205 @@
+//! Bounds of the acceleration along a curve, as lines over the squared speed.
+//!
+//! With the squared speed x = ṡ² and the acceleration u = s̈ of the curve parameter, constant in a cell, a joint accelerates by
+//! q′ u + q″ x at the cell's first point and by q′ u + q″ (x + 2 Δ u) at its last. Both are linear in (u, x).
+
+use super::grid::Grid;
+use super::tool_motion::ToolMotion;
+
+/// A line over x that bounds u: `height − slope · x` from above, or `−height − slope · x` from below.
+#[derive(Clone, Copy, Debug, Default)]
+struct Line {
+    slope: f64,
+    height: f64,
+}
+
+/// Lines of all cells, one cell after another.
+#[derive(Clone, Debug, Default)]
+struct Lines {
+    lines: Vec<Line>,
+    /// First line of each cell.
+    starts: Vec<usize>,
+}
+
+impl Lines {
+    fn of_cell(&self, cell: usize) -> &[Line] {
+        let end = self.starts.get(cell + 1);
+        &self.lines[self.starts[cell]..end.copied().unwrap_or(self.lines.len())]
+    }
+}
+
+/// Bounds of all cells of a grid.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Constraints {
+    /// Largest x at each grid point.
+    pub(super) speed: Vec<f64>,
+    /// Lines that bound u from above and, with their height negated, from below.
+    both: Lines,
+    /// Lines that bound u from one side.
+    upper: Lines,
+    lower: Lines,
+}
+
+/// Bounds of u at one x, with the lines that set them.
+struct Range {
+    upper: f64,
+    upper_line: Line,
+    lower: f64,
+    lower_line: Line,
+}
+
+/// Rounds of the search for the largest x; each takes the intersection of two lines.
+const MAX_ROUNDS: usize = 64;
+/// Largest relative gap between bounds of u that counts as none.
+const NEGLIGIBLE: f64 = 1e-12;
+
+impl Constraints {
+    /// Velocity and acceleration limits of joints and tool on a grid. `scales` are the shares of the acceleration limits that
+    /// each cell uses.
+    pub(super) fn new(
+        grid: &Grid,
+        velocity: &[f64],
+        acceleration: &[f64],
+        tool: Option<&ToolMotion>,
+        scales: &[f64],
+    ) -> Self {
+        let mut all = Self {
+            speed: vec![f64::INFINITY; grid.points.len()],
+            ..Self::default()
+        };
+        for (point, most) in all.speed.iter_mut().enumerate() {
+            for (joint, limit) in velocity.iter().enumerate() {
+                let (first, _) = grid.derivatives(point, joint);
+                let ratio = limit / first.abs();
+                *most = most.min(ratio * ratio);
+            }
+            if let Some(tool) = tool {
+                *most = most.min(tool.largest_squared_speed(point));
+            }
+        }
+        let finite: Vec<(usize, f64)> = acceleration.iter().copied().enumerate().collect();
+        let finite: Vec<(usize, f64)> = finite.into_iter().filter(|(_, a)| a.is_finite()).collect();
+        all.both.lines.reserve(2 * finite.len() * grid.cells());
+        for (cell, scale) in scales.iter().enumerate() {
+            for lines in [&mut all.both, &mut all.upper, &mut all.lower] {
+                lines.starts.push(lines.lines.len());
+            }
+            let twice = 2.0 * grid.step(cell);
+            for (joint, limit) in &finite {
+                let limit = limit * scale;
+                let (first, second) = grid.derivatives(cell, *joint);
+                all.push_both(cell, [first, second, limit]);
+                let (first, second) = grid.derivatives(cell + 1, *joint);
+                all.push_both(cell, [first + twice * second, second, limit]);
+            }
+            if let Some(tool) = tool {
+                tool.half_planes(cell, twice, *scale, |half_plane| {
+                    all.push_half_plane(cell, half_plane);
+                });
+            }
+        }
+        all
+    }
+
+    /// Adds |a u + b x| ≤ c.
+    fn push_both(&mut self, cell: usize, [a, b, c]: [f64; 3]) {
+        let size = a.abs();
+        if size > f64::EPSILON * b.abs() {
+            let (slope, height) = (b / a, c / size);
+            self.both.lines.push(Line { slope, height });
+        } else if b != 0.0 {
+            self.speed[cell] = self.speed[cell].min(c / b.abs());
+        }
+    }
+
+    /// Adds a u + b x ≤ c.
+    fn push_half_plane(&mut self, cell: usize, [a, b, c]: [f64; 3]) {
+        let size = a.abs();
+        if size > f64::EPSILON * b.abs() {
+            let side = if a > 0.0 {
+                &mut self.upper
+            } else {
+                &mut self.lower
+            };
+            let (slope, height) = (b / a, c / size);
+            side.lines.push(Line { slope, height });
+        } else if b > 0.0 {
+            self.speed[cell] = self.speed[cell].min(c / b);
+        }
+    }
+
+    /// Whether u has a bound in a cell.
+    pub(super) fn are_bounded(&self, cell: usize) -> bool {
+        let has = |lines: &Lines| !lines.of_cell(cell).is_empty();
+        has(&self.both) || (has(&self.upper) && has(&self.lower))
+    }
+
+    /// Bounds of u in a cell at `x`, with `x + 2 Δ u` in `[0, next]`.
+    fn range(&self, cell: usize, x: f64, half_inverse: f64, next: f64) -> Range {
+        let slope = half_inverse;
+        let height = next * half_inverse;
+        let line = |height: f64| Line { slope, height };
+        let mut range = Range {
+            upper: height - slope * x,
+            upper_line: line(height),
+            lower: -slope * x,
+            lower_line: line(0.0),
+        };
+        for line in self.both.of_cell(cell) {
+            let middle = -line.slope * x;
+            range.bound_from_above(middle + line.height, line);
+            range.bound_from_below(middle - line.height, line);
+        }
+        for line in self.upper.of_cell(cell) {
+            range.bound_from_above(line.height - line.slope * x, line);
+        }
+        for line in self.lower.of_cell(cell) {
+            range.bound_from_below(-line.height - line.slope * x, line);
+        }
+        range
+    }
+
+    /// Largest x at the first point of a cell from which some u leads to at most `next` at its last point.
+    ///
+    /// The gap between the bounds of u is concave in x and not negative at 0. Newton's method from the right, on lines, ends at its zero
+    /// after a few rounds.
+    pub(super) fn largest_squared_speed(&self, cell: usize, step: f64, next: f64) -> f64 {
+        let half_inverse = 0.5 / step;
+        let mut x = self.speed[cell].min(f64::MAX.sqrt());
+        for _ in 0..MAX_ROUNDS {
+            let range = self.range(cell, x, half_inverse, next);
+            let size = range.upper.abs().max(range.lower.abs());
+            if range.upper - range.lower >= -NEGLIGIBLE * size {
+                break;
+            }
+            let (above, below) = (range.upper_line, range.lower_line);
+            let crossing = (above.height + below.height) / (above.slope - below.slope);
+            // Rounding alone may lead back.
+            if crossing.is_nan() || crossing >= x {
+                break;
+            }
+            x = crossing.max(0.0);
+        }
+        x
+    }
+
+    /// Largest u in a cell at `x` that leads to at most `next` at the last point.
+    pub(super) fn largest_acceleration(&self, cell: usize, step: f64, x: f64, next: f64) -> f64 {
+        let range = self.range(cell, x, 0.5 / step, next);
+        range.upper.max(range.lower)
+    }
+}
+
+impl Range {
+    fn bound_from_above(&mut self, bound: f64, line: &Line) {
+        if bound < self.upper {
+            (self.upper, self.upper_line) = (bound, *line);
+        }
+    }
+
+    fn bound_from_below(&mut self, bound: f64, line: &Line) {
+        if bound > self.lower {
+            (self.lower, self.lower_line) = (bound, *line);
+        }
+    }
+}

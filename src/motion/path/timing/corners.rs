@@ -1,0 +1,191 @@
+//! Corners of a row of configurations.
+//!
+//! A corner is a bend that stays when rows get denser. One-sided parabolas through the rows before and after a row give two
+//! tangents there. On a smooth curve the angle between them vanishes with the square of the row distance, at a corner it stays.
+
+use crate::scalar::elementary::acos;
+
+/// Smallest distances from a row to the rows that its tangents are computed from, radians or metres of joint length. A row is a
+/// corner if it is one at both.
+///
+/// Rows carry the tolerance of their solver, about 1e-6, which closer rows would amplify. At the first distance this does not
+/// matter. The second tells tight bends of dense rows from corners.
+const REACHES: [f64; 2] = [MIN_REACH, 3e-4];
+pub(super) const MIN_REACH: f64 = 2e-3;
+/// Smallest angle between two one-sided tangents that counts as a corner, radians.
+const MIN_BEND: f64 = 0.05;
+/// Its cosine, rounded up.
+const MIN_BEND_COSINE: f64 = 0.99876;
+/// Smallest ratio of that angle to the angle between the chords.
+const MIN_LASTING_SHARE: f64 = 0.6;
+/// The same where a corner or an end is so near that one tangent is a chord.
+const MIN_LASTING_SHARE_BESIDE: f64 = 0.9;
+
+/// Smallest ratio of that angle to the angle between chords at the rows beside it, if the path bends to the same side there. A
+/// tight bend of a smooth curve spreads over several rows.
+const MIN_ISOLATION: f64 = 2.0;
+
+/// Rows in order, with their joint lengths from the first row.
+#[derive(Clone, Copy)]
+pub(super) struct Rows<'a> {
+    pub(super) rows: &'a [&'a [f64]],
+    pub(super) lengths: &'a [f64],
+    /// Smallest distance from a row to the rows that its direction is computed from.
+    pub(super) reach: f64,
+}
+
+impl Rows<'_> {
+    /// Nearest row before `row` that is at least `reach` away, but not before `bound`.
+    fn before(&self, row: usize, bound: usize) -> usize {
+        let limit = self.lengths[row] - self.reach;
+        (bound..row)
+            .rev()
+            .find(|k| self.lengths[*k] <= limit)
+            .unwrap_or(bound)
+    }
+
+    /// Nearest row after `row` that is at least `reach` away, but not after `bound`.
+    fn after(&self, row: usize, bound: usize) -> usize {
+        let limit = self.lengths[row] + self.reach;
+        (row + 1..=bound)
+            .find(|k| self.lengths[*k] >= limit)
+            .unwrap_or(bound)
+    }
+
+    /// Direction of the chord between two rows; zero if they are equal.
+    fn chord(&self, from: usize, to: usize) -> Vec<f64> {
+        let moves = self.rows[to].iter().zip(self.rows[from]);
+        let mut chord: Vec<f64> = moves.map(|(b, a)| b - a).collect();
+        let length = chord.iter().map(|by| by * by).sum::<f64>().sqrt();
+        if length > 0.0 {
+            chord.iter_mut().for_each(|by| *by /= length);
+        }
+        chord
+    }
+
+    /// Tangent at `row` by the parabola through it, `near` and `far`; the chord where `near` and `far` are one row.
+    fn tangent(&self, row: usize, near: usize, far: usize) -> Vec<f64> {
+        let (from, to) = (row.min(near), row.max(near));
+        let mut tangent = self.chord(from, to);
+        if near != far {
+            let outer = self.chord(far.min(near), far.max(near));
+            let reach = |a: usize, b: usize| (self.lengths[a] - self.lengths[b]).abs();
+            let share = reach(row, near) / (reach(row, near) + reach(near, far));
+            for (entry, outer) in tangent.iter_mut().zip(outer) {
+                *entry += share * (*entry - outer);
+            }
+        }
+        tangent
+    }
+
+    /// Angle between the chords to the rows before and after.
+    fn turn(&self, row: usize, first: usize, last: usize) -> f64 {
+        let (before, after) = (self.before(row, first), self.after(row, last));
+        self.angle_of_chords([before, row], [row, after])
+    }
+
+    /// Change of direction from one row to a later one.
+    pub(super) fn turn_between(&self, from: usize, to: usize) -> f64 {
+        let (after, before) = (self.after(from, to), self.before(to, from));
+        self.angle_of_chords([from, after], [before, to])
+    }
+
+    /// Angle between two chords, 0 if it is less than [`MIN_BEND`] or a chord is zero.
+    fn angle_of_chords(&self, first: [usize; 2], second: [usize; 2]) -> f64 {
+        let ends = |[from, to]: [usize; 2]| self.rows[from].iter().zip(self.rows[to]);
+        let (mut product, mut squares) = (0.0, [0.0; 2]);
+        for ((a, b), (c, d)) in ends(first).zip(ends(second)) {
+            let (u, v) = (b - a, d - c);
+            product += u * v;
+            squares[0] += u * u;
+            squares[1] += v * v;
+        }
+        let sizes = (squares[0] * squares[1]).sqrt();
+        match product < MIN_BEND_COSINE * sizes {
+            true => acos((product / sizes).clamp(-1.0, 1.0)),
+            false => 0.0,
+        }
+    }
+
+    /// Largest angle between chords at the rows beside a row, where the path bends to the same side.
+    fn turn_beside(&self, row: usize, first: usize, last: usize) -> f64 {
+        let change = |row: usize| {
+            let (before, after) = (self.before(row, first), self.after(row, last));
+            let (arriving, leaving) = (self.chord(before, row), self.chord(row, after));
+            arriving.into_iter().zip(leaving).map(|(a, b)| b - a)
+        };
+        let beside = [self.before(row, first), self.after(row, last)];
+        let inner = beside
+            .into_iter()
+            .filter(|beside| *beside != first && *beside != last);
+        let turns = inner.map(|beside| {
+            let product: f64 = change(row).zip(change(beside)).map(|(a, b)| a * b).sum();
+            match product > 0.0 {
+                true => self.turn(beside, first, last),
+                false => 0.0,
+            }
+        });
+        turns.fold(0.0, f64::max)
+    }
+
+    /// Whether a row is a corner between two bounds: corners that are known, or ends.
+    fn has_corner(&self, row: usize, first: usize, last: usize) -> bool {
+        let (before, after) = (self.before(row, first), self.after(row, last));
+        let far_before = self.before(before, first);
+        let far_after = self.after(after, last);
+        let arriving = self.tangent(row, before, far_before);
+        let leaving = self.tangent(row, after, far_after);
+        let bend = angle(&arriving, &leaving);
+        let share = match before == far_before || after == far_after {
+            true => MIN_LASTING_SHARE_BESIDE,
+            false => MIN_LASTING_SHARE,
+        };
+        bend > MIN_BEND
+            && bend > share * self.turn(row, first, last)
+            && bend > MIN_ISOLATION * self.turn_beside(row, first, last)
+    }
+}
+
+/// Angle between two vectors, 0 if one is zero.
+pub(super) fn angle(a: &[f64], b: &[f64]) -> f64 {
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let sizes = (product(a, a) * product(b, b)).sqrt();
+    match sizes > 0.0 {
+        // NaN is no angle either.
+        true => acos((product(a, b) / sizes).clamp(-1.0, 1.0)),
+        false => 0.0,
+    }
+}
+
+/// Rows at which the path has a corner, in order. No two rows in a row are equal.
+pub(super) fn corners(rows: Rows<'_>) -> Vec<usize> {
+    let Some(last) = rows.rows.len().checked_sub(1) else {
+        return Vec::new();
+    };
+    let turns = (1..last).map(|row| (rows.turn(row, 0, last), row));
+    let mut candidates: Vec<(f64, usize)> = turns.filter(|(turn, _)| *turn > MIN_BEND).collect();
+    // The sharpest first: a corner hides what its neighbours' chords see of it.
+    candidates.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    let mut corners = vec![0, last];
+    for (_, row) in candidates {
+        let place = corners.partition_point(|corner| *corner < row);
+        let (first, last) = (corners[place - 1], corners[place]);
+        let clearance = |corner: usize| (rows.lengths[corner] - rows.lengths[row]).abs();
+        if first == row || last == row || clearance(first).min(clearance(last)) < MIN_REACH {
+            continue;
+        }
+        let is_corner = |reach: &f64| {
+            let rows = Rows {
+                reach: *reach,
+                ..rows
+            };
+            rows.has_corner(row, first, last)
+        };
+        if REACHES.iter().all(is_corner) {
+            corners.insert(place, row);
+        }
+    }
+    corners.pop();
+    corners.remove(0);
+    corners
+}

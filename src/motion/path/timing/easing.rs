@@ -1,0 +1,103 @@
+//! Parameter of a curve that starts and ends slowly, for motions with bounded jerk.
+//!
+//! From rest with bounded jerk the distance grows with the cube of the time. Over a parameter σ whose cube the distance is, the
+//! speed at rest is a number above 0, and the motion has no singularity there. The curve's first and second derivatives by σ are 0 at
+//! both ends, so that velocity and acceleration are too.
+
+use super::cell::State;
+
+/// Curve parameter s over σ: s′ rises from 0 to 1 over `ramp` by the smoothstep 3 y² − 2 y³, stays, and falls likewise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Easing {
+    /// First curve parameter.
+    start: f64,
+    /// Length of the curve.
+    length: f64,
+    /// Length of each ramp in σ, which covers half as much of the curve.
+    ramp: f64,
+}
+
+/// Ramp in σ, as a share of the curve's length.
+const RAMP: f64 = 0.5;
+/// Steps of Newton's method for σ at a curve parameter.
+const MAX_STEPS: usize = 64;
+
+impl Easing {
+    pub(super) fn new(start: f64, end: f64) -> Self {
+        let length = end - start;
+        Self {
+            start,
+            length,
+            ramp: RAMP * length,
+        }
+    }
+
+    /// Last parameter; the first is 0.
+    pub(super) fn end(&self) -> f64 {
+        self.length + self.ramp
+    }
+
+    /// Ends of the ramps.
+    pub(super) fn ramp_ends(&self) -> [f64; 2] {
+        [self.ramp, self.length]
+    }
+
+    /// Curve parameter and its first three derivatives by σ.
+    pub(super) fn derivatives(&self, parameter: f64) -> [f64; 4] {
+        let left = self.end() - parameter;
+        if parameter < self.ramp {
+            let [s, first, second, third] = self.in_ramp(parameter);
+            [self.start + s, first, second, third]
+        } else if left < self.ramp {
+            let [s, first, second, third] = self.in_ramp(left);
+            [self.start + self.length - s, first, -second, third]
+        } else {
+            [self.start + parameter - 0.5 * self.ramp, 1.0, 0.0, 0.0]
+        }
+    }
+
+    fn in_ramp(&self, parameter: f64) -> [f64; 4] {
+        let y = parameter / self.ramp;
+        [
+            self.ramp * y * y * y * (1.0 - 0.5 * y),
+            y * y * (3.0 - 2.0 * y),
+            6.0 * y * (1.0 - y) / self.ramp,
+            (6.0 - 12.0 * y) / (self.ramp * self.ramp),
+        ]
+    }
+
+    /// State of the curve parameter from that of σ.
+    pub(super) fn state(&self, state: State) -> State {
+        let [position, first, second, _] = self.derivatives(state.position);
+        State {
+            position,
+            speed: first * state.speed,
+            acceleration: second * state.speed * state.speed + first * state.acceleration,
+        }
+    }
+
+    /// σ at a curve parameter.
+    pub(super) fn parameter(&self, s: f64) -> f64 {
+        let moved = (s - self.start).clamp(0.0, self.length);
+        let near = moved.min(self.length - moved);
+        let from_end = if near >= 0.5 * self.ramp {
+            near + 0.5 * self.ramp
+        } else {
+            // Newton's method from the right on a convex function.
+            let mut parameter = self.ramp;
+            for _ in 0..MAX_STEPS {
+                let [value, slope, ..] = self.in_ramp(parameter);
+                let by = (value - near) / slope;
+                if !by.is_finite() || by <= 1e-16 * self.ramp {
+                    break;
+                }
+                parameter -= by;
+            }
+            parameter.max(0.0)
+        };
+        match moved <= 0.5 * self.length {
+            true => from_end,
+            false => self.end() - from_end,
+        }
+    }
+}

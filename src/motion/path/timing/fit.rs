@@ -1,0 +1,87 @@
+//! Cubic spline through rows, on as few knots as their tolerance allows.
+//!
+//! Second differences of dense rows amplify the error of each row: 1e-6 rad at rows 1e-3 rad apart are a curvature of 1 per
+//! radian. Knots are therefore [`KNOT_DISTANCE`] apart. They are closer where the direction changes by more than [`KNOT_TURN`]
+//! between them, or where a row would be farther than [`ROW_TOLERANCE`] from the curve. Sparser rows are all knots.
+
+use super::corners::{MIN_REACH, Rows};
+use super::cubic_curve::CubicCurve;
+
+/// Largest distance of a joint from a row that is no knot, radians or metres.
+pub(super) const ROW_TOLERANCE: f64 = 1e-5;
+/// Distance of knots along the path, radians or metres of joint length.
+const KNOT_DISTANCE: f64 = 0.03;
+/// Largest change of direction between knots, radians.
+const KNOT_TURN: f64 = 0.1;
+/// Smallest distance of a knot that is inserted for a row from the knots beside it.
+const MIN_KNOT_DISTANCE: f64 = 2e-4;
+/// Largest number of rounds that insert knots; each halves what is too far at least once.
+const MAX_ROUNDS: usize = 16;
+
+/// Fits a curve through rows, of which no two in a row are equal.
+pub(super) fn fit(rows: Rows<'_>, joints: usize) -> CubicCurve {
+    let mut knots = first_knots(rows);
+    let mut curve = interpolated(rows, &knots, joints);
+    for _ in 0..MAX_ROUNDS {
+        let added = rows_off_curve(rows, &knots, &curve);
+        if added.is_empty() {
+            break;
+        }
+        knots.extend(added);
+        knots.sort_unstable();
+        curve = interpolated(rows, &knots, joints);
+    }
+    curve
+}
+
+fn interpolated(rows: Rows<'_>, knots: &[usize], joints: usize) -> CubicCurve {
+    let parameters = knots.iter().map(|row| rows.lengths[*row]).collect();
+    let values = knots.iter().flat_map(|row| rows.rows[*row]);
+    CubicCurve::through(parameters, values.copied().collect(), joints)
+}
+
+/// Both ends, and rows between them that are [`KNOT_DISTANCE`] or [`KNOT_TURN`] apart, or the next beyond.
+fn first_knots(rows: Rows<'_>) -> Vec<usize> {
+    let lengths = rows.lengths;
+    let last = lengths.len() - 1;
+    let mut knots = vec![0];
+    let mut knot = 0;
+    for row in 1..last {
+        let distance = lengths[row] - lengths[knot];
+        if distance >= KNOT_DISTANCE
+            || (distance >= MIN_REACH && rows.turn_between(knot, row) > KNOT_TURN)
+        {
+            knots.push(row);
+            knot = row;
+        }
+    }
+    // No short last piece.
+    let left = lengths[last] - lengths[knot];
+    if knots.len() > 1 && left < 0.5 * KNOT_DISTANCE && rows.turn_between(knot, last) < KNOT_TURN {
+        knots.pop();
+    }
+    knots.push(last);
+    knots
+}
+
+/// In each piece of the curve the row that is farthest from it, if that is too far.
+fn rows_off_curve(rows: Rows<'_>, knots: &[usize], curve: &CubicCurve) -> Vec<usize> {
+    let lengths = rows.lengths;
+    let mut added = Vec::new();
+    for (piece, pair) in knots.windows(2).enumerate() {
+        let mut farthest = (ROW_TOLERANCE, None);
+        for row in pair[0] + 1..pair[1] {
+            let jets = curve.jets(piece, lengths[row]);
+            let off = jets
+                .zip(rows.rows[row])
+                .map(|(jet, q)| (jet.value - q).abs());
+            let off = off.fold(0.0, f64::max);
+            let nearest = (lengths[row] - lengths[pair[0]]).min(lengths[pair[1]] - lengths[row]);
+            if off > farthest.0 && nearest >= MIN_KNOT_DISTANCE {
+                farthest = (off, Some(row));
+            }
+        }
+        added.extend(farthest.1);
+    }
+    added
+}

@@ -1,0 +1,532 @@
+//! Fast speed along a curve under velocity, acceleration and jerk limits.
+//!
+//! The curve parameter is eased at both ends ([`Easing`]). The squared speed z = σ̇² of the eased parameter σ is a quadratic spline over σ, so
+//! that accelerations are continuous. With w = z′ / 2 joints move with velocity q′ √z, acceleration q′ w + q″ z and jerk
+//! √z (q‴ z + 3 q″ w + q′ w′). Minimising the time is convex apart from the jerk limits.
+//!
+//! A primal interior-point method minimises τ · time − Σ log(slack) for rising τ by Gauss-Newton steps (Nocedal & Wright 2006, "Numerical
+//! optimization", ch. 19.6). The Hessian has five diagonals. Limits are sampled in every cell. A closer check then slows the whole curve by
+//! what is left, so that the result may be some thousandths slower than a local optimum.
+
+use super::cell::Cell;
+use super::cubic_curve::CubicCurve;
+use super::easing::Easing;
+use super::tool_motion::{ToolLimits, rates};
+use crate::arm::{Arm, QueryError};
+use crate::scalar::elementary::{cbrt, ln};
+
+/// Limits of joints and tool.
+#[derive(Clone, Copy)]
+pub(super) struct JerkLimits<'a> {
+    pub(super) velocity: &'a [f64],
+    pub(super) acceleration: &'a [f64],
+    pub(super) jerk: &'a [f64],
+    pub(super) tool: Option<(&'a Arm, ToolLimits)>,
+}
+
+/// Cells of an interval between knots at least.
+const MIN_CELLS: usize = 4;
+/// Places within a cell at which limits are kept, and the weights of Simpson's rule.
+const PLACES: [(f64, f64); 3] = [(0.0, 1.0 / 6.0), (0.5, 4.0 / 6.0), (1.0, 1.0 / 6.0)];
+/// Parts of a cell at whose ends the result is checked.
+const CHECKS: usize = 6;
+/// First and last weight of the time, in units of the reciprocal time, and the factor between them.
+const FIRST_WEIGHT: f64 = 3.0;
+const LAST_WEIGHT: f64 = 1e4;
+const WEIGHT_FACTOR: f64 = 6.0;
+/// Newton steps for each weight, and the decrease at which they end.
+const MAX_STEPS: usize = 60;
+const MIN_DECREASE: f64 = 1e-3;
+/// Halvings of a step.
+const MAX_HALVINGS: usize = 40;
+/// Share of the limits that the start uses.
+const START_SHARE: f64 = 0.5;
+/// Excess that the last check allows for beyond its bound between places.
+const CHECK_MARGIN: f64 = 1e-5;
+/// Product of slacks at which its logarithm is taken.
+const SMALL_PRODUCT: f64 = 1e-200;
+
+/// Joint derivatives by σ at one place, and the basis of the spline there.
+struct Place {
+    /// Curve parameter, and its first two derivatives by σ.
+    eased: [f64; 3],
+    /// Weight of the place in integrals over σ.
+    weight: f64,
+    cell: usize,
+    /// z, w and w′ by the cell's three coefficients.
+    basis: [[f64; 3]; 3],
+    /// First, second and third derivatives of each joint.
+    joints: Vec<[f64; 3]>,
+    /// Half-planes a w + b z ≤ c of the tool's acceleration.
+    half_planes: Vec<[f64; 3]>,
+    /// Largest z by velocity limits.
+    largest: f64,
+}
+
+/// The curve in the eased parameter, divided into cells.
+struct Cells<'a> {
+    curve: &'a CubicCurve,
+    easing: &'a Easing,
+    nodes: Vec<f64>,
+    limits: JerkLimits<'a>,
+}
+
+/// Cells of the fastest motion along a curve in the eased parameter, from rest to rest.
+pub(super) fn cells(
+    curve: &CubicCurve,
+    easing: &Easing,
+    count: usize,
+    limits: JerkLimits<'_>,
+) -> Result<Vec<Cell>, QueryError> {
+    let cells = Cells {
+        curve,
+        easing,
+        nodes: nodes(curve, easing, count),
+        limits,
+    };
+    let places = cells.places(&PLACES)?;
+    let mut barrier = Barrier {
+        places: &places,
+        limits,
+        whole: easing.end(),
+        weight: 0.0,
+    };
+    let start = START_SHARE * cells.slowest(&places);
+    let mut z = vec![start; cells.count() + 2];
+    let mut newton = Newton::default();
+    let mut weight = FIRST_WEIGHT;
+    loop {
+        barrier.weight = weight / barrier.time(&z);
+        for _ in 0..MAX_STEPS {
+            if newton.step(&barrier, &mut z) < MIN_DECREASE {
+                break;
+            }
+        }
+        if weight >= LAST_WEIGHT {
+            break;
+        }
+        weight = (WEIGHT_FACTOR * weight).min(LAST_WEIGHT);
+    }
+    let shares: Vec<(f64, f64)> = (0..=CHECKS)
+        .map(|k| (k as f64 / CHECKS as f64, 0.0))
+        .collect();
+    let slower = cells.slowing(&cells.places(&shares)?, &z);
+    z.iter_mut().for_each(|z| *z /= slower * slower);
+    Ok(cells.timed(&z))
+}
+
+/// Bounds of cells in the eased parameter: the curve's knots, the ends of the ramps, and points between.
+fn nodes(curve: &CubicCurve, easing: &Easing, count: usize) -> Vec<f64> {
+    let knots = curve.knots.iter().map(|s| easing.parameter(*s));
+    let mut bounds: Vec<f64> = knots.chain(easing.ramp_ends()).collect();
+    bounds.sort_by(f64::total_cmp);
+    let margin = 1e-9 * easing.end();
+    bounds.dedup_by(|later, earlier| *later - *earlier <= margin);
+    if let Some(last) = bounds.last_mut() {
+        *last = easing.end();
+    }
+    let longest = easing.end() / count as f64;
+    let mut nodes = Vec::new();
+    for pair in bounds.windows(2) {
+        let length = pair[1] - pair[0];
+        let parts = ((length / longest).ceil() as usize).max(MIN_CELLS);
+        nodes.extend((0..parts).map(|k| pair[0] + length * (k as f64 / parts as f64)));
+    }
+    nodes.push(easing.end());
+    nodes
+}
+
+/// z, w and w′ of three coefficients.
+fn at(basis: &[[f64; 3]; 3], z: &[f64]) -> [f64; 3] {
+    basis.map(|row| row[0] * z[0] + row[1] * z[1] + row[2] * z[2])
+}
+
+impl Cells<'_> {
+    fn count(&self) -> usize {
+        self.nodes.len() - 1
+    }
+
+    fn step(&self, cell: usize) -> f64 {
+        self.nodes[cell + 1] - self.nodes[cell]
+    }
+
+    /// z, w and w′ at a share of a cell, by its three coefficients.
+    fn basis(&self, cell: usize, share: f64) -> [[f64; 3]; 3] {
+        let step = self.step(cell);
+        let before = cell.checked_sub(1).map_or(0.0, |cell| self.step(cell));
+        let after = match cell + 1 < self.count() {
+            true => self.step(cell + 1),
+            false => 0.0,
+        };
+        let (first, last) = (step / (before + step), step / (step + after));
+        let left = 1.0 - share;
+        let values = [first * left * left, last * share * share];
+        let slopes = [-2.0 * first * left / step, 2.0 * last * share / step];
+        let bends = [2.0 * first / (step * step), 2.0 * last / (step * step)];
+        [
+            [values[0], 1.0 - values[0] - values[1], values[1]],
+            [slopes[0], -slopes[0] - slopes[1], slopes[1]].map(|by| 0.5 * by),
+            [bends[0], -bends[0] - bends[1], bends[1]].map(|by| 0.5 * by),
+        ]
+    }
+
+    /// Places at shares of every cell, with their weights.
+    fn places(&self, shares: &[(f64, f64)]) -> Result<Vec<Place>, QueryError> {
+        let mut places = Vec::with_capacity(shares.len() * self.count());
+        for cell in 0..self.count() {
+            places.extend(shares.iter().map(|(share, weight)| Place {
+                weight: weight * self.step(cell),
+                ..self.place(cell, *share)
+            }));
+        }
+        if let Some((arm, limits)) = self.limits.tool {
+            let points = places.iter().map(|place| place.eased[0]);
+            let rates = rates(arm, self.curve, points)?;
+            for (place, rate) in places.iter_mut().zip(rates) {
+                let [_, first, second] = place.eased;
+                let rate = rate.eased(first, second);
+                place.largest = place.largest.min(rate.largest_squared_speed(limits));
+                let push = |half_plane| place.half_planes.push(half_plane);
+                rate.half_planes(limits, 0.0, push);
+            }
+        }
+        Ok(places)
+    }
+
+    fn place(&self, cell: usize, share: f64) -> Place {
+        let parameter = |share: f64| self.nodes[cell] + self.step(cell) * share;
+        // Third derivatives are those within the cell.
+        let [inside, .., third] = self
+            .easing
+            .derivatives(parameter(share.clamp(1e-6, 1.0 - 1e-6)));
+        let [s, first, second, _] = self.easing.derivatives(parameter(share));
+        let jets = self.curve.jets(self.curve.piece(inside), s);
+        let joints: Vec<[f64; 3]> = jets
+            .map(|jet| {
+                let square = first * first;
+                [
+                    jet.first * first,
+                    jet.second * square + jet.first * second,
+                    jet.third * square * first
+                        + 3.0 * jet.second * first * second
+                        + jet.first * third,
+                ]
+            })
+            .collect();
+        let ratios = joints.iter().zip(self.limits.velocity);
+        let ratios = ratios.map(|(joint, limit)| limit / joint[0].abs());
+        let fastest = ratios.fold(f64::INFINITY, f64::min);
+        Place {
+            eased: [s, first, second],
+            weight: 0.0,
+            cell,
+            basis: self.basis(cell, share),
+            joints,
+            half_planes: Vec::new(),
+            largest: fastest * fastest,
+        }
+    }
+
+    /// Largest constant z within all limits.
+    fn slowest(&self, places: &[Place]) -> f64 {
+        let limits = self.limits;
+        let mut most = f64::MAX;
+        for place in places {
+            most = most.min(place.largest);
+            for (joint, [_, second, third]) in place.joints.iter().enumerate() {
+                most = most.min(limits.acceleration[joint] / second.abs());
+                let root = cbrt(limits.jerk[joint] / third.abs());
+                most = most.min(root * root);
+            }
+            for [_, b, c] in &place.half_planes {
+                if *b > 0.0 {
+                    most = most.min(c / b);
+                }
+            }
+        }
+        most
+    }
+
+    /// Factor by which time has to be stretched until all limits hold; at least 1. `places` are those of the last check.
+    fn slowing(&self, places: &[Place], z: &[f64]) -> f64 {
+        let limits = self.limits;
+        let mut most = 1.0_f64;
+        for cell in places.chunks_exact(CHECKS + 1) {
+            let motion = |place: &Place| at(&place.basis, &z[place.cell..place.cell + 3]);
+            let mut keep = |ratio: &dyn Fn(&Place) -> f64, root: fn(f64) -> f64| {
+                most = most.max(root(largest(cell.iter().map(ratio))));
+            };
+            keep(&|place| motion(place)[0] / place.largest, f64::sqrt);
+            for joint in 0..limits.velocity.len() {
+                let acceleration = |place: &Place| {
+                    let ([z, w, _], [first, second, _]) = (motion(place), place.joints[joint]);
+                    (first * w + second * z) / limits.acceleration[joint]
+                };
+                keep(&acceleration, f64::sqrt);
+                let jerk = |place: &Place| {
+                    let ([z, w, bend], [first, second, third]) =
+                        (motion(place), place.joints[joint]);
+                    let part = third * z + 3.0 * second * w + first * bend;
+                    z.max(0.0).sqrt() * part / limits.jerk[joint]
+                };
+                keep(&jerk, cbrt);
+            }
+            for k in 0..cell[0].half_planes.len() {
+                let acceleration = |place: &Place| {
+                    let ([z, w, _], [a, b, c]) = (motion(place), place.half_planes[k]);
+                    ((a * w + b * z) / c).max(0.0)
+                };
+                keep(&acceleration, f64::sqrt);
+            }
+        }
+        most * (1.0 + CHECK_MARGIN)
+    }
+
+    /// Cells with their times.
+    fn timed(&self, z: &[f64]) -> Vec<Cell> {
+        let mut time = 0.0;
+        let cells = (0..self.count()).map(|index| {
+            let [z, acceleration, slope] = at(&self.basis(index, 0.0), &z[index..index + 3]);
+            let cell = Cell {
+                start: self.nodes[index],
+                length: self.step(index),
+                speed: z.max(0.0).sqrt(),
+                acceleration,
+                slope,
+                time,
+            };
+            time += cell.time_to(cell.length);
+            cell
+        });
+        cells.collect()
+    }
+}
+
+/// Largest size of a smooth function from samples: that of the samples, and an eighth of the largest second difference, by which
+/// it may exceed them between two.
+fn largest(samples: impl Iterator<Item = f64>) -> f64 {
+    let (mut most, mut bend) = (0.0_f64, 0.0_f64);
+    let mut last = [f64::NAN; 2];
+    for sample in samples {
+        most = most.max(sample.abs());
+        // The first two are NaN, which no maximum is.
+        bend = bend.max((last[0] - 2.0 * last[1] + sample).abs());
+        last = [last[1], sample];
+    }
+    most + bend / 8.0
+}
+
+/// The function τ · time − Σ log(slack) over the coefficients of z.
+struct Barrier<'a> {
+    places: &'a [Place],
+    limits: JerkLimits<'a>,
+    /// Length of the eased parameter.
+    whole: f64,
+    /// τ.
+    weight: f64,
+}
+
+/// Value of the function at one place, and its derivatives by (z, w, w′): gradient and Gauss-Newton Hessian.
+struct Terms {
+    value: f64,
+    /// Product of slacks whose logarithm is not in the value yet.
+    product: f64,
+    gradient: [f64; 3],
+    hessian: [[f64; 3]; 3],
+}
+
+impl Terms {
+    /// Adds a term with derivatives along one direction.
+    fn add(&mut self, direction: [f64; 3], first: f64, second: f64) {
+        for (row, a) in direction.iter().enumerate() {
+            self.gradient[row] += first * a;
+            for (column, b) in direction.iter().enumerate() {
+                self.hessian[row][column] += second * a * b;
+            }
+        }
+    }
+
+    /// Moves the logarithm of the product into the value.
+    fn take_logarithm(&mut self, weight: f64) {
+        self.value -= weight * ln(self.product);
+        self.product = 1.0;
+    }
+
+    /// Adds −weight · log(limit − value), with the value's gradient.
+    fn keep_below(&mut self, value: f64, limit: f64, gradient: [f64; 3], weight: f64) {
+        let slack = limit - value;
+        if slack <= 0.0 || slack.is_nan() {
+            self.value = f64::INFINITY;
+            return;
+        }
+        self.product *= slack / limit;
+        if self.product < SMALL_PRODUCT {
+            self.take_logarithm(weight);
+        }
+        self.add(gradient, weight / slack, weight / (slack * slack));
+    }
+}
+
+impl Barrier<'_> {
+    /// Time of the motion, seconds; infinite where z is not above 0.
+    fn time(&self, z: &[f64]) -> f64 {
+        let times = self.places.iter().map(|place| {
+            let [z, ..] = at(&place.basis, &z[place.cell..place.cell + 3]);
+            match z > 0.0 {
+                true => place.weight / z.sqrt(),
+                false => f64::INFINITY,
+            }
+        });
+        times.sum()
+    }
+
+    fn value(&self, z: &[f64]) -> f64 {
+        // With all coefficients above 0 the spline is, between the places too.
+        let mut sum = match z.iter().all(|z| *z > 0.0) {
+            true => -z.iter().map(|z| ln(*z)).sum::<f64>() / z.len() as f64,
+            false => return f64::INFINITY,
+        };
+        for place in self.places {
+            sum += self.terms(place, z).value;
+            if !sum.is_finite() {
+                return f64::INFINITY;
+            }
+        }
+        sum
+    }
+
+    fn terms(&self, place: &Place, z: &[f64]) -> Terms {
+        let [z, w, bend] = at(&place.basis, &z[place.cell..place.cell + 3]);
+        let mut terms = Terms {
+            value: 0.0,
+            product: 1.0,
+            gradient: [0.0; 3],
+            hessian: [[0.0; 3]; 3],
+        };
+        if z <= 0.0 || z.is_nan() {
+            terms.value = f64::INFINITY;
+            return terms;
+        }
+        let root = z.sqrt();
+        let time = self.weight * place.weight / root;
+        terms.value = time;
+        terms.add([1.0, 0.0, 0.0], -0.5 * time / z, 0.75 * time / (z * z));
+        let weight = place.weight / self.whole;
+        if place.largest.is_finite() {
+            terms.keep_below(z, place.largest, [1.0, 0.0, 0.0], weight);
+        }
+        for [a, b, c] in &place.half_planes {
+            terms.keep_below(a * w + b * z, *c, [*b, *a, 0.0], weight);
+        }
+        let rates = self.limits.acceleration.iter().zip(self.limits.jerk);
+        for ([first, second, third], (acceleration, jerk)) in place.joints.iter().zip(rates) {
+            if acceleration.is_finite() {
+                let value = first * w + second * z;
+                terms.keep_below(value, *acceleration, [*second, *first, 0.0], weight);
+                terms.keep_below(-value, *acceleration, [-second, -first, 0.0], weight);
+            }
+            if jerk.is_finite() {
+                let part = third * z + 3.0 * second * w + first * bend;
+                let gradient = [
+                    root * third + 0.5 * part / root,
+                    3.0 * root * second,
+                    root * first,
+                ];
+                terms.keep_below(root * part, *jerk, gradient, weight);
+                terms.keep_below(-root * part, *jerk, gradient.map(|by| -by), weight);
+            }
+        }
+        terms.take_logarithm(weight);
+        terms
+    }
+}
+
+/// Newton's method on a band of five diagonals.
+#[derive(Default)]
+struct Newton {
+    /// Diagonal of the Hessian and the two beside it.
+    band: Vec<[f64; 3]>,
+    gradient: Vec<f64>,
+    trial: Vec<f64>,
+}
+
+impl Newton {
+    /// Moves z to a lower value. Returns the decrease that the model promised, 0 where nothing lower was found.
+    fn step(&mut self, barrier: &Barrier<'_>, z: &mut [f64]) -> f64 {
+        self.band.clear();
+        self.band.resize(z.len(), [0.0; 3]);
+        self.gradient.clear();
+        self.gradient.resize(z.len(), 0.0);
+        let mut value = 0.0;
+        for place in barrier.places {
+            let terms = barrier.terms(place, z);
+            value += terms.value;
+            // Sum over z, w and w′ of a derivative and the basis of one coefficient.
+            let by = |row: &[f64; 3], coefficient: usize| {
+                let each = row.iter().zip(&place.basis);
+                each.map(|(by, basis)| by * basis[coefficient]).sum::<f64>()
+            };
+            for first in 0..3 {
+                let at = place.cell + first;
+                self.gradient[at] += by(&terms.gradient, first);
+                let column = terms.hessian.each_ref().map(|row| by(row, first));
+                let entries = self.band[at].iter_mut().zip(first..3);
+                entries.for_each(|(entry, second)| *entry += by(&column, second));
+            }
+        }
+        let share = (z.len() as f64).recip();
+        for ((z, gradient), band) in z.iter().zip(&mut self.gradient).zip(&mut self.band) {
+            value -= share * ln(*z);
+            *gradient -= share / z;
+            band[0] += share / (z * z);
+        }
+        let gradient = self.gradient.clone();
+        self.solve();
+        let decrease: f64 = self
+            .gradient
+            .iter()
+            .zip(&gradient)
+            .map(|(step, g)| step * g)
+            .sum();
+        let mut share = 1.0;
+        for _ in 0..MAX_HALVINGS {
+            self.trial.clear();
+            let moved = z
+                .iter()
+                .zip(&self.gradient)
+                .map(|(z, step)| z - share * step);
+            self.trial.extend(moved);
+            if barrier.value(&self.trial) <= value - 0.1 * share * decrease {
+                z.copy_from_slice(&self.trial);
+                return decrease;
+            }
+            share *= 0.5;
+        }
+        0.0
+    }
+
+    /// Solves the band's system for the gradient, in place.
+    fn solve(&mut self) {
+        let count = self.band.len();
+        for k in 0..count {
+            let [pivot, next, after] = self.band[k];
+            let inverse = (pivot + 1e-12 * pivot + f64::MIN_POSITIVE).recip();
+            let [one, two] = [next * inverse, after * inverse];
+            if k + 1 < count {
+                self.band[k + 1][0] -= one * next;
+                self.band[k + 1][1] -= one * after;
+                self.gradient[k + 1] -= one * self.gradient[k];
+            }
+            if k + 2 < count {
+                self.band[k + 2][0] -= two * after;
+                self.gradient[k + 2] -= two * self.gradient[k];
+            }
+            self.band[k] = [inverse, one, two];
+        }
+        for k in (0..count).rev() {
+            let [inverse, one, two] = self.band[k];
+            let at = |k: usize| self.gradient.get(k).copied().unwrap_or(0.0);
+            self.gradient[k] = self.gradient[k] * inverse - one * at(k + 1) - two * at(k + 2);
+        }
+    }
+}

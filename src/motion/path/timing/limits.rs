@@ -1,0 +1,161 @@
+//! Limits and options of path timing.
+
+use super::tool_motion::ToolLimits;
+use crate::arm::Arm;
+use crate::bad_option::{BadOption, NOT_NEGATIVE, Range};
+use crate::motion::path::PathError;
+
+/// A limit; infinity for none.
+const LIMIT: Range = (|v| v > 0.0, "a number above 0 (infinity for none)");
+/// Grid points of a path.
+const GRID_POINTS: Range = (|v| (2.0..=1e6).contains(&v), "a number from 2 to 1000000");
+
+/// Limits under which a path is timed, and how.
+///
+/// Joint limits are one number a joint, in radians or metres and seconds; infinity is no limit. Every row needs a finite acceleration
+/// limit of at least one joint that moves there.
+#[derive(Clone, Debug)]
+pub struct TimingLimits<'a> {
+    pub(super) velocity: Vec<f64>,
+    pub(super) acceleration: Vec<f64>,
+    pub(super) jerk: Option<Vec<f64>>,
+    pub(super) tool: ToolLimits,
+    pub(super) arm: Option<&'a Arm>,
+    joint_names: Vec<String>,
+    pub(super) corner_tolerance: f64,
+    pub(super) grid_points: usize,
+}
+
+impl<'a> TimingLimits<'a> {
+    /// Joint velocity and acceleration limits, and the defaults of all other options.
+    #[must_use]
+    pub fn new(velocity_limits: &[f64], acceleration_limits: &[f64]) -> Self {
+        Self {
+            velocity: velocity_limits.to_vec(),
+            acceleration: acceleration_limits.to_vec(),
+            jerk: None,
+            tool: ToolLimits::NONE,
+            arm: None,
+            joint_names: Vec::new(),
+            corner_tolerance: 1e-3,
+            grid_points: 1000,
+        }
+    }
+
+    /// An arm's own velocity and acceleration limits. Errors name its joints.
+    #[must_use]
+    pub fn of(arm: &'a Arm) -> Self {
+        Self::new(arm.velocity_limits(), arm.acceleration_limits()).with_arm(arm)
+    }
+
+    setters! {
+        /// Largest joint velocities, radians or metres a second.
+        pub fn with_velocity_limits(mut self, limits: &[f64]) {
+            self.velocity = limits.to_vec();
+        }
+        /// Largest joint accelerations, radians or metres a second squared.
+        pub fn with_acceleration_limits(mut self, limits: &[f64]) {
+            self.acceleration = limits.to_vec();
+        }
+        /// Largest joint jerks, radians or metres a second cubed. Without them accelerations change at once. With them motions start and
+        /// end with acceleration 0.
+        pub fn with_jerk_limits(mut self, limits: &[f64]) {
+            self.jerk = Some(limits.to_vec());
+        }
+        /// The arm whose tool the tool limits are for, and whose joint names errors use.
+        pub fn with_arm(mut self, arm: &'a Arm) {
+            self.arm = Some(arm);
+            self.joint_names = arm.joints().map(str::to_owned).collect();
+        }
+        /// Names of the joints in errors; their indices by default.
+        pub fn with_joint_names(mut self, names: &[String]) {
+            self.joint_names = names.to_vec();
+        }
+        /// Largest speed (m/s) and acceleration (m/s²) of the tool's origin; infinity for none. Needs [`with_arm`](Self::with_arm).
+        pub fn with_tool_linear_limits(mut self, speed: f64, acceleration: f64) {
+            self.tool.velocity[0] = speed;
+            self.tool.acceleration[0] = acceleration;
+        }
+        /// Largest angular speed (rad/s) and acceleration (rad/s²) of the tool; infinity for none. Needs [`with_arm`](Self::with_arm).
+        pub fn with_tool_angular_limits(mut self, speed: f64, acceleration: f64) {
+            self.tool.velocity[1] = speed;
+            self.tool.acceleration[1] = acceleration;
+        }
+        /// Largest distance of any joint from the path where a corner is blended, radians or metres; 1e-3 by default. With 0 the arm
+        /// stops at every corner. It always stops where the path reverses.
+        pub fn with_corner_tolerance(mut self, distance: f64) {
+            self.corner_tolerance = distance;
+        }
+        /// Grid points of the speed profile over the whole path, 1000 by default. Curve knots and stretches between stops add some.
+        pub fn with_grid_points(mut self, count: usize) {
+            self.grid_points = count;
+        }
+    }
+
+    /// Checks all options against the number of joints.
+    pub(super) fn check(&self, joints: usize) -> Result<(), PathError> {
+        if let Some(arm) = self.arm
+            && arm.joint_count() != joints
+        {
+            return Err(PathError::Limits {
+                option: "the arm's joints",
+                given: arm.joint_count(),
+                joints,
+            });
+        }
+        let jerk = self.jerk.as_deref();
+        let of_joints = [
+            ("velocity_limits", Some(&*self.velocity)),
+            ("acceleration_limits", Some(&*self.acceleration)),
+            ("jerk_limits", jerk),
+        ];
+        for (option, limits) in of_joints {
+            let Some(limits) = limits else { continue };
+            if limits.len() != joints {
+                return Err(PathError::Limits {
+                    option,
+                    given: limits.len(),
+                    joints,
+                });
+            }
+            let (is_allowed, allowed) = LIMIT;
+            for (joint, &value) in limits.iter().enumerate() {
+                if !is_allowed(value) {
+                    return Err(PathError::JointLimit {
+                        option,
+                        joint: self.joint_name(joint),
+                        value,
+                        allowed,
+                    });
+                }
+            }
+        }
+        let [linear_speed, angular_speed] = self.tool.velocity;
+        let [linear_acceleration, angular_acceleration] = self.tool.acceleration;
+        for (option, value) in [
+            ("tool_linear_speed", linear_speed),
+            ("tool_linear_acceleration", linear_acceleration),
+            ("tool_angular_speed", angular_speed),
+            ("tool_angular_acceleration", angular_acceleration),
+        ] {
+            BadOption::check(option, value, LIMIT)?;
+        }
+        BadOption::check("corner_tolerance", self.corner_tolerance, NOT_NEGATIVE)?;
+        BadOption::check("grid_points", self.grid_points as f64, GRID_POINTS)?;
+        if self.tool != ToolLimits::NONE && self.arm.is_none() {
+            return Err(PathError::Conflict(
+                "limits of the tool need the arm: `TimingLimits::with_arm`",
+            ));
+        }
+        Ok(())
+    }
+
+    /// Name of a joint in messages, or its index.
+    pub(super) fn joint_name(&self, joint: usize) -> String {
+        let name = self.joint_names.get(joint);
+        name.map_or_else(
+            || format!("joint {joint}"),
+            |name| format!("joint `{name}`"),
+        )
+    }
+}

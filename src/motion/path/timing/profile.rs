@@ -1,0 +1,135 @@
+//! Time-optimal speed along a curve under velocity and acceleration limits.
+//!
+//! Reachability analysis (Pham & Pham 2018, "A new approach to time-optimal path parameterization based on reachability analysis"):
+//! a backward pass finds at every grid point the largest squared speed from which the arm can still come to rest at the end. A
+//! forward pass then accelerates as much as these allow. Squared speed 0 is always controllable, so that each set is an interval
+//! from 0.
+//!
+//! Limits hold at both ends of every cell by their linear constraints. Within a cell the extremes are known in closed form. Cells that
+//! exceed a limit are tightened once more, and what is left slows the whole curve.
+
+use super::constraints::Constraints;
+use super::grid::Grid;
+use super::tool_motion::ToolMotion;
+
+/// Velocity and acceleration limits of joints and tool.
+#[derive(Clone, Copy)]
+pub(super) struct RateLimits<'a> {
+    pub(super) velocity: &'a [f64],
+    pub(super) acceleration: &'a [f64],
+    pub(super) tool: Option<&'a ToolMotion>,
+}
+
+/// Excess over a limit, as a share, that is left to slowing the whole curve.
+const SMALL_EXCESS: f64 = 5e-4;
+/// Passes that tighten single cells.
+const MAX_TIGHTENINGS: usize = 6;
+
+/// Squared speeds at the points of a grid, from rest to rest.
+///
+/// # Errors
+/// The first cell in which no limit bounds the acceleration.
+pub(super) fn squared_speeds(grid: &Grid, limits: RateLimits<'_>) -> Result<Vec<f64>, usize> {
+    let mut scales = vec![1.0; grid.cells()];
+    let mut best: Option<(f64, Vec<f64>)> = None;
+    for _ in 0..=MAX_TIGHTENINGS {
+        let mut x = passes(grid, limits, &scales)?;
+        let mut most = 1.0_f64;
+        for (cell, scale) in scales.iter_mut().enumerate() {
+            let excess = excess(grid, limits, cell, &x);
+            most = most.max(excess);
+            *scale /= excess.max(1.0);
+        }
+        x.iter_mut().for_each(|x| *x /= most);
+        let time = time(grid, &x);
+        if best.as_ref().is_none_or(|(least, _)| time < *least) {
+            best = Some((time, x));
+        }
+        if most <= 1.0 + SMALL_EXCESS {
+            break;
+        }
+    }
+    Ok(best.map_or_else(Vec::new, |(_, x)| x))
+}
+
+/// Time of a profile, seconds.
+fn time(grid: &Grid, x: &[f64]) -> f64 {
+    let cells = x.windows(2).enumerate();
+    cells
+        .map(|(cell, x)| 2.0 * grid.step(cell) / (x[0].sqrt() + x[1].sqrt()))
+        .sum()
+}
+
+/// The backward and the forward pass.
+fn passes(grid: &Grid, limits: RateLimits<'_>, scales: &[f64]) -> Result<Vec<f64>, usize> {
+    let RateLimits {
+        velocity,
+        acceleration,
+        tool,
+    } = limits;
+    let constraints = Constraints::new(grid, velocity, acceleration, tool, scales);
+    let cells = grid.cells();
+    if let Some(cell) = (0..cells).find(|cell| !constraints.are_bounded(*cell)) {
+        return Err(cell);
+    }
+    let mut x = vec![0.0; cells + 1];
+    for cell in (1..cells).rev() {
+        let most = constraints.largest_squared_speed(cell, grid.step(cell), x[cell + 1]);
+        // A cell's own acceleration is small where it is tightened, which its speed is with it.
+        x[cell] = (most * scales[cell].min(scales[cell - 1])).min(constraints.speed[cell]);
+    }
+    let mut now = 0.0;
+    for cell in 0..cells {
+        let step = grid.step(cell);
+        let u = constraints.largest_acceleration(cell, step, now, x[cell + 1]);
+        now = (now + 2.0 * step * u).clamp(0.0, x[cell + 1]);
+        x[cell + 1] = now;
+    }
+    Ok(x)
+}
+
+/// Largest factor by which a limit is exceeded in a cell, in terms of squared speed.
+fn excess(grid: &Grid, limits: RateLimits<'_>, cell: usize, x: &[f64]) -> f64 {
+    let step = grid.step(cell);
+    let (from, to) = (x[cell], x[cell + 1]);
+    let u = (to - from) / (2.0 * step);
+    let mut most = 0.0_f64;
+    let rates = limits.velocity.iter().zip(limits.acceleration);
+    for (joint, (velocity, acceleration)) in rates.enumerate() {
+        let (first, second) = grid.derivatives(cell, joint);
+        let (_, next) = grid.derivatives(cell + 1, joint);
+        let half_third = 0.5 * (next - second) / step;
+        // Acceleration over the distance y from the cell's first point: a parabola.
+        let [a, b, c] = [
+            first * u + second * from,
+            3.0 * second * u + 2.0 * half_third * from,
+            5.0 * half_third * u,
+        ];
+        let at = |y: f64| a + y * (b + y * c);
+        let end = at(step);
+        let has_summit = b * c < 0.0 && b.abs() < 2.0 * step * c.abs();
+        let summit = if has_summit { at(-0.5 * b / c) } else { a };
+        let largest = a.abs().max(end.abs()).max(summit.abs());
+        most = most.max(largest / acceleration);
+        // The velocity is extreme at the ends, or where the acceleration is 0.
+        let squared = |y: f64| {
+            let slope = first + y * (second + y * half_third);
+            slope * slope * (from + 2.0 * u * y)
+        };
+        let mut fastest = squared(0.0).max(squared(step));
+        if a * end < 0.0 || a * summit < 0.0 {
+            let root = (b * b - 4.0 * a * c).max(0.0).sqrt();
+            let q = -0.5 * (b + root.copysign(b));
+            for y in [q / c, a / q] {
+                if y > 0.0 && y < step {
+                    fastest = fastest.max(squared(y));
+                }
+            }
+        }
+        most = most.max(fastest / (velocity * velocity));
+    }
+    match limits.tool {
+        Some(tool) => most.max(tool.excess(cell, step, from, u)),
+        None => most,
+    }
+}

@@ -1,0 +1,130 @@
+//! Trajectory along a path: joint values, velocities and accelerations over time.
+
+use super::cell::{Cell, State};
+use super::cubic_curve::CubicCurve;
+use super::easing::Easing;
+
+/// Joints at one time of a [`Trajectory`].
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct TrajectoryPoint {
+    /// Joint values, radians or metres.
+    pub q: Vec<f64>,
+    /// Joint velocities, radians or metres a second.
+    pub velocity: Vec<f64>,
+    /// Joint accelerations, radians or metres a second squared.
+    pub acceleration: Vec<f64>,
+}
+
+/// Configurations over time, along the rows of a path.
+///
+/// Made by [`PathSolution::trajectory`](crate::motion::path::PathSolution::trajectory) or [`through`](Self::through).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trajectory {
+    pub(super) joints: usize,
+    /// The first row.
+    pub(super) first: Vec<f64>,
+    /// Time of each row, seconds.
+    pub(super) times: Vec<f64>,
+    pub(super) motions: Vec<Motion>,
+    pub(super) duration: f64,
+}
+
+/// Motion along one curve, from rest to rest.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Motion {
+    /// Time at the start, seconds.
+    pub(super) time: f64,
+    pub(super) curve: CubicCurve,
+    /// Curve parameter over the parameter of the cells.
+    pub(super) easing: Option<Easing>,
+    pub(super) cells: Vec<Cell>,
+}
+
+impl Trajectory {
+    getters! {
+        /// Time of each row of the path, seconds, the first at 0. Equal rows that follow each other have one time.
+        pub fn times(&self) -> &[f64] = &self.times;
+        /// Time of the last row, seconds.
+        pub fn duration(&self) -> f64 = self.duration;
+        /// Number of joints.
+        pub fn joint_count(&self) -> usize = self.joints;
+        /// Number of stretches from rest to rest, reconfigurations among them.
+        pub fn stretch_count(&self) -> usize = self.motions.len();
+    }
+
+    /// Joint values, velocities and accelerations at a time in seconds. Before the start and after the end the arm rests; NaN is the start.
+    #[must_use]
+    pub fn at(&self, time: f64) -> TrajectoryPoint {
+        let mut point = TrajectoryPoint::default();
+        self.write_at(time, &mut point);
+        point
+    }
+
+    /// [`at`](Self::at) into a point that exists, without allocating once it has been used.
+    pub fn write_at(&self, time: f64, point: &mut TrajectoryPoint) {
+        for numbers in [&mut point.q, &mut point.velocity, &mut point.acceleration] {
+            numbers.clear();
+        }
+        let is_outside = time < 0.0 || time > self.duration;
+        // NaN is the start.
+        let time = time.max(0.0).min(self.duration);
+        let after = self.motions.partition_point(|motion| motion.time <= time);
+        let Some(motion) = self.motions.get(after.saturating_sub(1)) else {
+            point.q.extend(&self.first);
+            point.velocity.resize(self.joints, 0.0);
+            point.acceleration.resize(self.joints, 0.0);
+            return;
+        };
+        let state = motion.state(time - motion.time);
+        let curve = &motion.curve;
+        for jet in curve.jets(curve.piece(state.position), state.position) {
+            point.q.push(jet.value);
+            point.velocity.push(jet.first * state.speed);
+            let along = jet.first * state.acceleration;
+            point
+                .acceleration
+                .push(jet.second * state.speed * state.speed + along);
+        }
+        if time <= 0.0 || time >= self.duration {
+            point.velocity.fill(0.0);
+        }
+        if is_outside {
+            point.acceleration.fill(0.0);
+        }
+    }
+}
+
+impl Motion {
+    /// Duration, seconds.
+    pub(super) fn duration(&self) -> f64 {
+        let last = self.cells.last();
+        last.map_or(0.0, |cell| cell.time + cell.time_to(cell.length))
+    }
+
+    /// State of the curve parameter at a time from the start of the motion.
+    pub(super) fn state(&self, time: f64) -> State {
+        let after = self.cells.partition_point(|cell| cell.time <= time);
+        let cell = &self.cells[after.saturating_sub(1)];
+        let state = cell.at(time - cell.time);
+        let state = match &self.easing {
+            Some(easing) => easing.state(state),
+            None => state,
+        };
+        State {
+            position: state.position.clamp(self.curve.start(), self.curve.end()),
+            ..state
+        }
+    }
+
+    /// Time at which the motion comes to a curve parameter, seconds from its start.
+    pub(super) fn time_at(&self, s: f64) -> f64 {
+        let parameter = match &self.easing {
+            Some(easing) => easing.parameter(s),
+            None => s,
+        };
+        let after = self.cells.partition_point(|cell| cell.start <= parameter);
+        let cell = &self.cells[after.saturating_sub(1)];
+        cell.time + cell.time_to((parameter - cell.start).min(cell.length))
+    }
+}
