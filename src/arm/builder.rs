@@ -189,7 +189,7 @@ impl ArmBuilder<'_> {
         }
     }
 
-    /// Holds a joint at `value` (radians or metres, within its limits).
+    /// Locks a joint at `value`, radians or metres, within its limits. A value up to 1e-3 outside, as sensors report it, is clamped.
     #[must_use]
     pub fn with_locked<'a>(mut self, joint: impl Into<JointRef<'a>>, value: f64) -> Self {
         let joint = self.joint(joint);
@@ -198,7 +198,7 @@ impl ArmBuilder<'_> {
     }
 
     /// Frees only these joints; every other joint is held at its value in `q_model` (shape: the
-    /// model's degrees of freedom; [`build`](Self::build) refuses another), clamped into its limits.
+    /// model's degrees of freedom; [`build`](Self::build) refuses another), by the rule of [`with_locked`](Self::with_locked).
     #[must_use]
     pub fn with_only<'a, J: Into<JointRef<'a>>>(
         mut self,

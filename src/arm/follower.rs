@@ -11,6 +11,8 @@ use super::redundancy::SHARE;
 use super::workspace::Errors;
 use super::{QueryError, Reply};
 use crate::ik::Solution;
+use crate::search::Found;
+use crate::solver::Termination;
 use crate::spatial::Placement;
 
 /// The share of the last motion that a step begins with. Less than all of it, so that motion in the
@@ -66,6 +68,7 @@ impl Arm {
     /// and a redundant arm's freedom to the posture that it began in (or that was
     /// [asked for](super::ArmBuilder::with_posture)), for which it goes on where its target rests. It never
     /// leaves the branch, unless it is [asked](super::ArmBuilder::with_global_search_on_miss) to, and then says so.
+    /// Joints that start outside their limits return first, by at most 0.2 rad a step; no such step is reached.
     /// For velocity limits see [`servo`](Self::servo).
     ///
     /// # Errors
@@ -130,6 +133,10 @@ impl Follower<'_> {
         let target = base_from_tool.into();
         let arm = self.arm;
         arm.check_query(self.steps, &target, &self.q)?;
+        if self.is_outside() {
+            self.return_to_limits(&target, solution)?;
+            return Ok(self.take(&target, solution, true));
+        }
         self.branch.take_target(self.target == Some(target));
         // Out of reach branches meet: the way back is taken with care.
         let careful = self.branch.asks_for_care() && !self.goes_far(&target)?;
@@ -146,6 +153,32 @@ impl Follower<'_> {
         #[cfg(feature = "collision")]
         arm.keep_way_clear(&self.q, &target, solution)?;
         Ok(self.take(&target, solution, continuous))
+    }
+
+    /// Whether a joint is outside its limits, as it may be where the follower began.
+    fn is_outside(&self) -> bool {
+        let mut joints = self.arm.limits().zip(&self.q);
+        joints.any(|(limits, q)| !limits.contains(*q))
+    }
+
+    /// Moves the joints that are outside their limits towards them, by at most [`LONG_STEP`]; the others keep still.
+    fn return_to_limits(&mut self, target: &Placement<f64>, solution: &mut Solution) -> Reply<()> {
+        let (arm, q) = (self.arm, &self.q);
+        arm.with_workspace(|workspace| {
+            workspace.aim(target);
+            arm.bound_by_limits(workspace);
+            for (i, limits) in arm.limits().enumerate() {
+                let most = LONG_STEP / arm.scale[i];
+                workspace.x[i] = q[i] + (limits.clamp(q[i]) - q[i]).clamp(-most, most);
+            }
+            let mut found = Found::alone(Termination::IterationLimit, 0);
+            arm.judge(workspace, &mut found);
+            let mut joints = arm.limits().zip(&workspace.x);
+            let inside = joints.all(|(limits, x)| limits.contains(*x));
+            found.reached &= inside;
+            workspace.errors.reached &= inside;
+            arm.tell_place(&found, workspace, solution);
+        })
     }
 
     /// Goes on to a target on the own branch, with care; whether that reaches it.

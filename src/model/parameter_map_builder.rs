@@ -4,6 +4,9 @@ use super::parameter_map::{ParameterMap, Source, check_configuration, preimage};
 use super::{JointId, Limits, Model, ModelError, quaternion_at};
 use crate::spatial::Quaternion;
 
+/// How far outside its limits a joint may be locked, radians or metres.
+const MAX_EXCESS: f64 = 1e-3;
+
 /// Gives joints their roles. A joint may be locked once and coupled once, of which the last counts.
 #[derive(Clone, Debug)]
 pub struct ParameterMapBuilder<'m> {
@@ -33,10 +36,11 @@ impl<'m> ParameterMapBuilder<'m> {
         pub(crate) fn model(&self) -> &'m Model = self.model;
     }
 
-    /// Holds a joint at `value` (radians or metres).
+    /// Locks a joint at `value`, radians or metres. A value up to 1e-3 outside the limits, as sensors report it, is clamped.
     #[must_use]
     pub fn with_locked(mut self, joint: JointId, value: f64) -> Self {
         if let Some(coordinate) = self.single(joint, "locked") {
+            let value = within_excess(&self.limits[coordinate], value);
             self.set(coordinate, Source::Constant(value));
         }
         self
@@ -95,8 +99,8 @@ impl<'m> ParameterMapBuilder<'m> {
     }
 
     /// Frees only the given joints: every other joint that was free is locked at its value in `q`
-    /// (shape: degrees of freedom; [`build`](Self::build) refuses another length and what is not finite),
-    /// clamped into its limits.
+    /// (shape: degrees of freedom; [`build`](Self::build) refuses another length and what is not finite), by the rule of
+    /// [`with_locked`](Self::with_locked).
     #[must_use]
     pub fn with_only(mut self, joints: &[JointId], q: &[f64]) -> Self {
         let mut keep = vec![false; self.roles.len()];
@@ -111,7 +115,8 @@ impl<'m> ParameterMapBuilder<'m> {
         for (coordinate, role) in self.roles.iter_mut().enumerate() {
             if role.is_none() && !keep[coordinate] {
                 let value = q.get(coordinate).copied().unwrap_or(f64::NAN);
-                *role = Some(Source::Constant(limits[coordinate].clamp(value)));
+                let value = within_excess(&limits[coordinate], value);
+                *role = Some(Source::Constant(value));
             }
         }
         for (_, at) in self.model.balls().filter(|&(_, at)| !keep[at]) {
@@ -261,6 +266,15 @@ impl<'m> ParameterMapBuilder<'m> {
             });
         }
         coordinate
+    }
+}
+
+/// The value clamped into the limits if it is no more than [`MAX_EXCESS`] outside, else the value.
+fn within_excess(limits: &Limits, value: f64) -> f64 {
+    let clamped = limits.clamp(value);
+    match (clamped - value).abs() <= MAX_EXCESS {
+        true => clamped,
+        false => value,
     }
 }
 

@@ -103,3 +103,24 @@ fn those_of_a_track_are_its_own() {
     }
     assert!(tracks == 2 && told > 10, "{told} jumps of {tracks} tracks");
 }
+
+#[test]
+fn a_follower_outside_its_limits_returns_in_steps() {
+    let robot = robot("universal_ur5e");
+    let arm = Arm::builder(&robot, "base", "flange").with_atlas(false);
+    let arm = arm.build().unwrap();
+    let start = [6.9, -1.0, 1.0, -0.5, 0.5, 0.2];
+    let target = arm.base_from_tool(&start).unwrap();
+    let mut follower = arm.follower(&start).unwrap();
+    assert_eq!(follower.q(), start);
+    let mut solution = kinopt::Solution::default();
+    for step in 0..8 {
+        let before = follower.q()[0];
+        assert_eq!(follower.advance(target, &mut solution).unwrap(), None);
+        assert!((follower.q()[0] - before).abs() <= 0.2 + 1e-12, "{step}");
+        let inside = follower.q()[0] <= 2.0 * std::f64::consts::PI;
+        // 0.617 rad outside.
+        assert_eq!(inside, step >= 3, "{step}");
+        assert!(inside || !solution.reached, "{step}");
+    }
+}

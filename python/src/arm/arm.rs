@@ -40,7 +40,7 @@ use crate::world::World;
 ///     quickest) or "nearest" (the nearest to the start). Default: "start".
 /// position_tolerance, orientation_tolerance: metres and radians. Default: 1e-6 each.
 /// metres_per_radian: how many metres weigh as much as a radian. Default: a quarter of the arm's reach.
-/// locked: {joint: value}, held there, radians or metres. Default: none.
+/// locked: {joint: value}, locked there, radians or metres; up to 1e-3 outside the limits is clamped, as in `held`. Default: none.
 /// only: names of the joints that are free; all others are held at `held`, a configuration of the model,
 ///     shape (model's dof,), clamped into the limits. Default: all between base and tip; the neutral
 ///     configuration.
