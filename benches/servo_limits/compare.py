@@ -187,7 +187,7 @@ def lag(target, tool):
 
 def settled(result):
     """Time from the step to the last row farther than 1 mm from the pose, seconds."""
-    rows = np.flatnonzero(result["error"][:1500] > 1e-3)
+    rows = np.flatnonzero(result["error"][:1498] > 1e-3)
     return (rows[-1] + 1) * STEP if len(rows) else 0.0
 
 

@@ -60,6 +60,27 @@ impl ArmWorkspace {
         factor.least
     }
 
+    /// Writes into `projected` the least joint motion that moves the tool by `motion`, in the rows and weights of the Jacobian that is here
+    /// (at x); directions that move the tool by far less than `singular` of the longest column are left out. Radians a
+    /// joint.
+    pub(super) fn joint_motion_of(
+        &mut self,
+        x: &[f64],
+        motion: &nalgebra::Vector6<f64>,
+        singular: f64,
+    ) {
+        debug_assert_eq!(x.len(), self.projected.len());
+        let Some(factor) = self.factor(singular * self.longest_column(), |_| true) else {
+            self.projected.fill(0.0);
+            return;
+        };
+        let wrench = factor.solve(&(*motion).into());
+        let joints = self.per_scale.iter().zip(&mut self.projected);
+        for (column, (scale, projected)) in columns(&self.jacobian).zip(joints) {
+            *projected = scale * dot(column, &wrench);
+        }
+    }
+
     fn factor(&self, blunt: f64, moves: impl Fn(usize) -> bool) -> Option<Factor> {
         let mut normal = [[0.0; 6]; 6];
         let joints = columns(&self.jacobian).zip(&self.per_scale).enumerate();

@@ -277,6 +277,50 @@ fn steps_take_the_shortest_time_without_overshoot() {
     }
 }
 
+/// Largest distance of the tool from the straight line to a target that jumps, metres, and the cycles that it takes.
+fn off_the_line(arm: &Arm, start: &[f64], by: Vector3<f64>, straight: bool) -> (f64, usize) {
+    let n = start.len();
+    let servo = arm.servo(start, 1e-3).unwrap();
+    let servo = servo.with_acceleration_limits(&vec![10.0; n]).unwrap();
+    let servo = servo.with_jerk_limits(&vec![500.0; n]).unwrap();
+    let mut servo = servo.with_straight_line(straight);
+    let mut watch = Watch::new(start, 1e-3);
+    let first = arm.base_from_tool(start).unwrap();
+    let target = Placement::new(first.rotation, first.translation + by);
+    let along = by * by.norm().recip();
+    let (mut worst, mut cycles) = (0.0_f64, 0);
+    while !servo.step(target).unwrap().reached() {
+        watch.check(&servo, "straight line");
+        let here = arm.base_from_tool(servo.q()).unwrap().translation - first.translation;
+        worst = worst.max((here - along * here.dot(along)).norm());
+        cycles += 1;
+        assert!(cycles < 5000);
+    }
+    (worst, cycles)
+}
+
+#[test]
+fn straight_lines_are_kept_to_targets_that_jump() {
+    let ur5e = [0.2, -1.4, 1.3, -1.0, -1.2, 0.3];
+    let panda = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
+    let lines = [
+        ("universal_ur5e", &ur5e[..], [0.0, 0.3, 0.1]),
+        ("universal_ur5e", &ur5e, [0.05, 0.02, -0.1]),
+        ("franka_panda", &panda, [-0.15, -0.25, 0.1]),
+        ("franka_panda", &panda, [0.05, 0.02, -0.1]),
+    ];
+    for (name, start, by) in lines {
+        let (arm, by) = (arm(name), Vector3::from(by));
+        let (bent, shortest) = off_the_line(&arm, start, by, false);
+        let (straight, cycles) = off_the_line(&arm, start, by, true);
+        assert!(
+            straight < 1e-3 && straight < bent,
+            "{name}: {straight} {bent} m"
+        );
+        assert!(cycles < 3 * shortest, "{name}: {cycles} {shortest} cycles");
+    }
+}
+
 #[test]
 fn limits_of_files_hold_by_default() {
     let arm = panda_with_limits();

@@ -605,6 +605,7 @@ class Arm:
         jerk_limits: ArrayLike | None = None,
         velocity: ArrayLike | None = None,
         acceleration: ArrayLike | None = None,
+        straight_line: bool = False,
         damping: float | None = None,
     ) -> Servo: ...
     def with_tool(self, tip_from_tool: PlacementLike) -> Arm: ...

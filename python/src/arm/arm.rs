@@ -452,12 +452,13 @@ impl Arm {
     /// `velocity_limits`, `acceleration_limits`, `jerk_limits`: shape (dof,), rad/s, rad/s², rad/s³ or m/s, m/s², m/s³, inf for none.
     /// Default: those of the robot's files. They hold in every cycle for the differences of the commanded positions.
     /// `velocity`, `acceleration`: shape (dof,), the motion at the start; default at rest.
+    /// `straight_line`: keeps the tool on the straight line to its target, slower rather than off it.
     /// `damping`: a motion of the tool that needs this many radians of joint motion a radian is made at half of its speed;
     /// default 0.01.
     ///
     /// Raises `InvalidValueError` for a start of another length or not finite, a time step that is not a positive number, limits or a
     /// damping out of range, and a joint whose motion violates a limit or which cannot brake before a position limit.
-    #[pyo3(signature = (start, time_step, *, velocity_limits = None, acceleration_limits = None, jerk_limits = None, velocity = None, acceleration = None, damping = None))]
+    #[pyo3(signature = (start, time_step, *, velocity_limits = None, acceleration_limits = None, jerk_limits = None, velocity = None, acceleration = None, straight_line = false, damping = None))]
     #[allow(clippy::too_many_arguments)]
     fn servo(
         &self,
@@ -468,6 +469,7 @@ impl Arm {
         jerk_limits: Option<&Bound<'_, PyAny>>,
         velocity: Option<&Bound<'_, PyAny>>,
         acceleration: Option<&Bound<'_, PyAny>>,
+        straight_line: bool,
         damping: Option<f64>,
     ) -> PyResult<Servo> {
         let start = self.start(Some(start))?;
@@ -481,6 +483,7 @@ impl Arm {
             jerk_limits: numbers(jerk_limits, "jerk_limits")?,
             velocity: numbers(velocity, "velocity")?,
             acceleration: numbers(acceleration, "acceleration")?,
+            straight_line,
             damping,
         };
         Servo::new(Arc::clone(&self.inner), &start, time_step, &options)

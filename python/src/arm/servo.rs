@@ -37,6 +37,7 @@ pub(super) struct ServoOptions {
     pub(super) jerk_limits: Option<Vec<f64>>,
     pub(super) velocity: Option<Vec<f64>>,
     pub(super) acceleration: Option<Vec<f64>>,
+    pub(super) straight_line: bool,
     pub(super) damping: Option<f64>,
 }
 
@@ -58,6 +59,7 @@ impl Servo {
             if let Some(limits) = &options.jerk_limits {
                 servo = servo.with_jerk_limits(limits).or_raise()?;
             }
+            servo = servo.with_straight_line(options.straight_line);
             if let Some(radians) = options.damping {
                 servo = servo.with_damping(radians).or_raise()?;
             }

@@ -16,9 +16,11 @@
 mod goal_motion;
 mod joint_motion;
 mod report;
+mod straight_line;
 
 use self::goal_motion::GoalHistory;
 use self::joint_motion::{CycleLimits, JointMotion};
+use self::straight_line::StraightLine;
 use super::arm::Arm;
 use super::branch::Branch;
 use super::follower::{LONG_STEP, LONGEST_EASE};
@@ -80,11 +82,13 @@ pub struct Servo<'a> {
     target: Option<Placement<f64>>,
     /// Target of the goal configuration, which approaches a target that jumps in steps.
     approached: Placement<f64>,
+    /// Motion of that target along a straight line, where that was asked for.
+    line: Option<StraightLine>,
     branch: Branch,
     goal: Vec<f64>,
     history: GoalHistory,
-    /// Whether limits of rates kept a joint from its goal in the last cycle.
-    limited: bool,
+    /// Whether the arm is on its way to a target that jumped.
+    catches_up: bool,
     /// Largest null-space motion of the last cycle, radians.
     null_space_step: f64,
     joints: Vec<JointMotion>,
@@ -140,10 +144,11 @@ impl Arm {
             fading: 1.0,
             target: None,
             approached: self.base_from_tool(&goal)?,
+            line: None,
             branch: Branch::begin(self, &goal),
             history: GoalHistory::resting_at(&goal),
             goal,
-            limited: false,
+            catches_up: false,
             null_space_step: 0.0,
             joints: start.iter().map(|q| JointMotion::at_rest(*q)).collect(),
             next: vec![JointMotion::default(); n],
@@ -294,6 +299,15 @@ impl Servo<'_> {
         Ok(self)
     }
 
+    /// Keeps the tool on the straight line to its target (position straight, rotation about one axis): slower rather than off it. Default
+    /// false: each joint takes the shortest time, and the tool's path to a target that jumps is bent. Beside singular
+    /// configurations the tool leaves the line where the joint limits demand it.
+    #[must_use]
+    pub fn with_straight_line(mut self, straight: bool) -> Self {
+        self.line = straight.then(|| StraightLine::at_rest(self.q.len()));
+        self
+    }
+
     fn set_damping(&mut self, radians: f64) {
         let metres = radians * self.arm.options.metres_per_radian;
         self.damping = metres * metres;
@@ -349,7 +363,7 @@ impl Servo<'_> {
         let ended = self.advance_goal(&target, rests);
         self.history.push(&self.goal);
         let limited = self.meet_goal();
-        self.limited = limited;
+        self.catches_up &= limited;
         #[cfg(feature = "collision")]
         let contact = self.avoid_collisions()?;
         self.commit();
@@ -404,6 +418,10 @@ impl Servo<'_> {
         if let Ok(approached) = self.arm.base_from_tool(&self.goal) {
             self.approached = approached;
         }
+        if let Some(line) = &mut self.line {
+            line.rest();
+        }
+        self.catches_up = false;
         self.null_space_step = 0.0;
         self.fading = 1.0;
     }
@@ -426,15 +444,24 @@ impl Servo<'_> {
     fn advance_goal(&mut self, target: &Placement<f64>, rests: bool) -> Termination {
         let arm = self.arm;
         let mut ended = Termination::IterationLimit;
-        if arm.pose_distance(target, &self.approached) > LEAD && !rests {
+        if self.line.is_none() && arm.pose_distance(target, &self.approached) > LEAD && !rests {
             self.follow_own_motion();
+            self.catches_up = true;
         }
         for lead in 0..MAX_LEADS {
             let distance = arm.pose_distance(target, &self.approached);
-            let arrives = distance <= LEAD;
-            self.approached = match arrives {
+            let share = match &mut self.line {
+                Some(line) => {
+                    let ends = [&self.approached, target];
+                    line.advance(arm, &mut self.workspace, &self.goal, &self.limits, ends)
+                }
+                None => (LEAD / distance).min(1.0),
+            };
+            // On a line one step a cycle.
+            let arrives = share >= 1.0 || self.line.is_some();
+            self.approached = match share >= 1.0 {
                 true => *target,
-                false => between(&self.approached, target, LEAD / distance),
+                false => between(&self.approached, target, share),
             };
             self.workspace.aim(&self.approached);
             self.bound_goal();
@@ -494,8 +521,8 @@ impl Servo<'_> {
         }
         let rise = (self.time_step / NULL_SPACE_RISE).min(1.0);
         let gain = (NULL_SPACE_ACCELERATION * change).min(rise * step);
-        // An arm that is still on its way to a target that rests does not see the goal's own motion.
-        let (longest, share) = match rests && self.limited {
+        // An arm that is still far from its goal does not show the goal's own motion.
+        let (longest, share) = match rests && self.catches_up {
             true => (LONGEST_EASE, SHARE),
             false => (
                 step.min(self.null_space_step + gain),
