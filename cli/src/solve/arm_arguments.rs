@@ -106,6 +106,10 @@ pub(crate) struct ArmArguments {
           hide_short_help = true)]
     pub(super) jerk_limits: Option<Numbers>,
 
+    /// Keep the tool on the straight line to each target of --servo, slower rather than off it.
+    #[arg(long, requires = "servo", help_heading = FOLLOWING, hide_short_help = true)]
+    pub(super) straight_line: bool,
+
     /// Metres that weigh as much as a radian where a target is out of reach. Robots only. Default: a
     /// quarter of the arm's length.
     #[arg(long, value_name = "METRES", value_parser = number_list::positive,

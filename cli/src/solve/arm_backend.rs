@@ -135,7 +135,8 @@ impl<'a> ArmBackend<'a> {
     ) -> Outcome<Servo<'_>> {
         let mut start = Vec::new();
         self.arm.joint_values(&first.start, &mut start)?;
-        let mut servo = self.arm.servo(&start, 1.0 / rate)?;
+        let servo = self.arm.servo(&start, 1.0 / rate)?;
+        let mut servo = servo.with_straight_line(arguments.arm.straight_line);
         let one_each = |option, limits| {
             let columns = &self.columns;
             columns.one_each(self.loaded, option, limits, arguments.degrees)

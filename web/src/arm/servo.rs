@@ -28,6 +28,8 @@ export interface ServoOptions {
     accelerationLimits?: Numbers;
     /** Jerk limits of the joints, rad/s³ or m/s³, infinite for none; default: those of the robot's files. */
     jerkLimits?: Numbers;
+    /** Keeps the tool on the straight line to its target, slower rather than off it; default false. */
+    straightLine?: boolean;
     /** Damping near singular configurations, radians; default 0.01. */
     damping?: number;
 }
@@ -55,15 +57,17 @@ impl Servo {
         step: f64,
         options: Option<ServoOptions>,
     ) -> Result<Self, JsError> {
-        const KNOWN: [&str; 4] = [
+        const KNOWN: [&str; 5] = [
             "velocityLimits",
             "accelerationLimits",
             "jerkLimits",
+            "straightLine",
             "damping",
         ];
         let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
         let options = Given::new(options, "option of a servo", &KNOWN)?;
         let damping = options.number("damping")?;
+        let straight = options.switch("straightLine")?.unwrap_or(false);
         let limits = options.numbers("velocityLimits")?;
         let accelerations = options.numbers("accelerationLimits")?;
         let jerks = options.numbers("jerkLimits")?;
@@ -72,6 +76,7 @@ impl Servo {
             if let Some(limits) = limits {
                 servo = servo.with_velocity_limits(&limits).map_err(raise)?;
             }
+            servo = servo.with_straight_line(straight);
             if let Some(limits) = accelerations {
                 servo = servo.with_acceleration_limits(&limits).map_err(raise)?;
             }
