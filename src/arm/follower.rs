@@ -168,7 +168,8 @@ impl Follower<'_> {
             workspace.aim(target);
             arm.bound_by_limits(workspace);
             for (i, limits) in arm.limits().enumerate() {
-                let most = LONG_STEP / arm.scale[i];
+                // Less by rounding, so that no step counts as long.
+                let most = (1.0 - 1e-9) * LONG_STEP / arm.scale[i];
                 workspace.x[i] = q[i] + (limits.clamp(q[i]) - q[i]).clamp(-most, most);
             }
             let mut found = Found::alone(Termination::IterationLimit, 0);

@@ -349,3 +349,95 @@ impl JointMotion {
         0.5 * (low + high)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{CycleLimits, JointMotion, first_decrement, later_decrements};
+
+    fn limits(change: f64, change_rate: f64) -> CycleLimits {
+        CycleLimits {
+            lower: -2.0,
+            upper: 3.0,
+            step: 1e-2,
+            change,
+            change_rate,
+        }
+    }
+
+    #[test]
+    fn decrements_add_up_to_the_total() {
+        for (total, rate) in [
+            (0.3, 1.0),
+            (1.0, 1.0),
+            (2.7, 1.0),
+            (40.0, 0.3),
+            (5.0, f64::INFINITY),
+        ] {
+            let first = first_decrement(total, rate);
+            let sum = first + later_decrements(first, rate);
+            assert!((sum - total).abs() < 1e-12 * total, "{total} {rate}: {sum}");
+        }
+    }
+
+    /// Changes drawn at random from the viable ones never lead to a state without one, nor beyond a limit.
+    #[test]
+    fn viable_changes_lead_to_viable_states() {
+        let mut state = 7;
+        let mut unit = || {
+            state = crate::random::mix(state);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        for limits in [
+            limits(1e-4, 1e-5),
+            limits(1e-4, f64::INFINITY),
+            limits(f64::INFINITY, 1e-5),
+            limits(1e-3, 2e-3),
+        ] {
+            for _ in 0..20 {
+                let mut joint = JointMotion::at_rest(-2.0 + 5.0 * unit());
+                let mut preferred = unit();
+                for cycle in 0..3000 {
+                    if cycle % 100 == 0 {
+                        preferred = if unit() < 0.5 { 0.0 } else { 1.0 };
+                    }
+                    let (low, high) = joint.viable_changes(&limits);
+                    assert!(low <= high, "{joint:?} {limits:?}");
+                    let share = if unit() < 0.8 { preferred } else { unit() };
+                    let next = joint.after(low + share * (high - low));
+                    let rounding = 1e-12;
+                    assert!(
+                        next.q >= limits.lower - rounding && next.q <= limits.upper + rounding,
+                        "{next:?}"
+                    );
+                    assert!(next.step.abs() <= limits.step + rounding, "{next:?}");
+                    assert!(next.change.abs() <= limits.change + rounding, "{next:?}");
+                    assert!(
+                        (next.change - joint.change).abs() <= limits.change_rate + rounding,
+                        "{joint:?} {next:?}"
+                    );
+                    joint = next;
+                }
+            }
+        }
+    }
+
+    /// The estimate of a long stop is as the exact one to a hundredth.
+    #[test]
+    fn long_stops_are_estimated_well() {
+        let limits = limits(1e-4, 1e-6);
+        for step in [2e-3, 5e-3, 9e-3] {
+            for change in [-9e-5, -3e-5, 0.0, 4e-5] {
+                let joint = JointMotion {
+                    q: 0.0,
+                    step,
+                    change,
+                };
+                let (exact, estimate) = (joint.stop(&limits).end, joint.stop_offset(&limits));
+                assert!(
+                    (exact - estimate).abs() < 0.01 * exact.abs() + 2e-3,
+                    "{step} {change}: {exact} {estimate}"
+                );
+            }
+        }
+    }
+}
