@@ -1,7 +1,7 @@
 //! Promise: a solve from a start near its target returns what the attempt from the start reaches, also with joints on their limits.
 //!
 //! `KINOPT_CASES=10000 cargo test --release --test arm small_steps` makes 10 000 small steps with each shipped arm.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::print_stdout, clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, ArmBuilder, Search};
 use kinopt::spatial::{Placement, Vector3};

@@ -1,5 +1,5 @@
 //! Promise: near targets of a whole body are reached by the attempt from the start wherever that reaches them, also from joint limits.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::print_stdout, clippy::unwrap_used)]
 
 use kinopt::ik::Restarts;
 use kinopt::kinematics::ForwardKinematics;

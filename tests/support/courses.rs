@@ -113,7 +113,7 @@ impl Course {
                 let mut jitter = || vector(&mut random) * *noise;
                 let mut by = jitter();
                 for (amplitude, rate) in amplitudes.iter().zip(rates) {
-                    by = by + *amplitude * (TAU * rate * time).sin();
+                    by += *amplitude * (TAU * rate * time).sin();
                 }
                 moved(by, jitter() * 3.0)
             }
@@ -158,7 +158,7 @@ pub fn course(arm: &Arm, index: usize) -> Course {
     }
     if kind == "singularity" && n >= 5 {
         // The wrist's or the elbow's joint next to zero, which the course leads it through.
-        let joint = [n - 2, n / 2][(random.unit() < 0.4) as usize];
+        let joint = [n - 2, n / 2][usize::from(random.unit() < 0.4)];
         let limits = arm.limits().nth(joint).unwrap();
         start[joint] = (0.12 * (2.0 * random.unit() - 1.0))
             .max(limits.lower)

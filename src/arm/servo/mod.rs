@@ -526,7 +526,7 @@ impl Servo<'_> {
             true => (LONGEST_EASE, SHARE),
             false => (
                 step.min(self.null_space_step + gain),
-                1.0 - (-self.time_step / NULL_SPACE_TIME).exp(),
+                self.time_step / (self.time_step + NULL_SPACE_TIME),
             ),
         };
         self.null_space_step =
