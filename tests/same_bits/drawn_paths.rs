@@ -5,7 +5,7 @@ use kinopt::Arm;
 use kinopt::arm::{Axis, Goal};
 use kinopt::model::Limits;
 use kinopt::motion::path::{
-    CartesianPath, PathSolver, QuaternionOrder, Traversal, trapezoid_times,
+    CartesianPath, PathSolver, QuaternionOrder, TimingLimits, Trajectory, Traversal,
 };
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::{planar_with_hand, robot};
@@ -209,13 +209,24 @@ fn times() -> u64 {
                 .collect::<Vec<f64>>()
         };
         let (velocities, accelerations) = (limits(f64::INFINITY), limits(0.0));
-        if let Some(times) =
-            digest.answer(trapezoid_times(&rows, &rests, &velocities, &accelerations))
-        {
+        if let Some(times) = digest.answer(row_times(&rows, &rests, &velocities, &accelerations)) {
             digest.doubles(times);
         }
     }
     digest.value()
+}
+
+/// Times of rows of joint values.
+pub(crate) fn row_times(
+    rows: &[&[f64]],
+    rests: &[usize],
+    velocities: &[f64],
+    accelerations: &[f64],
+) -> Result<Vec<f64>, kinopt::motion::path::PathError> {
+    let joints = rows.first().map_or(velocities.len(), |row| row.len());
+    let limits = TimingLimits::new(velocities, accelerations);
+    let trajectory = Trajectory::through(&rows.concat(), joints, rests, &limits)?;
+    Ok(trajectory.times().to_vec())
 }
 
 /// Keys of splines, and what a path keeps.

@@ -2,9 +2,7 @@
 //! trapezoids of speed.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::motion::path::{
-    CartesianPath, CsvColumns, PathSolver, QuaternionOrder, Traversal, trapezoid_times,
-};
+use kinopt::motion::path::{CartesianPath, CsvColumns, PathSolver, QuaternionOrder, Traversal};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::robot;
 use support::random::Random;
@@ -189,7 +187,7 @@ fn times() -> u64 {
                 ([0.1, 0.1, 0.1], [30.0; 3]),
                 ([inf, inf, 3.0], [0.2, 9.0, 1.0]),
             ] {
-                let found = trapezoid_times(&rows, rests, &speeds, &accelerations);
+                let found = crate::drawn_paths::row_times(&rows, rests, &speeds, &accelerations);
                 digest.doubles(found.unwrap());
             }
         }
@@ -201,7 +199,7 @@ fn times() -> u64 {
             (&[f64::NAN; 3], &[1.0; 3]),
             (&[1.0; 3], &[-1.0; 3]),
         ] {
-            match trapezoid_times(&rows, &[], speeds, accelerations) {
+            match crate::drawn_paths::row_times(&rows, &[], speeds, accelerations) {
                 Ok(times) => digest.doubles(times),
                 Err(error) => add_error(&mut digest, &error),
             }
