@@ -22,6 +22,7 @@ mod nearly_dependent_rows;
 mod not_finite;
 mod nudges;
 mod overextended_arm;
+mod posture_drags;
 mod preferences;
 mod preferences_at_misses;
 mod preferences_on_bodies;

@@ -186,7 +186,8 @@ fn a_drag_with_a_posture_takes_few_steps_more_a_frame() {
         let left = left_over(&goals, &pulls, drag.q());
         assert!(left < 1e-2, "{left}");
     }
-    assert!(steps[1] <= steps[0] + 3 * frames as usize, "{steps:?}");
+    // Two of the preference, and those of the goals from where the posture is best.
+    assert!(steps[1] <= steps[0] + 5 * frames as usize, "{steps:?}");
 }
 
 /// Two joints that should sum to a half.

@@ -2,8 +2,12 @@
 //!
 //! Minimise ½‖r‖² of one rank over the configurations at which the ranks above are what they were when their
 //! own searches ended, by successive projection: a step that is best for a model of the rank and leaves what is
-//! [held](super::held_ranks) alone, then the shortest steps that bring that back. They go by [Newton's method](super::newton),
-//! preferences in a frame of a drag by a few cheaper [conjugate steps](super::conjugate_steps).
+//! [held](super::held_ranks) alone, then the shortest steps that bring that back. The steps are those of
+//! [Newton's method](super::newton). Below a missed rank, preferences in a frame of a drag take cheaper
+//! [conjugate steps](super::conjugate_steps).
+//!
+//! Conjugate steps would oscillate in frames that reach their goals: the held rows bend, the Gauss-Newton model omits that, and a
+//! step that lowers the cost still overshoots its minimum.
 
 use nalgebra::DMatrix;
 
@@ -106,7 +110,7 @@ impl Descent {
             true => extent.of_levels(),
             false => extent.of_preferences(reached),
         };
-        match is_level || extent == Extent::Whole {
+        match is_level || reached || extent == Extent::Whole {
             true => self.by_newton(descent, steps, observer),
             false => self.by_conjugate_steps(descent, steps, observer),
         }

@@ -1,0 +1,99 @@
+//! Promise: drags of whole bodies with a posture do not oscillate.
+#![allow(clippy::unwrap_used)]
+
+use kinopt::Problem;
+use kinopt::ik::{Drag, bent_stance};
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::robot::{BaseJoint, Robot};
+use kinopt::spatial::Vector3;
+use kinopt::task::{Point, Pose, Posture, Task};
+
+/// Smallest steps of two consecutive frames that count as a reversal, radians.
+const REVERSAL: f64 = 0.01;
+
+/// Course of a hand on a circle of the y-z plane that starts with a straight line along x.
+struct Course {
+    hand: &'static str,
+    /// Metres.
+    ahead: f64,
+    /// Metres.
+    radius: f64,
+    /// Angle of the circle in a frame, radians.
+    angle: f64,
+    upright: bool,
+}
+
+impl Course {
+    fn offset(&self, frame: u32) -> Vector3<f64> {
+        let angle = self.angle * f64::from(frame);
+        let ahead = self.ahead * (angle / 1.5).min(1.0);
+        Vector3::new(
+            ahead,
+            self.radius * angle.sin(),
+            self.radius * (angle.cos() - 1.0),
+        )
+    }
+
+    /// Frames in which a joint of a NAO on its feet reverses, and frames whose targets are missed.
+    fn reversals(&self) -> (usize, usize) {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/aldebaran_nao.urdf");
+        let robot = Robot::read(file).unwrap();
+        let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
+        let model = robot.model();
+        let frames = ["left_sole", "right_sole", self.hand];
+        let frames = frames.map(|name| model.frame(name).unwrap());
+        let up = [0.0, 0.0, 1.0];
+        let stance = bent_stance(model, robot.map(), &frames[..2], &model.neutral(), up).unwrap();
+        let mut kinematics = ForwardKinematics::of_frames(model, &frames).unwrap();
+        let poses = kinematics.place(&stance).unwrap();
+        let start = poses[2].translation;
+        let mut tasks = Problem::builder(model);
+        tasks.parameters(robot.map().clone());
+        let hand = tasks.add(Point::new(frames[2], start));
+        for (&foot, &pose) in frames.iter().zip(&poses[..2]) {
+            tasks.add(Task::new(Pose::new(foot, pose)).times(10.0));
+        }
+        let posture = Posture::new(model, &stance);
+        tasks.add(match self.upright {
+            true => posture.upright(model),
+            false => posture,
+        });
+        let mut drag = Drag::new(tasks.build().unwrap(), &stance).unwrap();
+        let mut steps = [vec![0.0; stance.len() - 1], vec![0.0; stance.len() - 1]];
+        let (mut reversals, mut missed) = (0, 0);
+        let mut last = drag.q().to_vec();
+        for frame in 0..400 {
+            let target = start + self.offset(frame);
+            drag.target_mut(hand).unwrap().set_target(target);
+            missed += usize::from(!drag.advance().reached);
+            let [step, before] = &mut steps;
+            model.difference(&last, drag.q(), step).unwrap();
+            let mut both = step.iter().zip(before.iter());
+            let reverses = |a: f64, b: f64| a * b < 0.0 && a.abs().min(b.abs()) > REVERSAL;
+            reversals += usize::from(both.any(|(a, b)| reverses(*a, *b)));
+            last.copy_from_slice(drag.q());
+            steps.swap(0, 1);
+        }
+        (reversals, missed)
+    }
+}
+
+#[test]
+fn posture_drag_within_reach_never_reverses() {
+    let slow = 1.0 / 40.0;
+    for (hand, ahead, radius, angle, upright) in [
+        ("left_hand", 0.2, 0.1, slow, true),
+        ("left_hand", 0.2, 0.1, slow, false),
+        ("right_hand", 0.15, 0.12, 2.0 * slow, true),
+    ] {
+        let course = Course {
+            hand,
+            ahead,
+            radius,
+            angle,
+            upright,
+        };
+        let counts = course.reversals();
+        assert_eq!(counts, (0, 0), "{hand} {ahead} {radius} upright {upright}");
+    }
+}
