@@ -123,9 +123,9 @@ impl Robot {
         /// let finger = robot.model().joint("finger_left_slide")?;
         /// let arm = robot.parameters().with_locked(finger, 0.04).build()?;
         /// assert_eq!(arm.variables(), 7);
-        /// // Three joints, the others at zero or at the limit next to it.
+        /// // Three joints, the others at the neutral configuration.
         /// let wrist = robot.joints(&["joint5", "joint6", "joint7"])?;
-        /// let wrist = robot.parameters().with_only(&wrist, &[0.0; 9]).build()?;
+        /// let wrist = robot.parameters().with_only(&wrist, &robot.model().neutral()).build()?;
         /// assert_eq!(wrist.variables(), 3);
         /// # Ok::<(), Box<dyn std::error::Error>>(())
         /// ```

@@ -296,9 +296,9 @@ fn after_a_rest_it_is_as_calm_as_before() {
     for _ in 0..200 {
         rested.step(at([0.7, 0.6, 0.0])).unwrap();
     }
-    rested.step(at([0.701, 0.6, 0.0])).unwrap();
+    rested.step(at([0.70002, 0.6, 0.0])).unwrap();
     let mut fresh = servo(rested.q());
-    let target = at([0.702, 0.6, 0.0]);
+    let target = at([0.70004, 0.6, 0.0]);
     let wanted = fresh.step(target).unwrap().q.to_vec();
     let step = rested.step(target).unwrap();
     let apart = wanted.iter().zip(step.q).map(|(a, b)| (a - b).abs());

@@ -4,7 +4,7 @@
 
 use kinopt::Problem;
 use kinopt::kinematics::ForwardKinematics;
-use kinopt::model::{Limits, ParameterMap};
+use kinopt::model::{Limits, ParameterMap, Source};
 use kinopt::spatial::rotation_log;
 use kinopt::task::Posture;
 use support::figures::Figure;
@@ -12,14 +12,24 @@ use support::random::Random;
 use support::{placement, planar_arm};
 
 #[test]
-fn what_is_not_freed_is_held_within_its_limits() {
+fn held_joints_are_clamped_by_a_small_excess_only() {
     let model = planar_arm(&[1.0; 4], Some((-1.0, 2.0)));
     let joints = model.moving_joints();
-    let map = ParameterMap::builder(&model).with_only(&[joints[2]], &[-3.0, 0.5, 9.0, 0.0]);
+    let map = ParameterMap::builder(&model).with_only(&[joints[2]], &[-1.0009, 0.5, 9.0, 0.0]);
     let map = map.build().unwrap();
     let mut q = [f64::NAN; 4];
     map.expand(&[0.7], &mut q).unwrap();
     assert_eq!(q, [-1.0, 0.5, 0.7, 0.0]);
+    let locked = ParameterMap::builder(&model).with_locked(joints[1], 2.0009);
+    assert_eq!(locked.build().unwrap().sources()[1], Source::Constant(2.0));
+    let held = ParameterMap::builder(&model).with_only(&[joints[2]], &[-1.002, 0.5, 9.0, 0.0]);
+    for far in [
+        held,
+        ParameterMap::builder(&model).with_locked(joints[1], 2.002),
+    ] {
+        let error = far.build().unwrap_err().to_string();
+        assert!(error.contains("cannot be locked"), "{error}");
+    }
 }
 
 #[test]

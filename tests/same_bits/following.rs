@@ -144,6 +144,8 @@ impl Digest {
                 self.bytes(match by {
                     HeldBy::Limit(side) => format!("limit {side:?}"),
                     HeldBy::Speed(side) => format!("speed {side:?}"),
+                    HeldBy::Acceleration(side) => format!("acceleration {side:?}"),
+                    HeldBy::Outside(side) => format!("outside {side:?}"),
                     _ => unreachable!("a new bound"),
                 });
             }
