@@ -113,7 +113,7 @@ impl Course {
                 let mut jitter = || vector(&mut random) * *noise;
                 let mut by = jitter();
                 for (amplitude, rate) in amplitudes.iter().zip(rates) {
-                    by = by + *amplitude * (TAU * rate * time).sin();
+                    by += *amplitude * (TAU * rate * time).sin();
                 }
                 moved(by, jitter() * 3.0)
             }
