@@ -85,6 +85,7 @@ pub mod lanes;
 pub mod mesh;
 pub mod model;
 pub mod motion;
+mod motion_limits;
 mod plural;
 pub mod prelude;
 pub mod problem;

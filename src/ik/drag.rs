@@ -1,12 +1,15 @@
 //! Dragging: one problem whose targets move from frame to frame.
 
 use super::drag_frame::{NUDGE_EVERY, REST, near, solve};
+use super::drag_motion::DragMotion;
 use super::keep_clear::ClearRoom;
 use super::levels::Extent;
 use super::straight_way::furthest_move;
 use super::way_out::{WayOut, WayOutSolvers};
 use super::way_out_of_contact::WayOutOfContact;
-use super::{BoundKind, MoveLimits, Restarts, Solution, SolveError, Solver, Workspace};
+use super::{
+    BoundKind, MotionLimits, MoveLimits, Restarts, Solution, SolveError, Solver, Workspace,
+};
 use crate::bad_option::BadOption;
 use crate::problem::{Problem, ProblemError, Question, Targets, TaskId};
 use crate::random::RandomStream;
@@ -105,6 +108,8 @@ pub struct Drag {
     pub(super) clear: Option<Box<ClearRoom>>,
     /// Whether something may touch where the body stands.
     pub(super) touches: bool,
+    /// The commanded motion, if rates are limited; all other fields are then those of its goal.
+    pub(super) motion: Option<Box<DragMotion>>,
 }
 
 /// A joint that moved further in a frame than the drag allows, because a search from elsewhere was
@@ -152,6 +157,7 @@ impl Drag {
             q_before: Vec::new(),
             clear: None,
             touches: true,
+            motion: None,
             problem,
         };
         drag.stand_at(start)?;
@@ -197,6 +203,35 @@ impl Drag {
     pub(super) fn set_max_move(&mut self, radians: f64) {
         self.max_move = radians;
         self.moves.set_angle(&self.problem, radians);
+        if let Some(motion) = &self.motion {
+            self.moves.lower_to(&self.problem, motion.largest_steps());
+        }
+    }
+
+    /// Keeps limits of velocity, acceleration and jerk in every frame, by finite differences of [`q`](Self::q) over the `time_step`
+    /// between two frames, seconds. The drag starts at rest.
+    ///
+    /// A frame first finds its goal: the configuration that a drag without a time step goes to, no joint faster than its velocity limit.
+    /// Each joint then follows its own goal as closely as its limits allow, and always keeps the distance that it
+    /// needs to brake before a position limit. [`q`](Self::q) and [`solution`](Self::solution) are those of the commanded configuration.
+    ///
+    /// The limits come before all tasks. Joints that lag behind their goals by different times move pinned frames: targets that are
+    /// themselves within the limits leave pinned frames in place, targets that jump do not. [`settle`](Self::settle) is
+    /// [`follow`](Self::follow), and [`stand_at`](Self::stand_at) starts again at rest.
+    ///
+    /// # Errors
+    /// A time step that is not a positive number; another number of limits than a configuration has numbers; a limit that is negative or
+    /// NaN, or an acceleration or jerk limit of 0; a ball joint with a bounded range; a problem that avoids collisions.
+    pub fn with_motion_limits(
+        mut self,
+        time_step: f64,
+        limits: &MotionLimits,
+    ) -> Result<Self, SolveError> {
+        let motion = DragMotion::new(&self.problem, time_step, limits, &self.x)?;
+        self.motion = Some(Box::new(motion));
+        self.set_max_move(self.max_move);
+        self.command_at_rest();
+        Ok(self)
     }
 
     /// Where a frame settles on a miss, searches from other places too, and goes to what is better by
@@ -214,12 +249,31 @@ impl Drag {
     getters! {
         /// What is dragged.
         pub fn problem(&self) -> &Problem = &self.problem;
-        /// Where the body stands (degrees of freedom).
-        pub fn q(&self) -> &[f64] = &self.q;
-        /// What the last frame came to: empty before the first. Its
-        /// [`active_limits`](Solution::active_limits) tell limits from the most that a joint may move in
-        /// a frame.
-        pub fn solution(&self) -> &Solution = &self.workspace.solution;
+    }
+
+    /// Where the body stands (degrees of freedom): the commanded configuration.
+    #[must_use]
+    pub fn q(&self) -> &[f64] {
+        match &self.motion {
+            Some(motion) => motion.q(),
+            None => &self.q,
+        }
+    }
+
+    /// What the last frame came to: empty before the first. Its
+    /// [`active_limits`](Solution::active_limits) tell limits from the most that a joint may move in
+    /// a frame.
+    #[must_use]
+    pub fn solution(&self) -> &Solution {
+        match &self.motion {
+            Some(motion) => motion.solution(),
+            None => &self.workspace.solution,
+        }
+    }
+
+    /// Whether rates are limited and the commanded configuration is still on its way to the goal.
+    fn lags(&self) -> bool {
+        (self.motion.as_ref()).is_some_and(|motion| !motion.is_at_rest_on_goal())
     }
 
     /// What is dragged, with the targets as they are now.
@@ -239,7 +293,11 @@ impl Drag {
     /// Whether some joint moved as far as a frame allows and would go on: the next frames follow.
     #[must_use]
     pub fn catching_up(&self) -> bool {
-        let mut limits = self.solution().active_limits();
+        self.goal_catches_up() || self.lags()
+    }
+
+    fn goal_catches_up(&self) -> bool {
+        let mut limits = self.workspace.solution.active_limits();
         limits.any(|limit| limit.kind == BoundKind::Move)
     }
 
@@ -265,6 +323,7 @@ impl Drag {
         self.touches = true;
         self.way_out.clear();
         self.way_out_of_contact.clear();
+        self.command_at_rest();
         Ok(())
     }
 
@@ -286,16 +345,28 @@ impl Drag {
             self.problem.parameters().gather(&self.q, &mut self.x);
             self.moved = self.furthest_move().map_or(0.0, |(_, moved)| moved);
         }
+        if let Some(motion) = &mut self.motion {
+            motion.follow(&self.problem, &self.x);
+            let question = Question::from(&self.problem).with_targets(&self.targets);
+            motion.report(question, &self.workspace.solution);
+        }
         self.solution()
+    }
+
+    /// Puts the commanded configuration at rest on the goal.
+    fn command_at_rest(&mut self) {
+        if let Some(motion) = &mut self.motion {
+            motion.rest_at(&self.problem, &self.x);
+        }
     }
 
     /// Settles within the bounds of the frame, and where that misses looks around.
     fn settle_frame(&mut self) {
         let question = near(&self.problem, &self.targets, &self.moves);
         solve(&self.solver, question, &self.q, &mut self.workspace);
-        let solution = self.solution();
+        let solution = &self.workspace.solution;
         let settled = !solution.reached && solution.termination.is_settled();
-        let stuck = settled && !self.catching_up();
+        let stuck = settled && !self.goal_catches_up();
         self.misses = if stuck { self.misses + 1 } else { 0 };
         if stuck && self.misses % NUDGE_EVERY == 1 {
             self.nudge();
@@ -310,9 +381,12 @@ impl Drag {
     /// nothing else to come: the next would do nothing.
     #[must_use]
     pub fn rests(&self) -> bool {
-        let done = self.solution().reached && !self.problem.has_preferences();
+        let done = self.workspace.solution.reached && !self.problem.has_preferences();
         let nudged = self.misses == 0 || self.misses > NUDGE_EVERY;
         let seeks = self.seeks_way_out() || self.seeks_way_out_of_contact();
+        if self.lags() {
+            return false;
+        }
         done || (self.moved < REST && nudged && !seeks)
     }
 

@@ -57,17 +57,20 @@ impl Drag {
     /// body rests on its targets or where it comes no nearer to them. The solution's steps and evaluations are
     /// those of all frames, which count as one attempt; a time limit is for all of them. Allocates.
     pub fn settle(&mut self, frames: usize) -> &Solution {
+        if self.motion.is_some() {
+            return self.follow(frames);
+        }
         let deadline = self.solver.stopping().deadline();
         let late = || deadline.is_some_and(|deadline| Instant::now() >= deadline);
         let start = (self.x.clone(), self.q.clone());
         let mut all = self.stride(frames, true, &late);
-        if !self.solution().reached && !late() {
+        if !self.workspace.solution.reached && !late() {
             let (strides, creeping) = (all.frames, all.ended == Ended::Creeping);
             let mut first = self.standing();
             (self.x, self.q) = start;
             self.misses = 0;
             all += self.go_on(frames, &late, |drag, _| drag.rests().then_some(Ended::Done));
-            if !self.solution().reached {
+            if !self.workspace.solution.reached {
                 let second = self.standing();
                 if creeping && !late() {
                     // Neither way is short: the first one to its end after all.
@@ -94,7 +97,7 @@ impl Drag {
             if drag.catching_up() {
                 return None;
             }
-            let there = drag.solution().reached || drag.rests();
+            let there = drag.workspace.solution.reached || drag.rests();
             let flat = drag.is_cut() && drag.workspace.searched_cost() >= BETTER * last_cost;
             (there || flat).then_some(Ended::Done)
         });
@@ -129,7 +132,7 @@ impl Drag {
         let (mut done, mut last_cost) = (Frames::default(), f64::INFINITY);
         for _ in 0..frames {
             self.advance();
-            let solution = self.solution();
+            let solution = &self.workspace.solution;
             done.frames += 1;
             done.iterations += solution.iterations;
             done.counts += solution.counts;
@@ -147,7 +150,7 @@ impl Drag {
 
     /// Whether the last frame was cut at its steps before it reached.
     fn is_cut(&self) -> bool {
-        let solution = self.solution();
+        let solution = &self.workspace.solution;
         !solution.reached && solution.termination == Termination::IterationLimit
     }
 
@@ -158,7 +161,7 @@ impl Drag {
             q: self.q.clone(),
             misses: self.misses,
             cost: self.workspace.searched_cost(),
-            solution: self.solution().clone(),
+            solution: self.workspace.solution.clone(),
         }
     }
 
@@ -173,6 +176,6 @@ impl Drag {
         let Workspace { solution, .. } = &mut self.workspace;
         (solution.iterations, solution.counts) = (all.iterations, all.counts);
         (solution.attempts, solution.agreeing) = (1, solution.agreeing.min(1));
-        solution
+        self.solution()
     }
 }

@@ -4,6 +4,7 @@ mod clear_engine;
 mod drag;
 mod drag_clear;
 mod drag_frame;
+mod drag_motion;
 mod drag_to_rest;
 mod hold_postures;
 mod keep_clear;
@@ -11,6 +12,7 @@ mod levels;
 mod loop_closure;
 mod loop_gap;
 mod minimiser;
+mod motion_limits;
 mod nearest_closing;
 mod solution_derivative;
 mod solver;
@@ -29,6 +31,7 @@ pub use drag::{Drag, Leap};
 pub use loop_closure::LoopClosure;
 pub use loop_gap::{LoopClosureError, LoopGap};
 pub(crate) use minimiser::Minimiser;
+pub use motion_limits::MotionLimits;
 pub use solution_derivative::{
     DerivativeError, DerivativeWorkspace, Existence, NoDerivative, SolutionDerivative,
 };

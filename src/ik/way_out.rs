@@ -104,9 +104,9 @@ impl Drag {
     pub(super) fn seeks_way_out(&self) -> bool {
         let seeks = match self.way_out.known {
             true => self.way_out.frames > 0,
-            false => self.way_out.tries < TRIES && !self.solution().is_beyond_reach(),
+            false => self.way_out.tries < TRIES && !self.workspace.solution.is_beyond_reach(),
         };
-        seeks && self.may_go_out() && !self.solution().reached
+        seeks && self.may_go_out() && !self.workspace.solution.reached
     }
 
     /// One attempt from beside the place where this frame settled, if the body rests there.
@@ -188,7 +188,7 @@ impl Drag {
         map.scatter_within_limits(start, &mut self.q);
         let step = &self.way_out_solvers.step;
         solve(step, question, &self.q, &mut self.workspace);
-        if self.solution().reached {
+        if self.workspace.solution.reached {
             self.way_out.clear();
         }
         self.misses = 0;

@@ -105,7 +105,7 @@ impl Drag {
             self.problem.parameters(),
             Question::from(&self.problem).space(),
         );
-        let mut q = self.solution().q.clone();
+        let mut q = self.workspace.solution.q.clone();
         let touched = check.collisions(&q);
         let end = &self.way_out_of_contact.end;
         let mut from = self.x.clone();

@@ -1,6 +1,7 @@
 //! What moves a joint, as far as files tell it: speed, effort, soft limits.
 
 use super::Robot;
+use crate::ik::MotionLimits;
 use crate::model::{JointId, Limits, ModelBuilder, ModelError};
 
 /// Limits of a joint's drive.
@@ -61,6 +62,22 @@ impl Robot {
     #[must_use]
     pub fn jerk_limit(&self, joint: JointId) -> Option<f64> {
         self.drives.get(joint.index())?.jerk
+    }
+
+    /// Velocity, acceleration and jerk limits of the robot's files, for
+    /// [`Drag::with_motion_limits`](crate::ik::Drag::with_motion_limits). Infinite for joints without one, such as a free base: set its
+    /// numbers, the first three linear, the next four angular.
+    #[must_use]
+    pub fn motion_limits(&self) -> MotionLimits {
+        let of = |limit: fn(&Self, JointId) -> Option<f64>| -> Vec<f64> {
+            let joints = self.model.moving_joints().iter();
+            let limits = joints.map(|&joint| limit(self, joint).unwrap_or(f64::INFINITY));
+            limits.collect()
+        };
+        MotionLimits::unlimited(self.model.configuration_len())
+            .with_velocity(of(Self::velocity_limit))
+            .with_acceleration(of(Self::acceleration_limit))
+            .with_jerk(of(Self::jerk_limit))
     }
 
     /// How hard a joint may push, in N·m or N: `effort` of its `<limit>` in the file. `None` as for

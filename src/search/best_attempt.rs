@@ -4,12 +4,12 @@ use super::attempt::{Attempt, Found};
 use super::schedule::{Schedule, Trial};
 use crate::solver::Termination;
 
-/// Costs within this share of each other count as the same miss.
+/// Smallest share of the cost by which an attempt must be lower to replace the best one.
 const SAME_COST: f64 = 1e-6;
 
-/// The caller's own attempt stays where another is better by no more than this share of the cost: what
-/// one did not ask for should not happen for a hair's breadth.
-const NEARLY_SAME: f64 = 1e-3;
+/// Attempts whose costs exceed the lowest by at most this share agree with it, both for the end of a search and for the number
+/// that a solution reports. The first attempt is kept if it agrees with the lowest.
+const AGREEING_COST: f64 = 1e-3;
 
 /// Room for the costs of so many attempts is made before the first.
 const USUAL_ATTEMPTS: usize = 1024;
@@ -26,8 +26,8 @@ pub(crate) struct Keeper {
     first_is_best: bool,
     /// Whether it may be the one that counts, though another is better.
     first_may_win: bool,
-    /// How many ended at the lowest cost, of those whose end says something.
-    agreeing: usize,
+    /// Costs of the attempts that count for agreement.
+    settled_costs: Vec<f64>,
     /// The cost of every attempt that came to its end or stalled, where the schedule tells agreement.
     costs: Vec<f64>,
 }
@@ -43,11 +43,12 @@ impl Keeper {
     pub(super) fn begin(&mut self, schedule: &Schedule) {
         self.found = Found::default();
         (self.first_is_best, self.first_may_win) = (true, false);
-        self.agreeing = 0;
+        self.settled_costs.clear();
         self.costs.clear();
         if schedule.tells_agreement() {
             let attempts = schedule.attempts();
             self.costs.reserve(attempts.min(USUAL_ATTEMPTS));
+            self.settled_costs.reserve(attempts.min(USUAL_ATTEMPTS));
             self.first_x.resize(self.x.len(), 0.0);
         }
     }
@@ -55,8 +56,7 @@ impl Keeper {
     /// Whether a trial makes sense after those before.
     pub(super) fn wants(&self, trial: Trial, schedule: &Schedule) -> bool {
         let found = &self.found;
-        let over =
-            found.iterations >= schedule.restarts().steps || self.agreeing >= schedule.enough();
+        let over = found.iterations >= schedule.restarts().steps || self.agree(schedule.enough());
         match trial {
             Trial::Quick(_) | Trial::Full(_) => found.attempts == 0 || !over,
             Trial::FinishBest | Trial::NearbyFirst => found.termination == Termination::Stalled,
@@ -65,6 +65,13 @@ impl Keeper {
                 !schedule.settles(found.termination) && found.attempts != schedule.attempts()
             }
         }
+    }
+
+    /// Whether so many attempts agree with the lowest.
+    fn agree(&self, enough: usize) -> bool {
+        let agreeing = self.found.cost * (1.0 + AGREEING_COST);
+        let mut costs = self.settled_costs.iter().filter(|cost| **cost <= agreeing);
+        enough == 0 || costs.nth(enough - 1).is_some()
     }
 
     /// Where a trial that finishes another begins.
@@ -100,12 +107,7 @@ impl Keeper {
         }
         let lower = attempt.cost < found.cost * (1.0 - SAME_COST);
         if settled && schedule.counts_for_agreement(trial) {
-            self.agreeing = match lower {
-                true => 1,
-                false => {
-                    self.agreeing + usize::from(attempt.cost <= found.cost * (1.0 + SAME_COST))
-                }
-            };
+            self.settled_costs.push(attempt.cost);
         }
         let first = found.attempts == 1 && !trial.goes_on();
         if first {
@@ -116,7 +118,7 @@ impl Keeper {
         }
         let usable = found.cost.is_nan() && !attempt.cost.is_nan();
         let kept = match trial {
-            Trial::FinishFirst => attempt.cost <= found.cost * (1.0 + NEARLY_SAME),
+            Trial::FinishFirst => attempt.cost <= found.cost * (1.0 + AGREEING_COST),
             _ => first || lower || usable || trial.goes_on(),
         };
         if attempt.reached || kept {
@@ -138,7 +140,7 @@ impl Keeper {
     /// What the attempts came to.
     pub(super) fn found(&mut self, schedule: &Schedule) -> Found {
         if schedule.tells_agreement() {
-            let alike = self.found.cost * (1.0 + NEARLY_SAME);
+            let alike = self.found.cost * (1.0 + AGREEING_COST);
             let agreeing = self.costs.iter().filter(|cost| **cost <= alike);
             self.found.agreeing = agreeing.count().max(1);
         }

@@ -51,6 +51,24 @@ pub enum SolveError {
         /// The joint.
         joint: String,
     },
+    /// Another number of limits than a configuration has numbers.
+    #[error("{option} has {given} numbers, a configuration of `{model}` has {expected}")]
+    MotionLimitsLength {
+        /// The option.
+        option: &'static str,
+        /// The model.
+        model: String,
+        /// Numbers given.
+        given: usize,
+        /// The numbers of a configuration.
+        expected: usize,
+    },
+    /// A problem whose motion cannot be limited by a time step.
+    #[error("time_step: a drag with {reason} cannot keep limits of acceleration")]
+    UnsupportedTimeStep {
+        /// What the drag has.
+        reason: String,
+    },
     /// Moves of a problem with other variables.
     #[error("moves of a problem of {given} variables; that on `{model}` has {expected}")]
     ForeignMoves {

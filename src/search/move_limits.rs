@@ -146,6 +146,26 @@ impl MoveLimits {
         }
     }
 
+    /// Lowers the moves to these, by variable; those of a ball are its angle.
+    pub(crate) fn lower_to(&mut self, problem: &Problem, steps: &[f64]) {
+        for (most, step) in self.most.iter_mut().zip(steps) {
+            *most = most.min(*step);
+        }
+        for ball in problem.parameters().balls() {
+            let first = ball.variable;
+            self.most[first..first + 3].fill(f64::INFINITY);
+            let angle = steps[first];
+            let known = self
+                .turns
+                .iter_mut()
+                .find(|turn| turn.variables().start == first);
+            match known {
+                Some(turn) => turn.most = turn.most.min(angle),
+                None => self.limit_turn(problem, first, angle),
+            }
+        }
+    }
+
     /// Limits the turn of the ball whose variables begin here.
     fn limit_turn(&mut self, problem: &Problem, first: usize, most: f64) {
         let mut balls = problem.parameters().balls().iter();

@@ -69,7 +69,7 @@ impl Restarts {
         pub fn with_attempts(mut self, attempts: usize) { self.attempts = Some(attempts) }
         /// The seed that all random starts come from.
         pub fn with_seed(mut self, seed: u64) { self.seed = seed }
-        /// Ends when so many attempts have stopped at the same lowest cost: the target is then most
+        /// Ends when so many attempts have stopped within a thousandth of the lowest cost: the target is then most
         /// likely out of reach. At least 1. All attempts but the first eight then run to their ends, so a
         /// miss costs more and is a little nearer. Unset, this is so only where a problem has preferences,
         /// and three are enough.

@@ -123,7 +123,7 @@ each! { value:
     motion::path::TrajectoryPoint, collision::BodyKind, collision::CheckerWorkspace, collision::Clearance,
     collision::CollisionModelBuilder<'static>, collision::Fineness, collision::MeshUse, collision::Way,
     collision::WayChecker, geometric::Reaching, geometric::Span, geometric::Triangle, ik::BoundKind,
-    ik::DerivativeWorkspace, ik::Drag, ik::Existence, ik::Leap<'static>, ik::MoveLimits, ik::NoDerivative,
+    ik::DerivativeWorkspace, ik::Drag, ik::Existence, ik::Leap<'static>, ik::MotionLimits, ik::MoveLimits, ik::NoDerivative,
     ik::RowsReport, ik::Side, io::gltf::SceneFile, kinematics::Jacobian, lanes::AxisGoal, lanes::ChainJoint,
     lanes::JointKind, lanes::PoseSolver, lanes::Prefer, lanes::lane::LaneMask<4>,
     lanes::lane::Lanes<4, false>, model::Reference<'static, model::FrameId>, problem::ParameterVector,

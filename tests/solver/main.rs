@@ -7,6 +7,7 @@ mod boxes;
 mod clear_of_ones_own;
 mod contradicting_targets;
 mod derivatives_in_any_unit;
+mod drag_limits;
 mod drags;
 mod every_kind_of_limit;
 mod first_steps;

@@ -359,6 +359,18 @@ fn attempts_that_miss_by_nearly_the_same_agree() {
     }
 }
 
+/// The tolerance that ends a search is that of the number that a solution reports.
+#[test]
+fn agreeing_ends_at_the_reported_number() {
+    let problem = behind(1.0005);
+    let restarts = Restarts::default().with_attempts(256).with_agreeing(9);
+    let solver = Solver::default().with_restarts(restarts);
+    let solution = solver.solve_once(&problem, &[0.5]).unwrap();
+    assert!(solution.agreeing >= 9 && solution.q == [1.0005]);
+    // Every second attempt counts.
+    assert!(solution.attempts <= 18, "{} attempts", solution.attempts);
+}
+
 /// After so many steps only one further attempt is made, from where the best one stands.
 #[test]
 fn steps_of_all_attempts_may_be_bounded() {

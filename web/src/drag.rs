@@ -34,6 +34,32 @@ impl Drag {
         })
     }
 
+    /// Keeps limits of velocity, acceleration and jerk in every frame, `time_step` seconds apart: one number for every number of a
+    /// configuration, rad/s or m/s (s², s³); undefined for none. The drag then starts at rest.
+    #[wasm_bindgen(js_name = limitMotion)]
+    pub fn limit_motion(
+        &mut self,
+        #[wasm_bindgen(js_name = timeStep)] time_step: f64,
+        #[wasm_bindgen(js_name = velocityLimits)] velocity: Option<Vec<f64>>,
+        #[wasm_bindgen(js_name = accelerationLimits)] acceleration: Option<Vec<f64>>,
+        #[wasm_bindgen(js_name = jerkLimits)] jerk: Option<Vec<f64>>,
+    ) -> Result<(), JsError> {
+        let numbers = self.inner.q().len();
+        let mut limits = kinopt::ik::MotionLimits::unlimited(numbers);
+        for (own, given) in [
+            (&mut limits.velocity, velocity),
+            (&mut limits.acceleration, acceleration),
+            (&mut limits.jerk, jerk),
+        ] {
+            if let Some(given) = given {
+                *own = given;
+            }
+        }
+        let limited = self.inner.clone().with_motion_limits(time_step, &limits);
+        self.inner = limited.map_err(raise)?;
+        Ok(())
+    }
+
     /// Moves targets by their tasks' names, as in `{ left_hand: [0.4, 0.1, 0.3] }`.
     #[wasm_bindgen(js_name = setTargets)]
     pub fn set_targets(&mut self, targets: TargetsByName) -> Result<(), JsError> {

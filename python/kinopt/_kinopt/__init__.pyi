@@ -1431,6 +1431,10 @@ class Drag:
         max_move: float | None = None,
         search: int | None = None,
         seed: int = 0,
+        time_step: float | None = None,
+        velocity_limits: ArrayLike | None = None,
+        acceleration_limits: ArrayLike | None = None,
+        jerk_limits: ArrayLike | None = None,
     ) -> Drag: ...
     @property
     def problem(self) -> Problem: ...

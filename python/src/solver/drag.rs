@@ -2,15 +2,16 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use kinopt::ik::Restarts;
+use kinopt::ik::{MotionLimits, Restarts};
 use kinopt::solver::Stopping;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use super::Solver;
 use crate::arrays;
-use crate::error::OrRaise;
+use crate::error::{OrRaise, invalid};
 use crate::problem::{Aimed, Problem, Stated, raised};
+use crate::robot::Robot;
 use crate::solution::Solution;
 
 /// Steps of a frame unless told otherwise, as in the library.
@@ -28,6 +29,11 @@ const STEPS: usize = 40;
 /// method and the limits of a frame, 40 steps unless it sets them. Raises `InvalidValueError` for a start
 /// that does not fit, for a problem without tasks, for a geometric method, and for settings out of range. Tasks
 /// that the problem is given later are none of the drag's.
+///
+/// With a `time_step` between two frames, seconds, every frame keeps velocity, acceleration and jerk limits, shape (nq,), rad/s or m/s (s²,
+/// s³); by default those of a robot's files. The first three numbers of a free base limit the norm of its linear rates, the next four
+/// that of its angular rates. Limits come before all tasks: where targets jump, pinned frames move. Raises
+/// `InvalidValueError` for limits without a time step, for a bounded ball joint and for a problem that avoids collisions.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct Drag {
     problem: Py<Problem>,
@@ -70,7 +76,8 @@ impl Drag {
 #[pymethods]
 impl Drag {
     #[new]
-    #[pyo3(signature = (problem, start, *, solver = None, max_move = None, search = None, seed = 0))]
+    #[pyo3(signature = (problem, start, *, solver = None, max_move = None, search = None, seed = 0, time_step = None, velocity_limits = None, acceleration_limits = None, jerk_limits = None))]
+    #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn new(
         py: Python<'_>,
         problem: &Bound<'_, Problem>,
@@ -79,6 +86,10 @@ impl Drag {
         max_move: Option<f64>,
         #[pyo3(from_py_with = crate::arrays::whole_or_none)] search: Option<usize>,
         #[pyo3(from_py_with = crate::arrays::whole)] seed: u64,
+        time_step: Option<f64>,
+        velocity_limits: Option<&Bound<'_, PyAny>>,
+        acceleration_limits: Option<&Bound<'_, PyAny>>,
+        jerk_limits: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let start = arrays::vector(start, "start")?.to_vec();
         let stated = problem.get().stated()?;
@@ -100,6 +111,17 @@ impl Drag {
         if let Some(attempts) = search {
             let restarts = Restarts::default().with_attempts(attempts);
             drag = drag.with_search(restarts.with_seed(seed)).or_raise()?;
+        }
+        let given = [velocity_limits, acceleration_limits, jerk_limits];
+        match time_step {
+            Some(time_step) => {
+                let limits = motion_limits(py, problem, own, given)?;
+                drag = drag.with_motion_limits(time_step, &limits).or_raise()?;
+            }
+            None if given.iter().any(Option::is_some) => {
+                return Err(invalid("limits of rates need a time_step"));
+            }
+            None => {}
         }
         Ok(Self {
             problem: problem.clone().unbind(),
@@ -216,6 +238,32 @@ impl Drag {
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         Ok(format!("Drag({})", self.problem.bind(py).repr()?))
     }
+}
+
+/// Limits of velocity, acceleration and jerk: those given, else those of the robot's files.
+fn motion_limits(
+    py: Python<'_>,
+    problem: &Bound<'_, Problem>,
+    own: &kinopt::Problem,
+    given: [Option<&Bound<'_, PyAny>>; 3],
+) -> PyResult<MotionLimits> {
+    let model = problem.get().model(py);
+    let mut limits = match model.bind(py).cast::<Robot>() {
+        Ok(robot) => robot.get().inner.motion_limits(),
+        Err(_) => MotionLimits::unlimited(own.configuration_len()),
+    };
+    let names = ["velocity_limits", "acceleration_limits", "jerk_limits"];
+    let own = [
+        &mut limits.velocity,
+        &mut limits.acceleration,
+        &mut limits.jerk,
+    ];
+    for ((own, given), name) in own.into_iter().zip(given).zip(names) {
+        if let Some(given) = given {
+            *own = arrays::vector(given, name)?.to_vec();
+        }
+    }
+    Ok(limits)
 }
 
 /// A joint that moved further in a frame than the drag allows, because a search from elsewhere found better.

@@ -5,7 +5,7 @@
 //!    (Wampler 1986, "Manipulator inverse kinematic solutions based on vector formulations and damped least-squares
 //!    methods"), within the position limits. Where the target rests the damping fades, so that the arm settles at the
 //!    closest pose.
-//! 2. Each joint has an interval of next steps from which it can still [brake](joint_motion) within all of its limits. So no later
+//! 2. Each joint has an interval of next steps from which it can still [brake](crate::motion_limits) within all of its limits. So no later
 //!    cycle is infeasible. Every step in it has a position at which the joint would *meet* its goal if it braked
 //!    from now on. Within the box of these positions a bounded least-squares problem finds the ones nearest to the goal
 //!    configuration, with joints that are free to move making up for those at a bound.
@@ -13,13 +13,9 @@
 //!
 //! Without limits of acceleration a joint meets its goal in the next cycle, and the box is that of the velocity limits.
 
-mod goal_motion;
-mod joint_motion;
 mod report;
 mod straight_line;
 
-use self::goal_motion::GoalHistory;
-use self::joint_motion::{CycleLimits, JointMotion};
 use self::straight_line::StraightLine;
 use super::arm::Arm;
 use super::branch::Branch;
@@ -30,6 +26,7 @@ use super::workspace::{ArmWorkspace, Errors};
 use super::{ArmError, QueryError};
 use crate::bad_option::{AT_LEAST_0, BadOption, NOT_NEGATIVE, Range};
 use crate::ik::Side;
+use crate::motion_limits::{CycleLimits, GoalHistory, JointMotion, ROUNDING};
 use crate::search::{Collision, within};
 use crate::solver::Termination;
 use crate::spatial::{Placement, Quaternion, rotation_exp};
@@ -58,9 +55,6 @@ const LEAD: f64 = 0.1;
 const MAX_LEADS: usize = 4;
 /// Speed from which on a joint comes to rest for a cycle before it moves the other way, rad/s.
 const REVERSAL_SPEED: f64 = 0.1;
-
-/// Share of a limit that is left for rounding that adds up over a stop.
-const ROUNDING: f64 = 1e-9;
 
 const ABOVE_0: Range = (|v| v > 0.0, "a number above 0 (infinity for none)");
 

@@ -6,9 +6,9 @@
 
 use nalgebra::Vector6;
 
-use super::joint_motion::{CycleLimits, GoalMotion, JointMotion};
 use crate::arm::arm::Arm;
 use crate::arm::workspace::ArmWorkspace;
+use crate::motion_limits::{CycleLimits, GoalMotion, JointMotion};
 use crate::spatial::{Placement, Quaternion};
 
 /// Shares of the joints' velocity, acceleration and jerk limits for motion along the line.

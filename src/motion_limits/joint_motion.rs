@@ -11,34 +11,34 @@
 
 /// Limits of a joint, positions in radians or metres, rates a control cycle; infinite for none.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct CycleLimits {
-    pub(super) lower: f64,
-    pub(super) upper: f64,
+pub(crate) struct CycleLimits {
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
     /// Largest step D.
-    pub(super) step: f64,
+    pub(crate) step: f64,
     /// Largest change E of a step.
-    pub(super) change: f64,
+    pub(crate) change: f64,
     /// Largest change K of that.
-    pub(super) change_rate: f64,
+    pub(crate) change_rate: f64,
 }
 
 /// State of a joint after a cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct JointMotion {
+pub(crate) struct JointMotion {
     /// Radians or metres.
-    pub(super) q: f64,
+    pub(crate) q: f64,
     /// Last step d.
-    pub(super) step: f64,
+    pub(crate) step: f64,
     /// Last change e of the step.
-    pub(super) change: f64,
+    pub(crate) change: f64,
 }
 
 /// Extremes of a stop, as offsets from where it begins.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Stop {
-    pub(super) lowest: f64,
-    pub(super) highest: f64,
-    pub(super) end: f64,
+pub(crate) struct Stop {
+    pub(crate) lowest: f64,
+    pub(crate) highest: f64,
+    pub(crate) end: f64,
 }
 
 /// Iterations of a one-dimensional search; each at least halves the interval in two.
@@ -72,7 +72,7 @@ fn later_decrements(first: f64, rate: f64) -> f64 {
 }
 
 impl JointMotion {
-    pub(super) fn at_rest(q: f64) -> Self {
+    pub(crate) fn at_rest(q: f64) -> Self {
         Self {
             q,
             step: 0.0,
@@ -80,12 +80,12 @@ impl JointMotion {
         }
     }
 
-    pub(super) fn is_at_rest(&self) -> bool {
+    pub(crate) fn is_at_rest(&self) -> bool {
         self.step == 0.0 && self.change == 0.0
     }
 
     /// The state after a cycle whose step changes by `change`.
-    pub(super) fn after(&self, change: f64) -> Self {
+    pub(crate) fn after(&self, change: f64) -> Self {
         let step = self.step + change;
         Self {
             q: self.q + step,
@@ -95,7 +95,7 @@ impl JointMotion {
     }
 
     /// The change of the policy that comes to rest soonest.
-    pub(super) fn braking_change(&self, limits: &CycleLimits) -> f64 {
+    pub(crate) fn braking_change(&self, limits: &CycleLimits) -> f64 {
         let CycleLimits {
             change: most,
             change_rate: rate,
@@ -113,7 +113,7 @@ impl JointMotion {
     }
 
     /// The path of a stop by the braking policy.
-    pub(super) fn stop(&self, limits: &CycleLimits) -> Stop {
+    pub(crate) fn stop(&self, limits: &CycleLimits) -> Stop {
         let (change, rate) = (limits.change, limits.change_rate);
         let mut stop = Stop::default();
         if change.is_infinite() && rate.is_infinite() {
@@ -152,7 +152,7 @@ impl JointMotion {
     }
 
     /// The least and the largest change of the next cycle from which the joint still stops within its limits.
-    pub(super) fn viable_changes(&self, limits: &CycleLimits) -> (f64, f64) {
+    pub(crate) fn viable_changes(&self, limits: &CycleLimits) -> (f64, f64) {
         let braking = self.braking_change(limits);
         let mut lower = (-limits.change).max(self.change - limits.change_rate);
         let mut upper = limits.change.min(self.change + limits.change_rate);
@@ -243,9 +243,9 @@ impl JointMotion {
 
 /// Predicted motion of a joint's goal, a control cycle.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct GoalMotion {
-    pub(super) step: f64,
-    pub(super) change: f64,
+pub(crate) struct GoalMotion {
+    pub(crate) step: f64,
+    pub(crate) change: f64,
 }
 
 /// Share of an acceleration limit that is left at least to meet a goal that accelerates.
@@ -254,7 +254,7 @@ const LEAST_AUTHORITY: f64 = 0.25;
 impl JointMotion {
     /// Where the joint would meet its goal's motion if it braked towards that from now on, as a position of the goal now: for a
     /// goal at rest the position at which the joint comes to rest.
-    pub(super) fn meeting(&self, goal: GoalMotion, limits: &CycleLimits) -> f64 {
+    pub(crate) fn meeting(&self, goal: GoalMotion, limits: &CycleLimits) -> f64 {
         if limits.change.is_infinite() && limits.change_rate.is_infinite() {
             return self.q;
         }
@@ -308,7 +308,7 @@ impl JointMotion {
     }
 
     /// The change within `range` after which the joint meets its goal nearest to `position`.
-    pub(super) fn change_to_meet(
+    pub(crate) fn change_to_meet(
         &self,
         position: f64,
         range: (f64, f64),

@@ -8,7 +8,7 @@ use super::joint_motion::GoalMotion;
 /// So a target that moves smoothly is followed without lag, and one that is noisy, or held between updates, is taken for
 /// resting.
 #[derive(Clone, Debug)]
-pub(super) struct GoalHistory {
+pub(crate) struct GoalHistory {
     /// The last position, its last step and the last change of that.
     last: Vec<f64>,
     steps: Vec<f64>,
@@ -28,7 +28,7 @@ fn agreed(a: f64, b: f64) -> f64 {
 }
 
 impl GoalHistory {
-    pub(super) fn resting_at(goal: &[f64]) -> Self {
+    pub(crate) fn resting_at(goal: &[f64]) -> Self {
         let n = goal.len();
         Self {
             last: goal.to_vec(),
@@ -39,7 +39,7 @@ impl GoalHistory {
     }
 
     /// Takes the goal of the next cycle.
-    pub(super) fn push(&mut self, goal: &[f64]) {
+    pub(crate) fn push(&mut self, goal: &[f64]) {
         for (i, &goal) in goal.iter().enumerate() {
             let step = goal - self.last[i];
             let newest = self.steps[i];
@@ -55,7 +55,7 @@ impl GoalHistory {
     }
 
     /// The predicted motion of each joint, a control cycle.
-    pub(super) fn motions(&self) -> &[GoalMotion] {
+    pub(crate) fn motions(&self) -> &[GoalMotion] {
         &self.motions
     }
 }

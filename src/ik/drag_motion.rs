@@ -1,0 +1,290 @@
+//! Commanded motion of a drag within limits of velocity, acceleration and jerk.
+//!
+//! Each variable of a hinge or slide follows its goal by [`JointMotion`]. Of a ball joint the three components of the rotation vector
+//! in its own axes do, each within 1/√3 of the limits, so that the norm keeps them. The vector of a frame is that of the rotation
+//! from the last orientation to the next.
+
+use super::drag_frame::{REST, solve};
+use super::{MotionLimits, Restarts, Solution, SolveError, Solver, Workspace};
+use crate::bad_option::{AT_LEAST_0, BadOption, POSITIVE, Range};
+use crate::motion_limits::{CycleLimits, GoalHistory, JointMotion, ROUNDING};
+use crate::problem::{Problem, Question};
+use crate::solver::Stopping;
+use crate::spatial::{Quaternion, Vector3};
+
+const ABOVE_0: Range = (|v| v > 0.0, "a number above 0 (infinity for none)");
+/// Step of a variable without a velocity limit in a frame, radians or metres: more than any goal moves.
+const UNLIMITED_STEP: f64 = 1e3;
+
+/// A ball joint of the commanded motion.
+#[derive(Clone, Debug)]
+struct Ball {
+    /// First of its three variables.
+    first: usize,
+    orientation: Quaternion<f64>,
+    goal: Quaternion<f64>,
+}
+
+/// Commanded motion of a drag.
+#[derive(Clone, Debug)]
+pub(super) struct DragMotion {
+    /// By variable; so are all others. Of a ball the whole angle.
+    largest_steps: Vec<f64>,
+    limits: Vec<CycleLimits>,
+    /// The position of a ball's variables counts from its orientation: it is zero.
+    joints: Vec<JointMotion>,
+    balls: Vec<Ball>,
+    /// Goals by variable; of a ball the sum of the rotation vectors of its goal's frames.
+    goals: Vec<f64>,
+    history: GoalHistory,
+    /// Goals by variable; of a ball the rotation vector from its orientation.
+    towards: Vec<f64>,
+    x: Vec<f64>,
+    q: Vec<f64>,
+    look: Solver,
+    workspace: Workspace,
+}
+
+impl DragMotion {
+    pub(super) fn new(
+        problem: &Problem,
+        time_step: f64,
+        given: &MotionLimits,
+        x: &[f64],
+    ) -> Result<Self, SolveError> {
+        BadOption::check("time_step", time_step, POSITIVE)?;
+        let unsupported = |reason: String| Err(SolveError::UnsupportedTimeStep { reason });
+        if problem.fence().is_some() {
+            return unsupported("collisions to avoid".to_owned());
+        }
+        for ball in problem.parameters().balls() {
+            if ball.swing.is_some() || ball.angle.is_some() {
+                let joint = &problem.names().joints[ball.variable];
+                return unsupported(format!("bounded ball joint `{joint}`"));
+            }
+        }
+        let velocity = by_variable(problem, "velocity_limits", &given.velocity, AT_LEAST_0)?;
+        let acceleration =
+            by_variable(problem, "acceleration_limits", &given.acceleration, ABOVE_0)?;
+        let jerk = by_variable(problem, "jerk_limits", &given.jerk, ABOVE_0)?;
+        let n = problem.variables();
+        let mut is_ball = vec![false; n];
+        for ball in problem.parameters().balls() {
+            is_ball[ball.variable..ball.variable + 3].fill(true);
+        }
+        let t = time_step;
+        let limits = (0..n).map(|j| {
+            let slides = problem.floats(j) && !problem.names().variable_is_angle[j];
+            let share = match slides || is_ball[j] {
+                true => 1.0 / 3.0_f64.sqrt(),
+                false => 1.0,
+            };
+            let (lower, upper) = match is_ball[j] {
+                true => (f64::NEG_INFINITY, f64::INFINITY),
+                false => (problem.lower()[j], problem.upper()[j]),
+            };
+            let size = |bound: f64| if bound.is_finite() { bound.abs() } else { 1.0 };
+            let ulp = f64::EPSILON * size(lower).max(size(upper)).max(x[j].abs());
+            let less =
+                |limit: f64, ulps: f64| (limit * share * (1.0 - ROUNDING) - ulps * ulp).max(0.0);
+            CycleLimits {
+                lower,
+                upper,
+                step: less(velocity[j] * t, 1.0).min(UNLIMITED_STEP),
+                change: less(acceleration[j] * t * t, 2.0),
+                change_rate: less(jerk[j] * t * t * t, 4.0),
+            }
+        });
+        let limits: Vec<CycleLimits> = limits.collect();
+        let stopping = Stopping::default().with_max_iterations(0);
+        let look = Solver::default().with_stopping(stopping);
+        let mut motion = Self {
+            largest_steps: limits.iter().map(|limits| limits.step).collect(),
+            limits,
+            joints: vec![JointMotion::default(); n],
+            balls: Vec::new(),
+            goals: vec![0.0; n],
+            history: GoalHistory::resting_at(&vec![0.0; n]),
+            towards: vec![0.0; n],
+            x: vec![0.0; n],
+            q: vec![0.0; problem.configuration_len()],
+            look: look.with_restarts(Restarts::none()),
+            workspace: Workspace::new(),
+        };
+        motion.rest_at(problem, x);
+        Ok(motion)
+    }
+
+    getters! {
+        pub(super) fn q(&self) -> &[f64] = &self.q;
+        pub(super) fn solution(&self) -> &Solution = &self.workspace.solution;
+        /// Largest steps of the goal in a frame, by variable.
+        pub(super) fn largest_steps(&self) -> &[f64] = &self.largest_steps;
+    }
+
+    /// Starts again at rest.
+    pub(super) fn rest_at(&mut self, problem: &Problem, x: &[f64]) {
+        self.x.copy_from_slice(x);
+        self.goals.copy_from_slice(x);
+        for (joint, x) in self.joints.iter_mut().zip(x) {
+            *joint = JointMotion::at_rest(*x);
+        }
+        self.balls.clear();
+        for ball in problem.parameters().balls() {
+            let three = ball.variable..ball.variable + 3;
+            self.joints[three.clone()].fill(JointMotion::default());
+            self.goals[three].fill(0.0);
+            let orientation = ball.chart.rotation(ball.of(x).unwrap_or_default());
+            self.balls.push(Ball {
+                first: ball.variable,
+                orientation,
+                goal: orientation,
+            });
+        }
+        self.history = GoalHistory::resting_at(&self.goals);
+        let map = problem.parameters();
+        map.scatter_within_limits(&self.x, &mut self.q);
+    }
+
+    /// One frame towards a goal.
+    pub(super) fn follow(&mut self, problem: &Problem, goal: &[f64]) {
+        let map = problem.parameters();
+        for (k, goal) in goal.iter().enumerate() {
+            if !self.is_of_ball(k) {
+                self.goals[k] = *goal;
+            }
+        }
+        for (own, ball) in self.balls.iter_mut().zip(map.balls()) {
+            let next = ball.chart.rotation(ball.of(goal).unwrap_or_default());
+            let moved = (own.goal.conjugate() * next).log();
+            own.goal = next;
+            for (value, moved) in self.goals[own.first..].iter_mut().zip(components(moved)) {
+                *value += moved;
+            }
+        }
+        self.history.push(&self.goals);
+        self.towards.copy_from_slice(&self.goals);
+        for own in &self.balls {
+            let left = (own.orientation.conjugate() * own.goal).log();
+            self.towards[own.first..own.first + 3].copy_from_slice(&components(left));
+        }
+        for (j, joint) in self.joints.iter_mut().enumerate() {
+            let limits = &self.limits[j];
+            let range = joint.viable_changes(limits);
+            let motion = self.history.motions()[j];
+            let change = joint.change_to_meet(self.towards[j], range, motion, limits);
+            let mut next = joint.after(change);
+            // Rounding.
+            let inside = next.q.max(limits.lower).min(limits.upper);
+            if inside != next.q {
+                next.q = inside;
+                next.step = inside - joint.q;
+                next.change = next.step - joint.step;
+            }
+            *joint = next;
+            self.x[j] = next.q;
+        }
+        for (own, ball) in self.balls.iter_mut().zip(map.balls()) {
+            let three = own.first..own.first + 3;
+            let steps = &mut self.joints[three.clone()];
+            let step = Vector3::new(steps[0].step, steps[1].step, steps[2].step);
+            own.orientation = unit(own.orientation * Quaternion::exp(step));
+            for joint in steps {
+                joint.q = 0.0;
+            }
+            self.x[three].copy_from_slice(&ball.chart.variables(own.orientation));
+        }
+        map.scatter_within_limits(&self.x, &mut self.q);
+    }
+
+    /// Whether it is at rest on its goal.
+    pub(super) fn is_at_rest_on_goal(&self) -> bool {
+        let mut balls = self.balls.iter();
+        let turned = |ball: &Ball| (ball.orientation.conjugate() * ball.goal).log().norm();
+        let mut joints = self.joints.iter().enumerate();
+        balls.all(|ball| turned(ball) < REST)
+            && joints.all(|(j, joint)| {
+                let off = match self.is_of_ball(j) {
+                    true => 0.0,
+                    false => self.goals[j] - joint.q,
+                };
+                off.abs() < REST && joint.step.abs() < REST
+            })
+    }
+
+    fn is_of_ball(&self, variable: usize) -> bool {
+        let mut balls = self.balls.iter();
+        balls.any(|ball| (ball.first..ball.first + 3).contains(&variable))
+    }
+
+    /// Reports on the commanded configuration, with the effort of the frame that found its goal.
+    pub(super) fn report(&mut self, question: Question<'_>, goal: &Solution) {
+        solve(&self.look, question, &self.q, &mut self.workspace);
+        let solution = &mut self.workspace.solution;
+        // To the bit, and with its own sign of quaternions.
+        solution.q.copy_from_slice(&self.q);
+        solution.iterations = goal.iterations;
+        solution.counts += goal.counts;
+        if !solution.reached {
+            solution.termination = goal.termination;
+        }
+    }
+}
+
+/// The limits of the variables, by those of the numbers of a configuration.
+fn by_variable(
+    problem: &Problem,
+    option: &'static str,
+    limits: &[f64],
+    range: Range,
+) -> Result<Vec<f64>, SolveError> {
+    if limits.len() != problem.configuration_len() {
+        return Err(SolveError::MotionLimitsLength {
+            option,
+            model: problem.names().model.clone(),
+            given: limits.len(),
+            expected: problem.configuration_len(),
+        });
+    }
+    for &limit in limits {
+        BadOption::check(option, limit, range)?;
+    }
+    let map = problem.parameters();
+    let mut least = vec![f64::INFINITY; problem.variables()];
+    for (source, limit) in map.sources().iter().zip(limits) {
+        if let Some((variable, ratio)) = source.slope()
+            && ratio != 0.0
+        {
+            least[variable] = least[variable].min(limit / ratio.abs());
+        }
+    }
+    for ball in map.balls() {
+        let four = &limits[ball.coordinate..ball.coordinate + 4];
+        let angular = four.iter().copied().fold(f64::INFINITY, f64::min);
+        least[ball.variable..ball.variable + 3].fill(angular);
+    }
+    // The slides of a free base share the smallest limit.
+    let slides =
+        |j: usize| problem.floats(j) && problem.names().variable_is_angle.get(j) == Some(&false);
+    let linear = (0..least.len()).filter(|&j| slides(j)).map(|j| least[j]);
+    let linear = linear.fold(f64::INFINITY, f64::min);
+    for (j, least) in least.iter_mut().enumerate() {
+        if slides(j) {
+            *least = linear;
+        }
+    }
+    Ok(least)
+}
+
+fn components(vector: Vector3<f64>) -> [f64; 3] {
+    [vector.x, vector.y, vector.z]
+}
+
+/// A quaternion of length 1 of the same direction.
+fn unit(rotation: Quaternion<f64>) -> Quaternion<f64> {
+    let length = (rotation.w * rotation.w + rotation.v.norm_squared()).sqrt();
+    Quaternion {
+        w: rotation.w / length,
+        v: rotation.v * (1.0 / length),
+    }
+}
