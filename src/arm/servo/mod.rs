@@ -438,8 +438,10 @@ impl Servo<'_> {
     fn advance_goal(&mut self, target: &Placement<f64>, rests: bool) -> Termination {
         let arm = self.arm;
         let mut ended = Termination::IterationLimit;
+        self.drop_free_parts(target);
         if self.line.is_none() && arm.pose_distance(target, &self.approached) > LEAD && !rests {
             self.follow_own_motion();
+            self.drop_free_parts(target);
             self.catches_up = true;
         }
         for lead in 0..MAX_LEADS {
@@ -485,6 +487,17 @@ impl Servo<'_> {
         self.branch
             .arrive(self.arm, &mut self.workspace, errors.reached);
         ended
+    }
+
+    /// Takes from a target at once what does not count for the arm's goal, or not in all directions: only the rest is approached.
+    fn drop_free_parts(&mut self, target: &Placement<f64>) {
+        let goal = &self.arm.options.goal;
+        if !goal.is_full_pose() {
+            self.approached.rotation = target.rotation;
+        }
+        if !goal.is_exact_in_position() {
+            self.approached.translation = target.translation;
+        }
     }
 
     /// The box of the goal configuration in a cycle: the position limits, and no farther than a jump.
