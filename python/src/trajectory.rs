@@ -46,6 +46,8 @@ impl Trajectory {
 
     /// Joint values, velocities and accelerations at a time in seconds, or at several of shape (T,). Before the start and after the end the
     /// arm rests.
+    ///
+    /// Raises `InvalidValueError` for what is neither a number nor numbers.
     fn at<'py>(&self, py: Python<'py>, time: &Bound<'py, PyAny>) -> PyResult<TrajectoryPoint> {
         let times = arrays::Questions::numbers(time, "time")?;
         let width = self.joint_names.len();

@@ -19,6 +19,7 @@ CANNOT_RAISE = {
     "kinopt.Goal.pose",
     "kinopt.Goal.position",
     "kinopt.Model.neutral",
+    "kinopt.Servo.stop",
     "kinopt.Model.to_json",
     "kinopt.Robot.neutral",
     "kinopt.Robot.without_loops",
