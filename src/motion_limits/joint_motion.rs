@@ -94,6 +94,17 @@ impl JointMotion {
         }
     }
 
+    /// The state within the position limits; it leaves them by rounding only.
+    pub(crate) fn within(self, limits: &CycleLimits) -> Self {
+        let q = self.q.max(limits.lower).min(limits.upper);
+        let by = q - self.q;
+        Self {
+            q,
+            step: self.step + by,
+            change: self.change + by,
+        }
+    }
+
     /// The change of the policy that comes to rest soonest.
     pub(crate) fn braking_change(&self, limits: &CycleLimits) -> f64 {
         let CycleLimits {

@@ -293,6 +293,10 @@ fn off_the_line(arm: &Arm, start: &[f64], by: Vector3<f64>, straight: bool) -> (
         watch.check(&servo, "straight line");
         let here = arm.base_from_tool(servo.q()).unwrap().translation - first.translation;
         worst = worst.max((here - along * here.dot(along)).norm());
+        assert!(
+            !straight || here.dot(along) < by.norm() + 1e-4,
+            "runs past the target"
+        );
         cycles += 1;
         assert!(cycles < 5000);
     }
@@ -306,6 +310,7 @@ fn straight_lines_are_kept_to_targets_that_jump() {
     let lines = [
         ("universal_ur5e", &ur5e[..], [0.0, 0.3, 0.1]),
         ("universal_ur5e", &ur5e, [0.05, 0.02, -0.1]),
+        ("franka_panda", &panda, [0.0, 0.0, 0.2]),
         ("franka_panda", &panda, [-0.15, -0.25, 0.1]),
         ("franka_panda", &panda, [0.05, 0.02, -0.1]),
     ];

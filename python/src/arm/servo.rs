@@ -188,7 +188,7 @@ pub(crate) struct ServoStep {
     /// "touching" (a pair is still in contact that was where the servo began), "stopping" or "stopped" (by `Servo.stop`).
     #[pyo3(get)]
     status: &'static str,
-    /// Whether the tool is within the tolerances of its target, and nothing is in contact.
+    /// Whether the tool is within the tolerances of its target, and nothing is in contact. It may still move: see `velocity`.
     #[pyo3(get)]
     reached: bool,
     /// Distance of the tool from its target, metres.

@@ -379,7 +379,8 @@ impl Servo<'_> {
     pub fn stop(&mut self) -> ServoStep<'_> {
         for (i, next) in self.next.iter_mut().enumerate() {
             let joint = &self.joints[i];
-            *next = joint.after(joint.braking_change(&self.limits[i]));
+            let limits = &self.limits[i];
+            *next = joint.after(joint.braking_change(limits)).within(limits);
         }
         self.collisions.clear();
         self.held.fill(None);
@@ -593,15 +594,7 @@ impl Servo<'_> {
             let motion = self.history.motions()[i];
             let (lower, upper) = self.changes[i];
             let change = joint.change_to_meet(self.workspace.x[i], (lower, upper), motion, limits);
-            let mut next = joint.after(change);
-            // Rounding, but for a joint that began outside.
-            let inside = next.q.max(limits.lower).min(limits.upper);
-            if inside != next.q {
-                next.q = inside;
-                next.step = inside - joint.q;
-                next.change = next.step - joint.step;
-            }
-            self.next[i] = next;
+            self.next[i] = joint.after(change).within(limits);
             let outside = match joint.q {
                 q if q > map.upper()[i] => Some(HeldBy::Outside(Side::Upper)),
                 q if q < map.lower()[i] => Some(HeldBy::Outside(Side::Lower)),
@@ -613,7 +606,7 @@ impl Servo<'_> {
                 Side::Lower
             };
             let rate = (self.goal[i] != self.workspace.question.clamp(i, self.goal[i])).then(
-                || match next.step.abs() >= limits.step * (1.0 - 1e-9) {
+                || match self.next[i].step.abs() >= limits.step * (1.0 - 1e-9) {
                     true => HeldBy::Speed(side),
                     false => HeldBy::Acceleration(side),
                 },

@@ -71,7 +71,7 @@ impl<'s> ServoStep<'s> {
         joints.filter_map(|(name, held)| held.map(|by| (name.as_str(), by)))
     }
 
-    /// Whether the tool is within the tolerances of its target and nothing is in contact.
+    /// Whether the tool is within the tolerances of its target and nothing is in contact. It may still move: see `velocity`.
     #[must_use]
     pub fn reached(&self) -> bool {
         self.status == ServoStatus::OnTarget

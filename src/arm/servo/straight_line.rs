@@ -17,6 +17,8 @@ const ACCELERATION_SHARE: f64 = 0.5;
 const JERK_SHARE: f64 = 0.3;
 /// Share of the acceleration limits for the bend of the joints' path.
 const BEND_SHARE: f64 = 0.3;
+/// Share of the acceleration and jerk along the line with which the stop at its end is planned: the joints may allow less there.
+const STOP_SHARE: f64 = 0.4;
 /// Directions that move the tool by less than this share of the longest column are singular.
 const SINGULAR: f64 = 0.02;
 /// A shorter line is the target itself, radians.
@@ -82,7 +84,12 @@ impl StraightLine {
             step: own.min(limits.step),
             change: 0.0,
         };
-        let change = self.motion.change_to_meet(length, range, goal, &limits);
+        let stop = CycleLimits {
+            change: STOP_SHARE * limits.change,
+            change_rate: STOP_SHARE * limits.change_rate,
+            ..limits
+        };
+        let change = self.motion.change_to_meet(length, range, goal, &stop);
         self.motion = self.motion.after(change);
         self.motion.step = self.motion.step.clamp(0.0, length);
         self.motion.step / length
