@@ -21,6 +21,8 @@ pub(crate) const NOT_NEGATIVE: Range = (
     |v| v >= 0.0 && v.is_finite(),
     "a finite number of at least 0",
 );
+/// A limit of a rate.
+pub(crate) const ABOVE_0: Range = (|v| v > 0.0, "a number above 0 (infinity for none)");
 pub(crate) const AT_LEAST_0: Range = (|v| v >= 0.0, "a number of at least 0");
 pub(crate) const AT_LEAST_ONE: Range = (|v| v >= 1.0, "at least 1");
 

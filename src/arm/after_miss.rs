@@ -3,10 +3,11 @@
 use super::arm::Arm;
 use super::follower::LONG_STEP;
 use super::lanes_or_core::{QUICK, Query};
-use super::options::{NEARBY, Search};
+use super::options::Search;
 use super::settling::Settling;
 use super::workspace::{ArmWorkspace, Errors};
 use crate::lanes;
+use crate::problem::NEARBY;
 use crate::search::Found;
 use crate::solver::Termination;
 

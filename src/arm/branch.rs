@@ -78,18 +78,14 @@ impl Branch {
         };
     }
 
-    /// Where a step begins: from the workspace's x on to ease, and a little to the side that is known; no
-    /// joint goes further than so many radians for either.
-    pub(super) fn lead(&mut self, arm: &Arm, workspace: &mut ArmWorkspace, ease: f64, side: f64) {
+    /// Moves the workspace's x to where a follower's step begins: on in the null space by at most `longest` radians a joint, and a
+    /// little to the side of a stretched arm.
+    pub(super) fn lead(&mut self, arm: &Arm, workspace: &mut ArmWorkspace, longest: f64) {
         if arm.has_freedom() {
-            let x = std::mem::take(&mut workspace.x);
-            workspace.take_twists(arm, &x);
-            self.aim_at_ease(arm, workspace, &x, ease, SHARE, None);
-            workspace.x = x;
-            workspace.go_by_projected();
+            self.lead_to_ease(arm, workspace, longest, SHARE);
         }
         if !self.rests {
-            self.bend.lean(workspace, side);
+            self.bend.lean(workspace);
         }
     }
 

@@ -6,12 +6,13 @@ use super::arm::Arm;
 use super::coordinates::Coordinates;
 use super::kinematic_path::{self, Part};
 use super::mechanism::Mechanism;
-use super::options::{ATTEMPTS, NEARBY, Options, Search};
+use super::options::{ATTEMPTS, Options, Search};
 use super::rate_limits::RateLimits;
 use super::serial_chain::{Serial, source_of};
 use super::{ArmError, Goal};
 use crate::lanes::{LaneOptions, PoseSolver};
 use crate::model::{FrameId, FrameRef, JointId, JointRef, Model, ParameterMap, UnknownName};
+use crate::problem::NEARBY;
 use crate::robot::{Mimic, coupled};
 use crate::spatial::Placement;
 

@@ -76,12 +76,11 @@ impl Bend {
         }
     }
 
-    /// Goes a little from x to this side, but no further than `longest` radians and within the bounds.
-    pub(super) fn lean(&self, workspace: &mut ArmWorkspace, longest: f64) {
+    /// Moves the workspace's x a little to this side, within the bounds.
+    pub(super) fn lean(&self, workspace: &mut ArmWorkspace) {
         if self.known {
-            let by = LEANING.min(longest);
             for (projected, way) in workspace.projected.iter_mut().zip(&self.way) {
-                *projected = by * way;
+                *projected = LEANING * way;
             }
             workspace.go_by_projected();
         }

@@ -55,10 +55,6 @@ impl Search {
 /// Attempts of a question for which nothing else is asked, and the iterations of all together.
 pub(super) const ATTEMPTS: u32 = 200;
 const ITERATIONS: u32 = 2600;
-/// Distance between the tool at the start and a target, radians (metres divided by the metres per radian), below which the
-/// first attempt runs to its end before any other is made. Farther targets leave an attempt that stalls to the other attempts,
-/// which take less time than continuing it.
-pub(super) const NEARBY: f64 = 1.0;
 /// How strongly joints are drawn away from their limits while following.
 const LIMIT_AVOIDANCE: f64 = 4.0;
 /// A radian counts as much as this share of the arm's reach.

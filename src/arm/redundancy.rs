@@ -95,7 +95,8 @@ pub(super) struct Easing<'e> {
 }
 
 impl Easing<'_> {
-    /// Stiffness along the last motion by the change of the slope: without it, a step shorter than the null space is curved overshoots.
+    /// Stiffness along the last motion, by the change of the slope. The null space is curved: the stiffness of the pull alone is too
+    /// small there, and a step by it overshoots.
     fn measured_stiffness(&self, slope: &[f64]) -> f64 {
         let (mut fell, mut length) = (0.0, 0.0);
         for ((last, before), now) in self.last.iter().zip(self.last_slope).zip(slope) {
@@ -111,7 +112,8 @@ impl Easing<'_> {
 
 impl ArmWorkspace {
     /// Writes into `projected` the motion to ease from x that leaves the tool where it is, radians a joint.
-    /// The Jacobian at x is here (or [one](ArmWorkspace::take_twists) of its null space). Whether there is any.
+    /// The Jacobian at x is here (or [one](ArmWorkspace::take_twists) of its null space). Returns whether there is any motion, and the
+    /// least stiffness for the next step.
     pub(super) fn aim_at_ease(&mut self, arm: &Arm, x: &[f64], how: &Easing<'_>) -> (bool, f64) {
         let mut pull = std::mem::take(&mut self.wanted);
         arm.pull(x, how.ease, &mut pull);

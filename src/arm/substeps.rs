@@ -41,7 +41,7 @@ impl Arm {
             workspace.aim(target);
             self.bound_step(workspace, from, SETTLING_STEP);
             workspace.x.copy_from_slice(&workspace.start);
-            branch.lead(self, workspace, LONGEST_EASE, SETTLING_STEP);
+            branch.lead(self, workspace, LONGEST_EASE);
             let how = Settling::freely(SETTLING_STEPS, deadline);
             let (termination, iterations) = workspace.settle_near(&how);
             let mut found = Found::alone(termination, iterations);

@@ -6,15 +6,17 @@
 
 use super::drag_frame::{REST, solve};
 use super::{MotionLimits, Restarts, Solution, SolveError, Solver, Workspace};
-use crate::bad_option::{AT_LEAST_0, BadOption, POSITIVE, Range};
-use crate::motion_limits::{CycleLimits, GoalHistory, JointMotion, ROUNDING};
+use crate::bad_option::{ABOVE_0, AT_LEAST_0, BadOption, POSITIVE, Range};
+use crate::motion_limits::{CycleLimits, GoalHistory, JointMotion};
 use crate::problem::{Problem, Question};
 use crate::solver::Stopping;
 use crate::spatial::{Quaternion, Vector3};
 
-const ABOVE_0: Range = (|v| v > 0.0, "a number above 0 (infinity for none)");
 /// Step of a variable without a velocity limit in a frame, radians or metres: more than any goal moves.
 const UNLIMITED_STEP: f64 = 1e3;
+
+/// Share of a limit of three rates that each has, so that their norm keeps the limit: 1/√3, less rounding.
+const SHARE_OF_THREE: f64 = 0.577_350_269;
 
 /// A ball joint of the commanded motion.
 #[derive(Clone, Debug)]
@@ -72,28 +74,18 @@ impl DragMotion {
         for ball in problem.parameters().balls() {
             is_ball[ball.variable..ball.variable + 3].fill(true);
         }
-        let t = time_step;
         let limits = (0..n).map(|j| {
             let slides = problem.floats(j) && !problem.names().variable_is_angle[j];
             let share = match slides || is_ball[j] {
-                true => 1.0 / 3.0_f64.sqrt(),
+                true => SHARE_OF_THREE,
                 false => 1.0,
             };
             let (lower, upper) = match is_ball[j] {
                 true => (f64::NEG_INFINITY, f64::INFINITY),
                 false => (problem.lower()[j], problem.upper()[j]),
             };
-            let size = |bound: f64| if bound.is_finite() { bound.abs() } else { 1.0 };
-            let ulp = f64::EPSILON * size(lower).max(size(upper)).max(x[j].abs());
-            let less =
-                |limit: f64, ulps: f64| (limit * share * (1.0 - ROUNDING) - ulps * ulp).max(0.0);
-            CycleLimits {
-                lower,
-                upper,
-                step: less(velocity[j] * t, 1.0).min(UNLIMITED_STEP),
-                change: less(acceleration[j] * t * t, 2.0),
-                change_rate: less(jerk[j] * t * t * t, 4.0),
-            }
+            let rates = [velocity[j], acceleration[j], jerk[j]].map(|limit| share * limit);
+            CycleLimits::new([lower, upper], x[j], time_step, rates, UNLIMITED_STEP)
         });
         let limits: Vec<CycleLimits> = limits.collect();
         let stopping = Stopping::default().with_max_iterations(0);
@@ -141,7 +133,7 @@ impl DragMotion {
                 goal: orientation,
             });
         }
-        self.history = GoalHistory::resting_at(&self.goals);
+        self.history.rest_at(&self.goals);
         let map = problem.parameters();
         map.scatter_within_limits(&self.x, &mut self.q);
     }
@@ -158,7 +150,7 @@ impl DragMotion {
             let next = ball.chart.rotation(ball.of(goal).unwrap_or_default());
             let moved = (own.goal.conjugate() * next).log();
             own.goal = next;
-            for (value, moved) in self.goals[own.first..].iter_mut().zip(components(moved)) {
+            for (value, moved) in self.goals[own.first..].iter_mut().zip(moved.to_array()) {
                 *value += moved;
             }
         }
@@ -166,23 +158,15 @@ impl DragMotion {
         self.towards.copy_from_slice(&self.goals);
         for own in &self.balls {
             let left = (own.orientation.conjugate() * own.goal).log();
-            self.towards[own.first..own.first + 3].copy_from_slice(&components(left));
+            self.towards[own.first..own.first + 3].copy_from_slice(&left.to_array());
         }
         for (j, joint) in self.joints.iter_mut().enumerate() {
             let limits = &self.limits[j];
             let range = joint.viable_changes(limits);
             let motion = self.history.motions()[j];
-            let change = joint.change_to_meet(self.towards[j], range, motion, limits);
-            let mut next = joint.after(change);
-            // Rounding.
-            let inside = next.q.max(limits.lower).min(limits.upper);
-            if inside != next.q {
-                next.q = inside;
-                next.step = inside - joint.q;
-                next.change = next.step - joint.step;
-            }
-            *joint = next;
-            self.x[j] = next.q;
+            let (change, _) = joint.change_to_meet(self.towards[j], range, motion, limits);
+            *joint = joint.after(change).within(limits);
+            self.x[j] = joint.q;
         }
         for (own, ball) in self.balls.iter_mut().zip(map.balls()) {
             let three = own.first..own.first + 3;
@@ -250,14 +234,7 @@ fn by_variable(
         BadOption::check(option, limit, range)?;
     }
     let map = problem.parameters();
-    let mut least = vec![f64::INFINITY; problem.variables()];
-    for (source, limit) in map.sources().iter().zip(limits) {
-        if let Some((variable, ratio)) = source.slope()
-            && ratio != 0.0
-        {
-            least[variable] = least[variable].min(limit / ratio.abs());
-        }
-    }
+    let mut least = map.least_by_variable(limits);
     for ball in map.balls() {
         let four = &limits[ball.coordinate..ball.coordinate + 4];
         let angular = four.iter().copied().fold(f64::INFINITY, f64::min);
@@ -274,10 +251,6 @@ fn by_variable(
         }
     }
     Ok(least)
-}
-
-fn components(vector: Vector3<f64>) -> [f64; 3] {
-    [vector.x, vector.y, vector.z]
 }
 
 /// A quaternion of length 1 of the same direction.

@@ -163,6 +163,20 @@ impl ParameterMap {
         ParameterMapBuilder::new(model)
     }
 
+    /// The least of limits that coordinates of q set to each variable: a follower's limit counts by its ratio. One limit for every number
+    /// of a configuration; infinity for a variable of which none is.
+    pub(crate) fn least_by_variable(&self, limits: &[f64]) -> Vec<f64> {
+        let mut least = vec![f64::INFINITY; self.variables()];
+        for (source, limit) in self.sources.iter().zip(limits) {
+            if let Some((variable, ratio)) = source.slope()
+                && ratio != 0.0
+            {
+                least[variable] = least[variable].min(limit / ratio.abs());
+            }
+        }
+        least
+    }
+
     getters! {
         /// How many solver variables there are.
         pub fn variables(&self) -> usize = self.leaders.len();

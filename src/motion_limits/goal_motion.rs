@@ -38,6 +38,14 @@ impl GoalHistory {
         }
     }
 
+    /// Forgets all motion: the goal rests.
+    pub(crate) fn rest_at(&mut self, goal: &[f64]) {
+        self.last.copy_from_slice(goal);
+        self.steps.fill(0.0);
+        self.changes.fill(0.0);
+        self.motions.fill(GoalMotion::default());
+    }
+
     /// Takes the goal of the next cycle.
     pub(crate) fn push(&mut self, goal: &[f64]) {
         for (i, &goal) in goal.iter().enumerate() {

@@ -9,6 +9,8 @@
 //! chooses among the changes after which the policy still stops within the limits. The policy's own change is one of
 //! them, so that a viable state always has a viable successor.
 
+use std::cmp::Ordering;
+
 /// Limits of a joint, positions in radians or metres, rates a control cycle; infinite for none.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CycleLimits {
@@ -20,6 +22,37 @@ pub(crate) struct CycleLimits {
     pub(crate) change: f64,
     /// Largest change K of that.
     pub(crate) change_rate: f64,
+}
+
+/// Share of an acceleration or jerk limit that is left for rounding that adds up over a stop.
+const ROUNDING: f64 = 1e-9;
+
+impl CycleLimits {
+    /// Limits between two positions, of rates a second and so on, for a joint at `q`: less what rounding of positions adds to their
+    /// differences. The largest step of a joint without a velocity limit is `unlimited_step`.
+    pub(crate) fn new(
+        [lower, upper]: [f64; 2],
+        q: f64,
+        time_step: f64,
+        [velocity, acceleration, jerk]: [f64; 3],
+        unlimited_step: f64,
+    ) -> Self {
+        let t = time_step;
+        let size = |bound: f64| if bound.is_finite() { bound.abs() } else { 1.0 };
+        let ulp = f64::EPSILON * size(lower).max(size(upper)).max(q.abs());
+        let less = |limit: f64, rounding: f64| (limit * (1.0 - ROUNDING) - rounding).max(0.0);
+        let step = match velocity.is_finite() {
+            true => velocity * t,
+            false => unlimited_step,
+        };
+        Self {
+            lower,
+            upper,
+            step: (step - ulp).max(0.0),
+            change: less(acceleration * t * t, 2.0 * ulp),
+            change_rate: less(jerk * t * t * t, 4.0 * ulp),
+        }
+    }
 }
 
 /// State of a joint after a cycle.
@@ -41,7 +74,7 @@ pub(crate) struct Stop {
     pub(crate) end: f64,
 }
 
-/// Iterations of a one-dimensional search; each at least halves the interval in two.
+/// Most iterations of a one-dimensional search.
 const SEARCH_ITERATIONS: usize = 60;
 /// Cycles after which a stop is taken for endless: beyond any limits that a robot has.
 const MAX_STOP_CYCLES: usize = 100_000;
@@ -214,17 +247,21 @@ impl JointMotion {
             return most.min(step - self.step).max(braking);
         }
         // Far from the limit no stop is simulated.
-        let reached =
-            self.step + most.max(0.0) + later_decrements(most.max(0.0), limits.change_rate);
-        let cycles = reached / limits.change
-            + (limits.change.min(reached) / limits.change_rate) * 2.0
-            + (most.max(0.0) / limits.change_rate)
-            + 3.0;
-        let cycles = match limits.change.is_infinite() {
-            true => 2.0 * (reached.max(0.0) / limits.change_rate).sqrt() + 3.0,
-            false => cycles,
+        let CycleLimits {
+            change: deceleration,
+            change_rate: rate,
+            ..
+        } = *limits;
+        let speed_up = most.max(0.0);
+        let fastest = (self.step + speed_up + later_decrements(speed_up, rate)).max(0.0);
+        let cycles = match deceleration.is_infinite() {
+            true => 2.0 * (fastest / rate).sqrt() + 3.0,
+            false => {
+                let ramps = 2.0 * deceleration.min(fastest) / rate;
+                fastest / deceleration + ramps + speed_up / rate + 3.0
+            }
         };
-        if reached.max(0.0) * cycles < room {
+        if fastest * cycles < room {
             return most;
         }
         let excess = |change: f64| {
@@ -250,6 +287,11 @@ impl JointMotion {
         }
         fine
     }
+}
+
+/// The sign of a number that is not NaN.
+fn side(number: f64) -> Ordering {
+    number.partial_cmp(&0.0).unwrap_or(Ordering::Equal)
 }
 
 /// Predicted motion of a joint's goal, a control cycle.
@@ -318,27 +360,28 @@ impl JointMotion {
         sign * distance - self.step
     }
 
-    /// The change within `range` after which the joint meets its goal nearest to `position`.
+    /// The change within `range` after which the joint meets its goal nearest to `position`, and how that position compares with what
+    /// the range allows: `Less` where it lies below, `Greater` above, `Equal` where the joint meets it.
     pub(crate) fn change_to_meet(
         &self,
         position: f64,
         range: (f64, f64),
         goal: GoalMotion,
         limits: &CycleLimits,
-    ) -> f64 {
+    ) -> (f64, Ordering) {
         let (mut low, mut high) = range;
         let excess = |change: f64| self.after(change).meeting(goal, limits) - position;
         // Straight to the goal, where that needs no braking.
         let straight = (position - self.q) - self.step;
         if straight >= low && straight <= high && excess(straight).abs() <= 1e-12 {
-            return straight;
+            return (straight, Ordering::Equal);
         }
         let (mut below, mut above) = (excess(low), excess(high));
         if below >= 0.0 {
-            return low;
+            return (low, side(-below));
         }
         if above <= 0.0 {
-            return high;
+            return (high, side(-above));
         }
         // Regula falsi; the weight of an end that stays twice is halved (Illinois).
         let mut last = 0.0;
@@ -346,7 +389,7 @@ impl JointMotion {
             let middle = (low * above - high * below) / (above - below);
             let value = excess(middle);
             if value.abs() <= 1e-11 || high - low <= 1e-12 * (low.abs() + high.abs()) {
-                return middle;
+                return (middle, Ordering::Equal);
             }
             if value < 0.0 {
                 (low, below) = (middle, value);
@@ -357,7 +400,7 @@ impl JointMotion {
             }
             last = value;
         }
-        0.5 * (low + high)
+        (0.5 * (low + high), Ordering::Equal)
     }
 }
 

@@ -5,6 +5,3 @@ mod joint_motion;
 
 pub(crate) use goal_motion::GoalHistory;
 pub(crate) use joint_motion::{CycleLimits, GoalMotion, JointMotion};
-
-/// Share of a limit that is left for rounding that adds up over a stop.
-pub(crate) const ROUNDING: f64 = 1e-9;

@@ -442,8 +442,10 @@ impl Problem {
     }
 }
 
-/// Largest error of a near goal, radians.
-const NEARBY: f64 = 1.0;
+/// Largest error of a target near the start, radians (metres by their weight). For near targets the first attempt runs to its
+/// end before any other is made. Farther targets leave an attempt that stalls to the other attempts, which take less time than
+/// continuing it.
+pub(crate) const NEARBY: f64 = 1.0;
 
 /// A task is swept where its frames pass so many times more joints than a sweep does.
 const SWEPT: usize = 2;

@@ -81,15 +81,7 @@ impl MoveLimits {
             BadOption::check("max_move", most, AT_LEAST_0)?;
         }
         let map = problem.parameters();
-        let mut by_variable = vec![f64::INFINITY; problem.variables()];
-        for (source, &most) in map.sources().iter().zip(most) {
-            if let Some((variable, ratio)) = source.slope()
-                && ratio != 0.0
-            {
-                by_variable[variable] = by_variable[variable].min(most / ratio.abs());
-            }
-        }
-        let mut own = Self::of_variables(problem, by_variable, true);
+        let mut own = Self::of_variables(problem, map.least_by_variable(most), true);
         for ball in map.balls() {
             let four = &most[ball.coordinate..ball.coordinate + 4];
             if four.iter().any(|most| *most != four[0]) {

@@ -2,7 +2,7 @@
 
 use std::ops::Mul;
 
-use super::{Matrix3, Quaternion, Vector3};
+use super::{Matrix3, Quaternion, Vector3, rotation_exp};
 use crate::scalar::Scalar;
 
 /// A rigid motion `x ↦ rotation · x + translation`. Names say both frames: `world_from_tip` maps
@@ -67,6 +67,16 @@ impl<S: Scalar> Placement<S> {
 }
 
 impl Placement<f64> {
+    /// The placement at a share of the motion to another one: on a straight line, with one axis of rotation.
+    pub(crate) fn interpolated(&self, to: &Self, share: f64) -> Self {
+        let turn = Quaternion::from_matrix(&(self.rotation.transpose() * to.rotation)).log();
+        let way = to.translation - self.translation;
+        Self::new(
+            self.rotation * rotation_exp(turn * share),
+            self.translation + way * share,
+        )
+    }
+
     /// The same placement with the rotation next to its own, if that is off by more than rounding
     /// leaves in numbers written with 17 digits; those keep their bits.
     pub(crate) fn made_rigid(self) -> Self {

@@ -104,6 +104,31 @@ fn followers_and_servos() {
     assert!(missed > 40, "{missed}");
 }
 
+/// A servo rests and restarts its prediction where a target jumps, and where it is stopped.
+#[test]
+fn servo_jumps_and_stops_allocate_nothing() {
+    let (robot, base, tip) = panda();
+    let arm = Arm::builder(&robot, base, tip);
+    let arm = arm.with_atlas(false).build().unwrap();
+    let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
+    let ends = [start, [0.6, -0.2, 0.3, -1.6, 0.2, 1.9, 0.4]];
+    let targets = ends.map(|q| arm.base_from_tool(&q).unwrap());
+    let servo = arm.servo(&start, 1e-2).unwrap();
+    let mut servo = servo.with_acceleration_limits(&[10.0; 7]).unwrap();
+    let mut go = || {
+        for target in [targets[1], targets[0]] {
+            for _ in 0..20 {
+                servo.step(target).unwrap();
+            }
+        }
+        for _ in 0..20 {
+            servo.stop();
+        }
+    };
+    go();
+    assert_eq!(allocations(&mut go), 0);
+}
+
 /// A path that stays out of reach looks for a way round where its branch ends, and not at every miss again.
 #[test]
 fn a_way_round_is_sought_once() {

@@ -105,7 +105,7 @@ fn lines_that_track_follows_need_no_reconfiguration() {
 }
 
 #[test]
-fn lines_that_leave_the_reach_are_no_worse_than_tracked() {
+fn lines_out_of_reach_are_no_worse_than_tracked() {
     let wanted = cases(20, 3);
     each_arm(|arm, name| {
         let mut random = Random(57);
@@ -133,7 +133,7 @@ fn lines_that_leave_the_reach_are_no_worse_than_tracked() {
 
 /// Out along a line and back again: a ring, and an open path with a given end.
 #[test]
-fn rings_and_ends_from_a_start_need_no_reconfiguration() {
+fn rings_from_a_start_need_no_reconfiguration() {
     let wanted = cases(30, 4);
     each_arm(|arm, name| {
         let (mut random, mut followed) = (Random(58), 0);

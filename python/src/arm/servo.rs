@@ -253,7 +253,7 @@ impl ServoStep {
         self.held.clone()
     }
 
-    /// What is in the way, or touches where the arm stands, the deepest first: `Collision`s; none on target.
+    /// Pairs that block the motion, or that are in contact, the deepest first: `Collision`s; empty on target.
     #[getter]
     fn collisions(&self) -> Vec<Collision> {
         self.collisions.clone()

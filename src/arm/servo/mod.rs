@@ -7,14 +7,16 @@
 //!    closest pose.
 //! 2. Each joint has an interval of next steps from which it can still [brake](crate::motion_limits) within all of its limits. So no later
 //!    cycle is infeasible. Every step in it has a position at which the joint would *meet* its goal if it braked
-//!    from now on. Within the box of these positions a bounded least-squares problem finds the ones nearest to the goal
-//!    configuration, with joints that are free to move making up for those at a bound.
-//! 3. Each joint takes the step that leads to its position.
+//!    from now on.
+//! 3. Each joint takes the step in its interval that meets its goal, or comes nearest to that. Joints do not make up for one another:
+//!    where one is at a limit the tool lags, and its path bends.
 //!
-//! Without limits of acceleration a joint meets its goal in the next cycle, and the box is that of the velocity limits.
+//! Without limits of acceleration a joint meets its goal in the next cycle, and the interval is that of the velocity limit.
 
 mod report;
 mod straight_line;
+
+use std::cmp::Ordering;
 
 use self::straight_line::StraightLine;
 use super::arm::Arm;
@@ -24,12 +26,12 @@ use super::redundancy::SHARE;
 use super::settling::Settling;
 use super::workspace::{ArmWorkspace, Errors};
 use super::{ArmError, QueryError};
-use crate::bad_option::{AT_LEAST_0, BadOption, NOT_NEGATIVE, Range};
+use crate::bad_option::{ABOVE_0, AT_LEAST_0, BadOption, NOT_NEGATIVE, Range};
 use crate::ik::Side;
-use crate::motion_limits::{CycleLimits, GoalHistory, JointMotion, ROUNDING};
+use crate::motion_limits::{CycleLimits, GoalHistory, JointMotion};
 use crate::search::{Collision, within};
 use crate::solver::Termination;
-use crate::spatial::{Placement, Quaternion, rotation_exp};
+use crate::spatial::Placement;
 
 pub use report::{HeldBy, ServoStatus, ServoStep};
 
@@ -56,7 +58,8 @@ const MAX_LEADS: usize = 4;
 /// Speed from which on a joint comes to rest for a cycle before it moves the other way, rad/s.
 const REVERSAL_SPEED: f64 = 0.1;
 
-const ABOVE_0: Range = (|v| v > 0.0, "a number above 0 (infinity for none)");
+/// Largest distance beyond a position limit at which a start state may come to rest, radians or metres: rounding.
+const BRAKING_TOLERANCE: f64 = 1e-9;
 
 /// Follows targets that come at a fixed rate within all limits of the joints: see [`Arm::servo`].
 #[derive(Clone, Debug)]
@@ -87,7 +90,6 @@ pub struct Servo<'a> {
     null_space_step: f64,
     joints: Vec<JointMotion>,
     next: Vec<JointMotion>,
-    changes: Vec<(f64, f64)>,
     q: Vec<f64>,
     velocity: Vec<f64>,
     acceleration: Vec<f64>,
@@ -146,7 +148,6 @@ impl Arm {
             null_space_step: 0.0,
             joints: start.iter().map(|q| JointMotion::at_rest(*q)).collect(),
             next: vec![JointMotion::default(); n],
-            changes: vec![(0.0, 0.0); n],
             q: start.to_vec(),
             velocity: vec![0.0; n],
             acceleration: vec![0.0; n],
@@ -309,22 +310,17 @@ impl Servo<'_> {
 
     /// The limits a cycle, less what rounding of positions adds to their differences.
     fn set_cycle_limits(&mut self) {
-        let (map, t) = (&self.arm.serial.map, self.time_step);
+        let map = &self.arm.serial.map;
         for (i, limits) in self.limits.iter_mut().enumerate() {
             let (lower, upper) = (map.lower()[i], map.upper()[i]);
-            let size = |bound: f64| if bound.is_finite() { bound.abs() } else { 1.0 };
-            let ulp = f64::EPSILON * size(lower).max(size(upper)).max(self.q[i].abs());
-            let less = |limit: f64, rounding: f64| (limit * (1.0 - ROUNDING) - rounding).max(0.0);
-            *limits = CycleLimits {
-                lower: lower.min(self.q[i]),
-                upper: upper.max(self.q[i]),
-                step: match self.velocity_limits[i].is_finite() {
-                    true => (self.velocity_limits[i] * t - ulp).max(0.0),
-                    false => UNLIMITED_STEP / self.arm.scale[i] - ulp,
-                },
-                change: less(self.acceleration_limits[i] * t * t, 2.0 * ulp),
-                change_rate: less(self.jerk_limits[i] * t * t * t, 4.0 * ulp),
-            };
+            let bounds = [lower.min(self.q[i]), upper.max(self.q[i])];
+            let rates = [
+                self.velocity_limits[i],
+                self.acceleration_limits[i],
+                self.jerk_limits[i],
+            ];
+            let unlimited = UNLIMITED_STEP / self.arm.scale[i];
+            *limits = CycleLimits::new(bounds, self.q[i], self.time_step, rates, unlimited);
         }
     }
 
@@ -361,9 +357,7 @@ impl Servo<'_> {
         #[cfg(feature = "collision")]
         let contact = self.avoid_collisions()?;
         self.commit();
-        self.workspace.aim(&target);
-        self.workspace.x.copy_from_slice(&self.q);
-        let errors = self.workspace.judge_x();
+        let errors = self.errors_at_q(&target);
         let status = self.status(&errors, limited, ended);
         #[cfg(feature = "collision")]
         let status = contact.unwrap_or(status);
@@ -387,11 +381,7 @@ impl Servo<'_> {
         self.commit();
         self.follow_own_motion();
         let errors = match self.target {
-            Some(target) => {
-                self.workspace.aim(&target);
-                self.workspace.x.copy_from_slice(&self.q);
-                self.workspace.judge_x()
-            }
+            Some(target) => self.errors_at_q(&target),
             None => Errors::default(),
         };
         let status = match self.joints.iter().all(JointMotion::is_at_rest) {
@@ -399,6 +389,13 @@ impl Servo<'_> {
             false => ServoStatus::Stopping,
         };
         self.report(status, errors)
+    }
+
+    /// Errors of the commanded configuration.
+    fn errors_at_q(&mut self, target: &Placement<f64>) -> Errors {
+        self.workspace.aim(target);
+        self.workspace.x.copy_from_slice(&self.q);
+        self.workspace.judge_x()
     }
 
     /// Takes the configuration at which the arm comes to rest for the goal.
@@ -409,7 +406,7 @@ impl Servo<'_> {
             let end = joint.q + joint.stop(&self.limits[i]).end;
             *goal = end.max(map.lower()[i]).min(map.upper()[i]);
         }
-        self.history = GoalHistory::resting_at(&self.goal);
+        self.history.rest_at(&self.goal);
         if let Ok(approached) = self.arm.base_from_tool(&self.goal) {
             self.approached = approached;
         }
@@ -458,7 +455,7 @@ impl Servo<'_> {
             let arrives = share >= 1.0 || self.line.is_some();
             self.approached = match share >= 1.0 {
                 true => *target,
-                false => between(&self.approached, target, share),
+                false => self.approached.interpolated(target, share),
             };
             self.workspace.aim(&self.approached);
             self.bound_goal();
@@ -473,15 +470,14 @@ impl Servo<'_> {
                 deadline: None,
             };
             (ended, _) = self.workspace.settle_near(&settling);
-            if arrives {
-                // In flat valleys short steps creep.
-                if ended == Termination::IterationLimit && self.branch.rests_long() {
-                    (ended, _) = self.workspace.settle(None);
-                }
-                self.goal.copy_from_slice(&self.workspace.x);
-                break;
+            // In flat valleys short steps creep.
+            if arrives && ended == Termination::IterationLimit && self.branch.rests_long() {
+                (ended, _) = self.workspace.settle(None);
             }
             self.goal.copy_from_slice(&self.workspace.x);
+            if arrives {
+                break;
+            }
         }
         let errors = self.workspace.judge_x();
         self.hold_at_limits(errors.reached);
@@ -562,8 +558,9 @@ impl Servo<'_> {
         }
     }
 
-    /// Chooses the next step of every joint; whether limits of rates keep one from its goal.
+    /// Chooses the next step of every joint. Returns whether limits of rates keep one from its goal.
     fn meet_goal(&mut self) -> bool {
+        let map = &self.arm.serial.map;
         let reversal = REVERSAL_SPEED * self.time_step;
         let mut limited = false;
         for (i, joint) in self.joints.iter().enumerate() {
@@ -578,39 +575,24 @@ impl Servo<'_> {
                     upper = upper.min(-step).max(lower);
                 }
             }
-            self.changes[i] = (lower, upper);
-            let motion = self.history.motions()[i];
-            let meeting = |change| joint.after(change).meeting(motion, limits);
-            let (from, to) = (meeting(lower), meeting(upper));
-            let question = &mut self.workspace.question;
-            (question.lower[i], question.upper[i]) = (from, to.max(from));
-            let clamped = question.clamp(i, self.goal[i]);
-            limited |= clamped != self.goal[i];
-            self.workspace.x[i] = clamped;
-        }
-        let map = &self.arm.serial.map;
-        for (i, joint) in self.joints.iter().enumerate() {
-            let limits = &self.limits[i];
-            let motion = self.history.motions()[i];
-            let (lower, upper) = self.changes[i];
-            let change = joint.change_to_meet(self.workspace.x[i], (lower, upper), motion, limits);
+            let (motion, goal) = (self.history.motions()[i], self.goal[i]);
+            let (change, beyond) = joint.change_to_meet(goal, (lower, upper), motion, limits);
             self.next[i] = joint.after(change).within(limits);
+            limited |= beyond.is_ne();
+            let rate = |side| match self.next[i].step.abs() >= limits.step * (1.0 - 1e-9) {
+                true => HeldBy::Speed(side),
+                false => HeldBy::Acceleration(side),
+            };
+            let rate = match beyond {
+                Ordering::Less => Some(rate(Side::Lower)),
+                Ordering::Equal => None,
+                Ordering::Greater => Some(rate(Side::Upper)),
+            };
             let outside = match joint.q {
                 q if q > map.upper()[i] => Some(HeldBy::Outside(Side::Upper)),
                 q if q < map.lower()[i] => Some(HeldBy::Outside(Side::Lower)),
                 _ => None,
             };
-            let side = if self.goal[i] > self.workspace.x[i] {
-                Side::Upper
-            } else {
-                Side::Lower
-            };
-            let rate = (self.goal[i] != self.workspace.question.clamp(i, self.goal[i])).then(
-                || match self.next[i].step.abs() >= limits.step * (1.0 - 1e-9) {
-                    true => HeldBy::Speed(side),
-                    false => HeldBy::Acceleration(side),
-                },
-            );
             self.held[i] = outside.or(rate).or(self.held[i]);
         }
         limited
@@ -703,17 +685,4 @@ impl Servo<'_> {
             ServoStatus::Settling
         }
     }
-}
-
-/// How far beyond a limit a stop may end, radians or metres: rounding.
-const BRAKING_TOLERANCE: f64 = 1e-9;
-
-/// The placement at a share of the motion from one to another: straight, about one axis.
-fn between(from: &Placement<f64>, to: &Placement<f64>, share: f64) -> Placement<f64> {
-    let turn = Quaternion::from_matrix(&(from.rotation.transpose() * to.rotation)).log();
-    let way = to.translation - from.translation;
-    Placement::new(
-        from.rotation * rotation_exp(turn * share),
-        from.translation + way * share,
-    )
 }

@@ -89,7 +89,7 @@ impl StraightLine {
             change_rate: STOP_SHARE * limits.change_rate,
             ..limits
         };
-        let change = self.motion.change_to_meet(length, range, goal, &stop);
+        let (change, _) = self.motion.change_to_meet(length, range, goal, &stop);
         self.motion = self.motion.after(change);
         self.motion.step = self.motion.step.clamp(0.0, length);
         self.motion.step / length

@@ -98,7 +98,7 @@ impl Servo {
 
 #[wasm_bindgen]
 impl Servo {
-    /// Where the arm stands.
+    /// Commanded joint positions, radians or metres.
     #[wasm_bindgen(getter)]
     pub fn q(&self) -> Vec<f64> {
         self.cell.borrow_dependent().q().to_vec()

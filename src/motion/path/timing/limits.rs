@@ -2,11 +2,9 @@
 
 use super::tool_motion::ToolLimits;
 use crate::arm::Arm;
-use crate::bad_option::{BadOption, NOT_NEGATIVE, Range};
+use crate::bad_option::{ABOVE_0, BadOption, NOT_NEGATIVE, Range};
 use crate::motion::path::PathError;
 
-/// A limit; infinity for none.
-const LIMIT: Range = (|v| v > 0.0, "a number above 0 (infinity for none)");
 /// Grid points of a path.
 const GRID_POINTS: Range = (|v| (2.0..=1e6).contains(&v), "a number from 2 to 1000000");
 
@@ -118,7 +116,7 @@ impl<'a> TimingLimits<'a> {
                     joints,
                 });
             }
-            let (is_allowed, allowed) = LIMIT;
+            let (is_allowed, allowed) = ABOVE_0;
             for (joint, &value) in limits.iter().enumerate() {
                 if !is_allowed(value) {
                     return Err(PathError::JointLimit {
@@ -138,7 +136,7 @@ impl<'a> TimingLimits<'a> {
             ("tool_angular_speed", angular_speed),
             ("tool_angular_acceleration", angular_acceleration),
         ] {
-            BadOption::check(option, value, LIMIT)?;
+            BadOption::check(option, value, ABOVE_0)?;
         }
         BadOption::check("corner_tolerance", self.corner_tolerance, NOT_NEGATIVE)?;
         BadOption::check("grid_points", self.grid_points as f64, GRID_POINTS)?;
