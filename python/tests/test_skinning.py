@@ -90,13 +90,14 @@ def test_dual_quaternions_stretch_about_pivots_only(rig):
     tails = np.array([bone.rest_tail for bone in rig.skeleton.bones])
     grown = np.repeat(np.diag([2.0, 2, 2, 1])[None], len(tails), axis=0)
     rest = rig.mesh.positions
+    one = np.repeat(np.eye(4)[None], len(tails), axis=0)
+    one[0] = grown[0]
     with pytest.raises(kinopt.InvalidValueError, match="dual quaternion cannot say"):
-        MeshWeights(rig.weights).positions("dqs", grown, rest)
+        MeshWeights(rig.weights).positions("dqs", one, rest)
     weights = MeshWeights(rig.weights, pivots=tails)
-    # A stretch that is common to all bones is kept where each is alone.
-    posed = weights.positions("dqs", grown, rest)
-    alone = np.flatnonzero(rig.weights.to_table().max(axis=1) > 1 - 1e-6)
-    assert len(alone) and np.abs(posed[alone] - 2 * rest[alone]).max() < 1e-3
+    assert np.isfinite(weights.positions("dqs", one, rest)).all()
+    # A stretch that is common to all bones stretches the whole mesh.
+    assert np.abs(weights.positions("dqs", grown, rest) - 2 * rest).max() < 1e-3
 
 
 def test_out_takes_the_result(rig):
@@ -185,3 +186,19 @@ def distances(points, tail, tip):
     along = tip - tail
     share = np.clip((points - tail) @ along / max(along @ along, 1e-12), 0, 1)
     return np.linalg.norm(points - tail - share[:, None] * along, axis=1)
+
+
+def test_shared_scale_keeps_the_point_of_the_joint():
+    """A mesh in centimetres under a root of scale 0.01; both bones take (100, 0, 0) to (1, 0, 0)."""
+    weights = SkinWeights.from_table(np.array([[1, 0], [0.5, 0.5], [0, 1.0]]))
+    rest = np.array([[0, 0, 0], [100, 0, 0], [200, 0, 0]], np.float32)
+    first = np.diag([0.01, 0.01, 0.01, 1.0])
+    second = np.eye(4)
+    cos, sin = np.cos(np.pi / 6), np.sin(np.pi / 6)
+    second[:3, :3] = 0.01 * np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]])
+    second[:3, 3] = [1, 0, 0] - second[:3, :3] @ [100, 0, 0]
+    transforms = np.array([first, second], np.float32)
+    pivots = np.array([[0, 0, 0], [100, 0, 0]], np.float32)
+    for mesh in (MeshWeights(weights, pivots=pivots), MeshWeights(weights)):
+        for method in ("lbs", "dqs"):
+            assert np.allclose(mesh.positions(method, transforms, rest)[1], [1, 0, 0], atol=1e-6)

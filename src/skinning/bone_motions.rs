@@ -4,6 +4,7 @@ use glam::{Affine3A, DMat3, Mat3A, Vec3, Vec3A};
 use nalgebra as na;
 
 use super::bone_transform::{check, is_rotation};
+use super::shared_scale::SharedScale;
 use super::{DualQuaternion, SkinningError};
 use crate::SizeMismatch;
 use crate::spatial::Polar;
@@ -14,10 +15,12 @@ pub(super) struct BoneMotions {
     pub(super) rigid: Vec<DualQuaternion>,
     /// Empty, or by bone the stretch at rest.
     pub(super) stretches: Vec<Affine3A>,
+    /// Scratch memory.
+    scales: Vec<f32>,
 }
 
 impl BoneMotions {
-    /// Motions that turn and shift only.
+    /// Motions that rotate and translate only, but for a scale that all bones share.
     pub(super) fn rigid(transforms: &[Affine3A], bones: usize) -> Result<Self, SkinningError> {
         let mut motions = Self::default();
         motions.set_rigid(transforms, bones)?;
@@ -31,19 +34,34 @@ impl BoneMotions {
         bones: usize,
     ) -> Result<(), SkinningError> {
         check(transforms, bones)?;
-        if let Some(bone) = transforms.iter().position(|t| !is_rotation(&t.matrix3)) {
+        let not_rigid = |t: &Affine3A| !is_rotation(&t.matrix3);
+        let Some(bone) = transforms.iter().position(not_rigid) else {
+            self.stretches.clear();
+            self.rigid.clear();
+            let motions = transforms.iter().map(DualQuaternion::of_rigid);
+            self.rigid.extend(motions);
+            return Ok(());
+        };
+        let shared = SharedScale::of(transforms, &mut self.scales);
+        if shared.is_none() {
             return Err(SkinningError::NotRigid { bone });
         }
-        self.stretches.clear();
+        let mut remaining = transforms.iter().map(|t| shared.remaining(t));
+        if let Some(bone) = remaining.position(|t| not_rigid(&t)) {
+            return Err(SkinningError::NotRigid { bone });
+        }
         self.rigid.clear();
-        let motions = transforms.iter().map(DualQuaternion::of_rigid);
-        self.rigid.extend(motions);
+        let remaining = transforms.iter().map(|t| shared.remaining(t));
+        self.rigid
+            .extend(remaining.map(|t| DualQuaternion::of_rigid(&t)));
+        self.stretches.clear();
+        self.stretches.resize(transforms.len(), shared.map());
         Ok(())
     }
 
     /// T = (rigid motion) · (stretch about the bone's pivot): with the polar decomposition M = R S of
     /// the linear part and the pivot c, the stretch is v → S (v − c) + c and the rigid motion is
-    /// v → R v + T c − R c (the two phases of Kavan et al. 2008).
+    /// v → R v + T c − R c (the two phases of Kavan et al. 2008). A scale that all bones share acts before both, about the origin.
     pub(super) fn stretched(
         transforms: &[Affine3A],
         pivots: &[Vec3],
@@ -63,9 +81,10 @@ impl BoneMotions {
     ) -> Result<(), SkinningError> {
         check(transforms, bones)?;
         SizeMismatch::check("pivots", pivots.len(), bones)?;
+        let shared = SharedScale::of(transforms, &mut self.scales);
         let (old, old_stretches) = (self.rigid.len(), self.stretches.len());
         for (bone, (transform, pivot)) in transforms.iter().zip(pivots).enumerate() {
-            match two_phases(transform, *pivot) {
+            match two_phases(transform, *pivot, shared) {
                 Ok((rigid, stretch)) => {
                     self.rigid.push(DualQuaternion::of_rigid(&rigid));
                     self.stretches.push(stretch);
@@ -98,11 +117,19 @@ impl BoneMotions {
     }
 }
 
-/// A transform as a rigid motion after a stretch about the pivot, or what is wrong with a bone's.
+/// A transform as a rigid motion after a stretch about the pivot after the shared scale, or the error of a bone.
 fn two_phases(
     transform: &Affine3A,
     pivot: Vec3,
+    shared: SharedScale,
 ) -> Result<(Affine3A, Affine3A), fn(usize) -> SkinningError> {
+    let (transform, pivot) = match shared.is_none() {
+        true => (*transform, pivot),
+        false => (
+            shared.remaining(transform),
+            shared.map().transform_point3(pivot),
+        ),
+    };
     if !pivot.is_finite() {
         return Err(|bone| SkinningError::NonFinitePivot { bone });
     }
@@ -118,7 +145,10 @@ fn two_phases(
         matrix3: stretch,
         translation: pivot - stretch * pivot,
     };
-    Ok((rigid, stretch))
+    match shared.is_none() {
+        true => Ok((rigid, stretch)),
+        false => Ok((rigid, stretch * shared.map())),
+    }
 }
 
 /// A smallest stretch below this share of the largest is none: the map is flat.

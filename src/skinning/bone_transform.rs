@@ -8,7 +8,7 @@ use crate::spatial::Placement;
 
 /// How far MᵀM of a rotation may stand from the identity, entry by entry. Single precision and a
 /// chain of products of bones stay far below it.
-const ROTATION_WITHIN: f32 = 1e-4;
+pub(super) const ROTATION_WITHIN: f32 = 1e-4;
 
 /// A bone's transform T = W T̂⁻¹ (rest model → posed model) in the precision of meshes.
 #[must_use]

@@ -38,7 +38,7 @@ pub enum SkinningError {
         /// Which bone, from 0.
         bone: usize,
     },
-    /// A transform mirrors or flattens space, so it is no rotation after a stretch.
+    /// A transform mirrors or flattens space, so it is no rotation after a stretch, and the other bones do not mirror.
     #[error("bone {bone}: the transform mirrors or flattens space, so no rotation is in it")]
     Mirrored {
         /// Which bone, from 0.

@@ -29,6 +29,7 @@ mod morph;
 mod packed;
 mod point_handles;
 mod pruning;
+mod shared_scale;
 mod twisted_tube;
 mod vertices;
 mod weights;

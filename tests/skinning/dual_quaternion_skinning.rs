@@ -265,3 +265,67 @@ fn quaternions_on_opposite_sides_are_blended_on_one() {
         );
     }
 }
+
+/// A scale or a mirror above all bones moves the blend as a whole.
+#[test]
+fn shared_scale_and_mirror_scale_the_blend() {
+    let weights = weights(&[&[0.5, 0.3, 0.2], &[0.1, 0.2, 0.7], &[0.0, 0.5, 0.5]]);
+    let rest = [
+        Vec3::new(100.0, 3.0, -8.0),
+        Vec3::new(40.0, -20.0, 11.0),
+        Vec3::ZERO,
+    ];
+    let bend = Quat::from_rotation_z(0.6);
+    let twist = Quat::from_axis_angle(Vec3::new(1.0, 2.0, -0.5).normalize(), 2.0);
+    let rigid = [
+        Affine3A::IDENTITY,
+        about(Vec3::new(100.0, 0.0, 0.0), bend),
+        Affine3A::from_rotation_translation(twist, Vec3::new(9.0, -4.0, 30.0)),
+    ];
+    let pivots = [Vec3::ZERO, Vec3::new(100.0, 0.0, 0.0), Vec3::ONE];
+    let expected = posed(&weights, &rigid, &rest);
+    let packed = PackedWeights::new(&weights).unwrap();
+    for scale in [
+        Vec3::splat(0.01),
+        Vec3::splat(2.54),
+        Vec3::new(-1.0, 1.0, 1.0),
+        Vec3::new(0.4, -0.4, 0.4),
+        Vec3::splat(-0.01),
+    ] {
+        let whole = Affine3A::from_rotation_translation(twist, Vec3::new(1.0, 2.0, 3.0))
+            * Affine3A::from_scale(scale);
+        let transforms = rigid.map(|bone| whole * bone);
+        let blends: [Box<dyn Deformation>; 3] = [
+            Box::new(DualQuaternionBlend::new(&weights, &transforms).unwrap()),
+            Box::new(DualQuaternionBlend::stretched(&weights, &transforms, &pivots).unwrap()),
+            Box::new(PackedDualQuaternionBlend::stretched(&packed, &transforms, &pivots).unwrap()),
+        ];
+        for blend in blends {
+            let mut out = [Vec3::ZERO; 3];
+            blend.positions(&rest, &mut out).unwrap();
+            for (out, expected) in out.iter().zip(&expected) {
+                let expected = whole.transform_point3(*expected);
+                let error = (*out - expected).length();
+                assert!(
+                    error < 1e-5 * (1.0 + 100.0 * scale.x.abs()),
+                    "{scale}: {error}"
+                );
+            }
+        }
+    }
+}
+
+/// A file in centimetres below a root of scale 0.01, bent by 30 degrees at (100, 0, 0): both bones take this point to (1, 0, 0).
+#[test]
+fn scaled_bones_keep_the_point_of_their_joint() {
+    let weights = weights(&[&[1.0, 0.0], &[0.5, 0.5], &[0.0, 1.0]]);
+    let joint = Vec3::new(100.0, 0.0, 0.0);
+    let rest = [Vec3::ZERO, joint, 2.0 * joint];
+    let scale = Affine3A::from_scale(Vec3::splat(0.01));
+    let bend = about(joint, Quat::from_rotation_z(PI / 6.0));
+    let transforms = [scale, scale * bend];
+    let blend = DualQuaternionBlend::stretched(&weights, &transforms, &[Vec3::ZERO, joint]);
+    let mut out = [Vec3::ZERO; 3];
+    blend.unwrap().positions(&rest, &mut out).unwrap();
+    assert!((out[1] - Vec3::X).length() < 1e-6, "{}", out[1]);
+}

@@ -1,0 +1,53 @@
+//! Scale that all bones of a pose share.
+//!
+//! A file in centimetres below a root in metres, or below a mirrored root, scales every bone alike. This scale acts on the rest mesh
+//! before the bones move it, so that what remains of each transform is rigid.
+
+use glam::{Affine3A, Vec3};
+
+use super::bone_transform::ROTATION_WITHIN;
+
+/// The map v → (± s v_x, s v_y, s v_z) of rest positions, s > 0; the sign is negative where most bones mirror.
+///
+/// Blends of dual quaternions do not depend on the axis of the mirror: another axis multiplies all motions by one rotation from the
+/// right.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct SharedScale(Vec3);
+
+impl SharedScale {
+    pub(super) const NONE: Self = Self(Vec3::ONE);
+
+    /// The median scale of the bones, as a bone of its own size among many does not change it; of two middle ones that nearer to 1.
+    /// `scales` is scratch memory. A scale within 1e-4 of 1 counts as none, as in the test for rigid transforms.
+    pub(super) fn of(transforms: &[Affine3A], scales: &mut Vec<f32>) -> Self {
+        let determinants = transforms.iter().map(|t| t.matrix3.determinant());
+        scales.clear();
+        scales.extend(determinants.map(f32::cbrt));
+        scales.sort_unstable_by(f32::total_cmp);
+        let middle = [scales.len().saturating_sub(1) / 2, scales.len() / 2];
+        let [lower, upper] = middle.map(|at| scales.get(at).copied().unwrap_or(1.0));
+        let from_1 = |scale: f32| (scale - 1.0).abs();
+        let median = match from_1(lower) <= from_1(upper) {
+            true => lower,
+            false => upper,
+        };
+        if from_1(median) <= ROTATION_WITHIN || !median.is_normal() {
+            return Self::NONE;
+        }
+        Self(Vec3::new(median, median.abs(), median.abs()))
+    }
+
+    pub(super) fn is_none(self) -> bool {
+        self == Self::NONE
+    }
+
+    /// The map itself.
+    pub(super) fn map(self) -> Affine3A {
+        Affine3A::from_scale(self.0)
+    }
+
+    /// What remains of a transform after this scale.
+    pub(super) fn remaining(self, transform: &Affine3A) -> Affine3A {
+        *transform * Affine3A::from_scale(self.0.recip())
+    }
+}
