@@ -7,6 +7,7 @@ mod legal_files;
 mod malformed;
 mod meshes;
 mod of_skeletons;
+mod repairs;
 mod round_trips;
 mod sampled_curves;
 mod written_scenes;

@@ -429,7 +429,7 @@ fn numbers_that_are_not_finite() {
         &["`m`", "vertex 2", "bone 1"],
     );
     says(
-        &refused(flat, [one[0], [0.0; 4], one[0]]),
+        &refused(flat, [one[0], [0.0, -1.0, 0.0, 0.0], one[0]]),
         &["meshes[0]", "`m`", "vertex 1", "sum to 0"],
     );
 }

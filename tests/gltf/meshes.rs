@@ -262,6 +262,7 @@ fn weights_are_put_right_and_that_is_said() {
             mesh,
             repair,
             merged,
+            ..
         } => Some((mesh, repair, merged)),
         _ => None,
     });

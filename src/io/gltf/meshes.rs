@@ -71,7 +71,7 @@ pub(super) fn read(source: &Source<'_>, nodes: &Nodes, notes: &mut Vec<Note>) ->
         add(source, which, raw, nodes, &mut own, &mut taken, notes)?;
     }
     for skin in (0..source.root.skins.len()).filter(|skin| !used.contains(skin)) {
-        skins::check(source, skin)?;
+        skins::check(source, skin, notes)?;
     }
     if !left_out.is_empty() {
         let names: Vec<String> = left_out.into_iter().collect();

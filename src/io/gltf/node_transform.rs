@@ -18,15 +18,16 @@ pub(super) struct Local {
 
 /// Where a node is in its parent, or the key that is wrong and why.
 pub(super) fn local(node: &Node) -> Result<Local, (&'static str, String)> {
-    let rest = match &node.matrix {
+    let (rest, row_repair) = match &node.matrix {
         Some(matrix) => decomposed(matrix).map_err(|problem| ("matrix", problem))?,
         None => {
             let [x, y, z, w] = node.rotation.unwrap_or_default().0;
-            LocalTransform {
+            let rest = LocalTransform {
                 translation: Vec3A::from(node.translation.unwrap_or([0.0; 3])),
                 rotation: Quat::from_xyzw(x, y, z, w),
                 scale: Vec3A::from(node.scale.unwrap_or([1.0; 3])),
-            }
+            };
+            (rest, None)
         }
     };
     let not_finite = |key| Err((key, "is not finite in single precision".into()));
@@ -40,7 +41,10 @@ pub(super) fn local(node: &Node) -> Result<Local, (&'static str, String)> {
         return not_finite("rotation");
     }
     if rest.rotation.is_normalized() {
-        return Ok(Local { rest, repair: None });
+        return Ok(Local {
+            rest,
+            repair: row_repair,
+        });
     }
     // In double precision, where the square of no single-precision number vanishes.
     let rotation = rest.rotation.as_dquat();
@@ -58,8 +62,8 @@ pub(super) fn local(node: &Node) -> Result<Local, (&'static str, String)> {
 }
 
 /// A matrix by columns as translation · rotation · scale.
-fn decomposed(matrix: &[f32; 16]) -> Result<LocalTransform, String> {
-    let affine = affine(matrix)?;
+fn decomposed(matrix: &[f32; 16]) -> Result<(LocalTransform, Option<String>), String> {
+    let (affine, repair) = affine(matrix)?;
     let parts = Decomposition::new(&affine).map_err(|error| error.to_string())?;
     let stretch = parts.stretch;
     let scale = DVec3::new(stretch.x_axis.x, stretch.y_axis.y, stretch.z_axis.z);
@@ -69,19 +73,26 @@ fn decomposed(matrix: &[f32; 16]) -> Result<LocalTransform, String> {
     if most(apart) > SHEAR_WITHIN * most(stretch) {
         return Err("shears, which no translation, rotation and scale do".into());
     }
-    Ok(LocalTransform {
+    let rest = LocalTransform {
         translation: parts.translation.as_vec3a(),
         rotation: parts.rotation.as_quat().normalize(),
         scale: scale.as_vec3a(),
-    })
+    };
+    Ok((rest, repair))
 }
 
-/// A matrix by columns whose last row is 0 0 0 1.
-pub(super) fn affine(matrix: &[f32; 16]) -> Result<DAffine3, String> {
+/// Largest distance of a matrix's last row from 0 0 0 1, entry by entry: rounding of the writer.
+const LAST_ROW_WITHIN: f32 = 1e-4;
+
+/// A matrix by columns whose last row is 0 0 0 1, and the repair of a row that is off by rounding.
+pub(super) fn affine(matrix: &[f32; 16]) -> Result<(DAffine3, Option<String>), String> {
     let row = [matrix[3], matrix[7], matrix[11], matrix[15]];
-    if row != [0.0, 0.0, 0.0, 1.0] {
+    let exact = [0.0, 0.0, 0.0, 1.0];
+    let near = |(a, b): (f32, f32)| (a - b).abs() <= LAST_ROW_WITHIN;
+    if !row.into_iter().zip(exact).all(near) {
         return Err(format!("the last row is {row:?}, not 0 0 0 1"));
     }
+    let repair = (row != exact).then(|| format!("the last row {row:?} is read as 0 0 0 1"));
     let column = |at: usize| {
         let [x, y, z] = [0, 1, 2].map(|row| matrix[at + row].into());
         DVec3::new(x, y, z)
@@ -91,7 +102,7 @@ pub(super) fn affine(matrix: &[f32; 16]) -> Result<DAffine3, String> {
         translation: column(12),
     };
     match affine.is_finite() {
-        true => Ok(affine),
+        true => Ok((affine, repair)),
         false => Err("has an entry that is not finite in single precision".into()),
     }
 }

@@ -24,6 +24,8 @@ pub enum Note {
         repair: WeightRepair,
         /// How many weights were added to another one of the same vertex and joint.
         merged: usize,
+        /// Number of vertices without weights, which follow their first joint.
+        unweighted: usize,
     },
     /// Something else was put right.
     Repaired {
@@ -63,6 +65,7 @@ impl fmt::Display for Note {
                 mesh,
                 repair,
                 merged,
+                unweighted,
             } => {
                 let (negative, rescaled) = (repair.negative, repair.rescaled);
                 write!(
@@ -71,8 +74,15 @@ impl fmt::Display for Note {
                      of their joint, those of {rescaled} vertices scaled to sum to 1"
                 )?;
                 match repair.worst {
-                    Some((vertex, sum)) => write!(f, " (vertex {vertex} had {sum})"),
-                    None => Ok(()),
+                    Some((vertex, sum)) => write!(f, " (vertex {vertex} had {sum})")?,
+                    None => (),
+                }
+                match unweighted {
+                    0 => Ok(()),
+                    count => write!(
+                        f,
+                        "; {count} vertices without weights follow their first joint"
+                    ),
                 }
             }
             Self::Repaired { place, what } => write!(f, "{place}{what}"),

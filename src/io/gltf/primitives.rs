@@ -153,11 +153,14 @@ fn vertices(
         let weights = source.read(*weights, &user, |weights: [f64; 4]| weights)?;
         source.charge::<JointWeight>(4 * count, path)?;
         for (vertex, (joints, weights)) in (first as u32..).zip(joints.iter().zip(&weights)) {
-            // A joint without weight may be any number.
+            // A joint without weight may be any number. A vertex without weights keeps its first joint.
+            let unweighted = *set == 0 && weights.iter().all(|weight| *weight == 0.0);
             let used = joints
                 .iter()
                 .zip(weights)
-                .filter(|(_, weight)| **weight != 0.0);
+                .enumerate()
+                .filter(|(slot, (_, weight))| **weight != 0.0 || (unweighted && *slot == 0))
+                .map(|(_, used)| used);
             raw.joints.extend(used.map(|(&joint, &weight)| JointWeight {
                 vertex,
                 joint,

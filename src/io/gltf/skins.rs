@@ -6,7 +6,7 @@ use gltf_json::Skin as Entry;
 use super::node_transform::affine;
 use super::nodes::{label, missing_node};
 use super::note::Note;
-use super::raw_mesh::RawMesh;
+use super::raw_mesh::{JointWeight, RawMesh};
 use super::scene::Skin;
 use super::source::Source;
 use crate::io::FromFile;
@@ -37,23 +37,28 @@ pub(super) fn read(
     }
     Ok(Skin {
         name: entry.name.clone().unwrap_or_default(),
-        joint_from_mesh: bound(source, entry, index, &user)?,
+        joint_from_mesh: bound(source, entry, (index, &user), notes)?,
         weights: weights(source, mesh, joints.len(), notes)?,
         joints,
     })
 }
 
 /// Checks the inverse bind matrices of a skin that no mesh which is read has.
-pub(super) fn check(source: &Source<'_>, index: usize) -> FromFile<()> {
+pub(super) fn check(source: &Source<'_>, index: usize, notes: &mut Vec<Note>) -> FromFile<()> {
     let entry = source.root.skins.get(index);
     entry.map_or(Ok(()), |entry| {
         let user = label("skin", index, entry.name.as_ref());
-        bound(source, entry, index, &user).map(|_| ())
+        bound(source, entry, (index, &user), notes).map(|_| ())
     })
 }
 
 /// The inverse bind matrices, one for each joint; identities where the file has none.
-fn bound(source: &Source<'_>, entry: &Entry, index: usize, user: &str) -> FromFile<Vec<Affine3A>> {
+fn bound(
+    source: &Source<'_>,
+    entry: &Entry,
+    (index, user): (usize, &str),
+    notes: &mut Vec<Note>,
+) -> FromFile<Vec<Affine3A>> {
     let joints = entry.joints.len();
     let Some(matrices) = entry.inverse_bind_matrices else {
         return Ok(vec![Affine3A::IDENTITY; joints]);
@@ -74,7 +79,13 @@ fn bound(source: &Source<'_>, entry: &Entry, index: usize, user: &str) -> FromFi
         .map(|(joint, matrix)| {
             let problem =
                 |problem| source.fail(path.as_str(), format!("{user}: joint {joint}: {problem}"));
-            affine(matrix).map_err(problem)?;
+            let (_, repair) = affine(matrix).map_err(problem)?;
+            if let Some(repair) = repair {
+                notes.push(Note::repaired(
+                    format!("{path}[{joint}]"),
+                    format!(": {repair}"),
+                ));
+            }
             let column = |at: usize| Vec3A::new(matrix[at], matrix[at + 1], matrix[at + 2]);
             Ok(Affine3A {
                 matrix3: Mat3A::from_cols(column(0), column(4), column(8)),
@@ -109,6 +120,7 @@ fn weights(
         same
     });
     let merged = given - shares.len();
+    let unweighted = bind_unweighted(&mut shares, joints);
     let mut builder = SkinWeights::builder(raw.positions.len(), joints);
     for share in shares {
         let added = builder.add(share.vertex as usize, share.joint as usize, share.weight);
@@ -117,12 +129,30 @@ fn weights(
     let (weights, repair) = builder
         .build_repaired()
         .map_err(|error| fail(error.to_string()))?;
-    if repair != WeightRepair::default() || merged > 0 {
+    if repair != WeightRepair::default() || merged > 0 || unweighted > 0 {
         notes.push(Note::Weights {
             mesh: name.to_owned(),
             repair,
             merged,
+            unweighted,
         });
     }
     Ok(weights)
+}
+
+/// Gives each vertex without a weight above 0 the weight 1 at its first joint, or at joint 0 if the skin has no such joint, as three.js
+/// does. Returns the number of these vertices. `shares` are sorted by vertex.
+fn bind_unweighted(shares: &mut [JointWeight], joints: usize) -> usize {
+    let mut count = 0;
+    for of_vertex in shares.chunk_by_mut(|a, b| a.vertex == b.vertex) {
+        let weighted = of_vertex.iter().any(|share| share.weight != 0.0);
+        if let Some(first) = of_vertex.first_mut().filter(|_| !weighted) {
+            first.weight = 1.0;
+            if first.joint as usize >= joints {
+                first.joint = 0;
+            }
+            count += 1;
+        }
+    }
+    count
 }
