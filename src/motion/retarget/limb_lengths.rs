@@ -1,10 +1,13 @@
 //! How long limbs are, of a person and of a model.
 
+use std::f64::consts::TAU;
+
+use super::limb_tree::joints_above;
 use super::limbs::Limb;
 use super::{Capture, RetargetError, UpAxis};
 use crate::kinematics::ForwardKinematics;
-use crate::model::Model;
-use crate::spatial::Vector3;
+use crate::model::{JointId, Model};
+use crate::spatial::{Placement, Vector3};
 
 /// Frames of a capture, and configurations of a model, that lengths are measured in.
 const MEASURED: usize = 256;
@@ -52,6 +55,26 @@ pub(super) fn lengths(all: &[Limb], places: &[Vector3<f64>]) -> Vec<f64> {
         quantile(&mut lengths, QUANTILE)
     };
     all.iter().enumerate().map(of_limb).collect()
+}
+
+/// The length of a model's limb at rest, if a joint inside of it has no limits: random configurations fold such a limb as no body does.
+pub(super) fn rest_length(
+    model: &Model,
+    all: &[Limb],
+    limb: &Limb,
+    rest: &[Placement<f64>],
+) -> Option<f64> {
+    let parent = &all[limb.parent?];
+    let above_parent = joints_above(model, parent.frame);
+    let mut inside = joints_above(model, limb.frame).into_iter();
+    let unlimited = |id: JointId| {
+        let joint = &model.joints()[id.index()];
+        let range = joint.limits.upper - joint.limits.lower;
+        joint.kind.is_ball() || (joint.kind.moves() && !joint.kind.slides() && range >= TAU - 1e-6)
+    };
+    let folds = inside.any(|id| !above_parent.contains(&id) && unlimited(id));
+    let at = |limb: &Limb| rest[limb.frame.index()].apply(limb.offset);
+    folds.then(|| (at(limb) - at(parent)).norm())
 }
 
 pub(super) fn quantile(values: &mut [f64], share: f64) -> f64 {

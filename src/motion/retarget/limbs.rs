@@ -1,13 +1,13 @@
 //! Where a capture's joints are on a body of a model's size.
 
 use super::hip_line::HipLine;
-use super::limb_lengths::{capture_places, lengths, model_places, quantile};
+use super::limb_lengths::{capture_places, lengths, model_places, quantile, rest_length};
 use super::limb_tree::{hips, leg_limbs, moving_joint, order};
 use super::map_guess::upward;
 use super::sole::{Sole, soles};
 use super::{BodyMap, Capture, FootShapes, RetargetError, UpAxis};
 use crate::bad_option::{BadOption, NOT_NEGATIVE, POSITIVE};
-use crate::kinematics::ForwardKinematics;
+use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::{FrameId, Model, UnknownName};
 use crate::motion::contact_detection::mean_place;
 use crate::spatial::{Placement, Vector3};
@@ -75,7 +75,13 @@ impl Limbs {
     ) -> Result<Self, RetargetError> {
         let mut all = of_map(model, map, capture)?;
         order(model, &mut all);
-        let lengths_of_model = lengths(&all, &model_places(model, &all)?);
+        let mut lengths_of_model = lengths(&all, &model_places(model, &all)?);
+        let mut kinematics = ForwardKinematics::new(model);
+        let unplaced = |error: KinematicsError| RetargetError::Map(error.to_string());
+        let rest = kinematics.place(&model.neutral()).map_err(unplaced)?;
+        for (length, limb) in lengths_of_model.iter_mut().zip(&all) {
+            *length = rest_length(model, &all, limb, rest).unwrap_or(*length);
+        }
         let captured = capture_places(capture, &all, up);
         let lengths_of_person = lengths(&all, &captured);
         let size: f64 = lengths_of_person.iter().sum();
@@ -104,10 +110,7 @@ impl Limbs {
             let mut heights: Vec<f64> = own.map(|at| at.z).collect();
             limb.ground = quantile(&mut heights, GROUND_QUANTILE);
         }
-        let mut kinematics = ForwardKinematics::new(model);
-        let placed = kinematics
-            .place(stance)
-            .map_err(|error| RetargetError::Map(error.to_string()))?;
+        let placed = kinematics.place(stance).map_err(unplaced)?;
         let stood = all
             .iter()
             .map(|limb| placed[limb.frame.index()].apply(limb.offset));
