@@ -104,8 +104,7 @@ impl AnimatedArmature {
     /// The pose at a time of a clip, in seconds as the file counts them.
     pub(crate) fn pose_at(&self, clip: &Clip, time: f64, playback: Playback) -> Outcome<Pose> {
         let mut pose = self.armature.rest().clone();
-        let elapsed = time - f64::from(clip.span()[0]);
-        clip.sample(elapsed, playback, &mut Cursor::new(), &mut pose)?;
+        clip.sample(time, playback, &mut Cursor::new(), &mut pose)?;
         Ok(pose)
     }
 

@@ -335,3 +335,14 @@ def test_morph_targets_are_added_and_shapes_are_mixed():
         targets.apply([1.0, 1.0], positions, positions)
     with pytest.raises(kinopt.InvalidValueError, match="does not come after"):
         MorphTarget("a", [4, 1], np.zeros((2, 3)))
+
+
+def test_sample_counts_seconds_of_the_file():
+    armature = Armature(["a"], [-1])
+    builder = Clip.builder("late", armature)
+    builder.channel("a", "translation", KeyedCurve.linear([1, 2], [[0, 0, 0], [1, 0, 0]]))
+    clip = builder.build()
+    assert clip.span == (1.0, 2.0)
+    assert np.allclose(clip.sample(1.5).translations[0], [0.5, 0, 0])
+    assert np.allclose(clip.sample(2.25, "loop").translations[0], [0.25, 0, 0])
+    assert np.allclose(clip.sample([0.0, 1.75, 3.0]).translations[:, 0, 0], [0, 0.75, 1])

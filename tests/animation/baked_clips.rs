@@ -8,8 +8,8 @@ use support::random::Random;
 
 pub(crate) fn at(clip: &Clip, armature: &Armature, time: f32) -> Pose {
     let mut pose = armature.rest().clone();
-    let elapsed = f64::from(time) - f64::from(clip.span()[0]);
-    clip.sample(elapsed, Playback::Hold, &mut Cursor::new(), &mut pose)
+    let time = f64::from(time);
+    clip.sample(time, Playback::Hold, &mut Cursor::new(), &mut pose)
         .unwrap();
     pose
 }

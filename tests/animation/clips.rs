@@ -144,11 +144,10 @@ fn a_pose_is_its_channels_own_curves_in_any_order_of_times() {
                 30..40 => clip.duration() * [0.0, 1.0][random.below(2)],
                 _ => random.within(-1.0, f64::from(end - start) + 1.0),
             };
-            clip.sample(elapsed, Playback::Hold, &mut cursor, &mut pose)
+            let time = f64::from(start) + elapsed;
+            clip.sample(time, Playback::Hold, &mut cursor, &mut pose)
                 .unwrap();
-            let time = (f64::from(start) + elapsed)
-                .max(f64::from(start))
-                .min(f64::from(end));
+            let time = time.max(f64::from(start)).min(f64::from(end));
             let expected = expected(&armature, &channels, time as f32);
             let off = difference(&pose, &expected);
             assert!(off < 5e-5, "{off} at {elapsed}");
@@ -163,9 +162,11 @@ fn loops_and_ping_pong_repeat() {
     let armature = armature(12, &mut random);
     let (clip, _) = random_clip(&armature, &mut random);
     let length = clip.duration();
+    let first = f64::from(clip.span()[0]);
     let at = |elapsed: f64, playback| {
         let mut pose = armature.rest().clone();
-        clip.sample(elapsed, playback, &mut Cursor::new(), &mut pose)
+        let time = first + elapsed;
+        clip.sample(time, playback, &mut Cursor::new(), &mut pose)
             .unwrap();
         pose
     };
@@ -237,10 +238,44 @@ fn a_span_that_is_set_is_the_clip_s() {
     let clip = builder.build();
     assert_eq!((clip.span(), clip.duration()), ([-1.0, 5.0], 6.0));
     let (mut pose, mut cursor) = (armature.rest().clone(), Cursor::new());
-    for (elapsed, x) in [(0.0, 0.0), (1.5, 0.5), (4.0, 1.0), (6.5, 0.0), (7.25, 0.25)] {
-        clip.sample(elapsed, Playback::Loop, &mut cursor, &mut pose)
+    for (time, x) in [
+        (-1.0, 0.0),
+        (0.5, 0.5),
+        (3.0, 1.0),
+        (5.5, 0.0),
+        (6.25, 0.25),
+    ] {
+        clip.sample(time, Playback::Loop, &mut cursor, &mut pose)
             .unwrap();
-        assert_eq!(pose.translations()[0], Vec3A::X * x, "{elapsed} s");
+        assert_eq!(pose.translations()[0], Vec3A::X * x, "{time} s");
+    }
+}
+
+/// Keys at 1 s and 2 s of the file: samples, events and span count from the file's zero.
+#[test]
+fn sample_counts_seconds_of_the_file() {
+    let armature = armature(1, &mut Random::new(71));
+    let bone = armature.bone_at(0).unwrap();
+    let curve = KeyedCurve::linear(vec![1.0, 2.0], vec![Vec3A::ZERO, Vec3A::X]).unwrap();
+    let mut builder = Clip::builder("late", &armature);
+    builder.channel(bone, Channel::Translation(curve)).unwrap();
+    let clip = builder.build();
+    assert_eq!(clip.span(), [1.0, 2.0]);
+    let (mut pose, mut cursor) = (armature.rest().clone(), Cursor::new());
+    for (time, playback, x) in [
+        (0.0, Playback::Hold, 0.0),
+        (1.5, Playback::Hold, 0.5),
+        (1.5, Playback::Loop, 0.5),
+        (2.25, Playback::Loop, 0.25),
+        (2.25, Playback::PingPong, 0.75),
+        (9.0, Playback::Hold, 1.0),
+    ] {
+        clip.sample(time, playback, &mut cursor, &mut pose).unwrap();
+        assert_eq!(
+            pose.translations()[0],
+            Vec3A::X * x,
+            "{time} s {playback:?}"
+        );
     }
 }
 

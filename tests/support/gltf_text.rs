@@ -202,9 +202,7 @@ pub fn at(scene: &Scene, clip: usize, time: f64) -> Pose {
     let mut pose = scene.armature.rest().clone();
     let mut cursor = Cursor::new();
     let clip = &scene.clips[clip];
-    // From the start of the file's time, not of the clip.
-    let elapsed = time - f64::from(clip.span()[0]);
-    clip.sample(elapsed, Playback::Hold, &mut cursor, &mut pose)
+    clip.sample(time, Playback::Hold, &mut cursor, &mut pose)
         .unwrap();
     pose
 }

@@ -50,7 +50,13 @@ impl Clip {
         self.inner.duration()
     }
 
-    /// The pose so many seconds after its start; `playback` is "hold", "loop" or "ping-pong".
+    /// Its first moment, seconds of the file.
+    #[wasm_bindgen(getter)]
+    pub fn start(&self) -> f64 {
+        self.inner.span()[0].into()
+    }
+
+    /// The pose at a time in seconds of the file; `playback` is "hold", "loop" or "ping-pong".
     pub fn sample(&mut self, seconds: f64, playback: Option<String>) -> Result<Pose, JsError> {
         let mut inner = self.armature.rest().clone();
         let playback = crate::playback::playback(playback.as_deref())?;

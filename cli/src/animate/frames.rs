@@ -14,11 +14,15 @@ const ROUNDINGS: f64 = 4.0;
 pub(super) struct Frames {
     per_second: f64,
     start: f64,
+    /// Number of frames at the rate.
     count: usize,
+    /// Time of a last frame that follows by less than a period, in seconds.
+    partial: Option<f64>,
 }
 
 impl Frames {
-    /// The frames at `start`, `start` + 1/`per_second`, … up to `end`; times in seconds.
+    /// The frames at `start`, `start` + 1/`per_second`, … and at `end`, which may follow the last by less than a period; times in
+    /// seconds.
     pub(super) fn new(per_second: f64, start: f64, end: f64) -> Outcome<Self> {
         if end < start {
             return Err(usage!(
@@ -34,10 +38,12 @@ impl Frames {
                 "{per_second} frames a second from {start} s to {end} s are more than {MOST} files"
             ));
         }
+        let left = (end - start) * per_second - steps;
         Ok(Self {
             per_second,
             start,
             count: steps as usize + 1,
+            partial: (left > slack).then_some(end),
         })
     }
 
@@ -52,11 +58,11 @@ impl Frames {
 
     /// The file's name without its extension, and the time in seconds.
     pub(super) fn iter(self) -> impl Iterator<Item = (String, f64)> {
-        let digits = (self.count - 1).to_string().len().max(4);
-        (0..self.count).map(move |frame| {
-            // Divided each time, so that frames do not drift.
-            let time = self.start + frame as f64 / self.per_second;
-            (format!("frame-{frame:0digits$}"), time)
-        })
+        // Divided each time, so that frames do not drift.
+        let times = (0..self.count).map(move |frame| self.start + frame as f64 / self.per_second);
+        let last = self.count - usize::from(self.partial.is_none());
+        let digits = last.to_string().len().max(4);
+        let named = move |(frame, time)| (format!("frame-{frame:0digits$}"), time);
+        times.chain(self.partial).enumerate().map(named)
     }
 }

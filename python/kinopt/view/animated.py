@@ -66,7 +66,7 @@ class AnimatedBody(Figure):
         poses = [self.armature.local_to_model(self._pose)[None]]
         for clip in clips_of(thing):
             start, end = clip.span
-            poses.append(self.armature.local_to_model(clip.sample(np.linspace(0.0, end - start, MOMENTS))))
+            poses.append(self.armature.local_to_model(clip.sample(np.linspace(start, end, MOMENTS))))
         moments = np.concatenate(poses).astype(float)
         meshes = list(getattr(thing, "meshes", []))
         made = []
@@ -170,7 +170,7 @@ class Played:
 
     def show(self, seconds: float) -> None:
         """Moves the figure to where the clip has it then."""
-        self._body.show_pose(self._clip.sample(seconds - self.span[0]))
+        self._body.show_pose(self._clip.sample(seconds))
 
 
 def clips_of(thing: Any) -> list[Any]:

@@ -111,28 +111,27 @@ impl Clip {
             .collect()
     }
 
-    /// The pose at `elapsed` seconds after the clip's start: a `Pose` for a number, `Poses` for N of them,
-    /// shape (N,).
+    /// The pose at `time`, in seconds of the file as in `span` and `events`: a `Pose` for a number, `Poses` for N of
+    /// them, shape (N,).
     ///
     /// `playback` says what happens outside the span: "hold", "loop" or "ping_pong". `out`, a `Pose`, takes
     /// the result of a number.
     ///
     /// Raises `InvalidValueError` for a time that is not finite and for an `out` of another armature,
     /// `UnknownNameError` for another `playback`.
-    #[pyo3(signature = (elapsed, playback = "hold", *, out = None))]
+    #[pyo3(signature = (time, playback = "hold", *, out = None))]
     fn sample<'py>(
         &self,
         py: Python<'py>,
-        elapsed: &Bound<'py, PyAny>,
+        time: &Bound<'py, PyAny>,
         playback: &str,
         out: Option<&Bound<'py, Pose>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let playback = playback::of(playback)?;
-        if let Ok(elapsed) = elapsed.extract::<f64>() {
-            let elapsed = arrays::finite(elapsed, "elapsed")?;
+        if let Ok(time) = time.extract::<f64>() {
+            let time = arrays::finite(time, "time")?;
             let sample = |pose: &mut Locals| {
-                let sample =
-                    |cursor: &mut Cursor| self.inner.sample(elapsed, playback, cursor, pose);
+                let sample = |cursor: &mut Cursor| self.inner.sample(time, playback, cursor, pose);
                 self.cursors.with(sample)
             };
             if let Some(out) = out {
@@ -146,11 +145,11 @@ impl Clip {
         if out.is_some() {
             return Err(invalid("out takes the pose at one time"));
         }
-        let times = Questions::numbers(elapsed, "elapsed")?;
+        let times = Questions::numbers(time, "time")?;
         let mut poses = vec![self.armature.rest().clone(); times.count()];
         self.cursors.with(|cursor| {
             times.each(py, &mut poses, SAMPLES_AT_A_TIME, |time, poses| {
-                let time = arrays::finite(time[0], "elapsed")?;
+                let time = arrays::finite(time[0], "time")?;
                 let sampled = self.inner.sample(time, playback, cursor, &mut poses[0]);
                 sampled.or_raise()
             })
@@ -381,7 +380,8 @@ impl Clip {
         // Of one size, or an error.
         let mut pose = armature.rest().clone();
         let hold = kinopt::animation::Playback::Hold;
-        clip.sample(0.0, hold, &mut Cursor::new(), &mut pose)
+        let start = f64::from(clip.span()[0]);
+        clip.sample(start, hold, &mut Cursor::new(), &mut pose)
             .or_raise()?;
         Ok(Self::of(armature, Arc::new(clip)))
     }

@@ -127,22 +127,21 @@ impl Clip {
         armature.rest().check_same_size(&self.constant)
     }
 
-    /// Writes the whole pose at `elapsed` seconds after the clip's start, taken into its span by
-    /// `playback`. NaN counts as the start. Rotations run at constant angular speed between linear
+    /// Writes the whole pose at `time`, in seconds of the file as in [`span`](Self::span) and [`events`](Self::events), taken into the
+    /// span by `playback`. NaN counts as the start. Rotations run at constant angular speed between linear
     /// keys (slerp, not nlerp); at key times all values are the keys' to rounding.
     ///
     /// # Errors
     /// The pose is of another armature's size.
     pub fn sample(
         &self,
-        elapsed: f64,
+        time: f64,
         playback: Playback,
         cursor: &mut Cursor,
         pose: &mut Pose,
     ) -> Result<(), SizeMismatch> {
         self.constant.check_same_size(pose)?;
-        let [start, end] = self.span().map(f64::from);
-        let time = playback.within(start + elapsed, [start, end]) as f32;
+        let time = playback.within(time, self.span().map(f64::from)) as f32;
         self.tracks.fill_constant(&self.constant, pose);
         self.tracks.sample(time, cursor.on(&self.tracks), pose);
         Ok(())

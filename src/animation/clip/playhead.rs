@@ -73,8 +73,7 @@ impl Playhead {
         }
     }
 
-    /// Seconds of the clip since playback started; to be taken into the clip's span by
-    /// [`Clip::sample`](super::Clip::sample).
+    /// Seconds of the clip since playback started. The clip's start plus these is the time for [`Clip::sample`](super::Clip::sample).
     #[must_use]
     pub fn elapsed(&self) -> f64 {
         self.elapsed

@@ -122,15 +122,9 @@ impl Clip {
     /// The poses at times of the clip.
     fn poses_at(&self, armature: &Armature, times: &[f32]) -> Result<Vec<Pose>, SizeMismatch> {
         let mut cursor = Cursor::new();
-        let start = f64::from(self.span()[0]);
         let poses = times.iter().map(|&time| {
             let mut pose = armature.rest().clone();
-            self.sample(
-                f64::from(time) - start,
-                Playback::Hold,
-                &mut cursor,
-                &mut pose,
-            )?;
+            self.sample(f64::from(time), Playback::Hold, &mut cursor, &mut pose)?;
             Ok(pose)
         });
         poses.collect()

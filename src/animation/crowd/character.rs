@@ -47,9 +47,9 @@ impl PlayingClip {
     }
 
     fn sample(&mut self, pose: &mut Pose) -> Result<(), SizeMismatch> {
-        let elapsed = self.playhead.elapsed();
+        let time = f64::from(self.clip.span()[0]) + self.playhead.elapsed();
         self.clip
-            .sample(elapsed, self.playback, &mut self.cursor, pose)
+            .sample(time, self.playback, &mut self.cursor, pose)
     }
 }
 

@@ -98,8 +98,8 @@ impl Playing {
     ) -> Result<(), SizeMismatch> {
         let mut sample = |index: usize, pose: &mut Pose| {
             let clip = state.motion.clip(index);
-            let elapsed = self.head.elapsed() * clip.duration();
-            clip.sample(elapsed, state.playback, &mut self.cursors[index], pose)
+            let time = f64::from(clip.span()[0]) + self.head.elapsed() * clip.duration();
+            clip.sample(time, state.playback, &mut self.cursors[index], pose)
         };
         sample(mix.first, pose)?;
         if mix.share > 0.0 {

@@ -54,7 +54,8 @@ impl StateMachineRun {
         let machine = Arc::clone(&own.machine);
         for state in &machine.states {
             for clip in state.motion.clips() {
-                clip.sample(0.0, state.playback, &mut Cursor::new(), &mut own.pose)?;
+                let start = f64::from(clip.span()[0]);
+                clip.sample(start, state.playback, &mut Cursor::new(), &mut own.pose)?;
             }
         }
         own.show()?;

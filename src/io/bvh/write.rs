@@ -130,8 +130,8 @@ fn sample(armature: &Armature, clip: &Clip, rate: f64) -> Result<Vec<Pose>, BvhE
     let mut cursor = Cursor::new();
     let frames = (0..=last as usize).map(|frame| {
         let mut pose = armature.rest().clone();
-        let elapsed = frame as f64 * frame_time;
-        clip.sample(elapsed, Playback::Hold, &mut cursor, &mut pose)?;
+        let time = f64::from(clip.span()[0]) + frame as f64 * frame_time;
+        clip.sample(time, Playback::Hold, &mut cursor, &mut pose)?;
         Ok(pose)
     });
     frames.collect()

@@ -60,9 +60,9 @@ impl<'a> Poses<'a> {
     }
 
     pub(super) fn at(&mut self, time: f32) -> Result<&mut Pose, ClipIkError> {
-        let elapsed = f64::from(time) - f64::from(self.clip.span()[0]);
+        let time = f64::from(time);
         self.clip
-            .sample(elapsed, Playback::Hold, &mut self.cursor, &mut self.pose)?;
+            .sample(time, Playback::Hold, &mut self.cursor, &mut self.pose)?;
         Ok(&mut self.pose)
     }
 }

@@ -112,12 +112,12 @@ impl Lines<'_> {
         if own.len() < 2 {
             times.clear();
         }
-        let (mut cursor, start) = (Cursor::new(), f64::from(self.clip.span()[0]));
+        let mut cursor = Cursor::new();
         let mut pose = self.armature.rest().clone();
         let keys = times.into_iter().map(|time| {
-            let elapsed = f64::from(time) - start;
+            let at = f64::from(time);
             self.clip
-                .sample(elapsed, Playback::Hold, &mut cursor, &mut pose)?;
+                .sample(at, Playback::Hold, &mut cursor, &mut pose)?;
             Ok((time, value(&pose)))
         });
         keys.collect()

@@ -28,7 +28,7 @@ export class AnimatedSession extends CharacterSession {
     choose(clip) {
         this.clip = this.clips[clip];
         this.held = new HeldOverClip();
-        this.stand(this.clip.sample(0, "hold"));
+        this.stand(this.clip.sample(this.clip.start, "hold"));
         return { ...this.show(), seconds: this.clip.duration };
     }
 
@@ -53,7 +53,7 @@ export class AnimatedSession extends CharacterSession {
 
     /** The figure stands in the clip's pose, so that the clip has it at no angle. */
     clipAngles(seconds) {
-        this.stand(this.clip.sample(seconds, "loop"));
+        this.stand(this.clip.sample(this.clip.start + seconds, "loop"));
         return this.q;
     }
 

@@ -59,7 +59,7 @@ export class RetargetSession {
     }
 
     #places(frame) {
-        return this.capture.armature.places(this.clip.sample(frame / FPS, "hold"));
+        return this.capture.armature.places(this.clip.sample(this.clip.start + frame / FPS, "hold"));
     }
 
     #step(frame) {
