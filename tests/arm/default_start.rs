@@ -66,23 +66,15 @@ fn default_start_is_the_srdf_state_of_the_arm() {
 fn near_targets_stay_near_the_default_start() {
     let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
     let mut random = Random(3);
-    let zeros: Vec<f64> = arm.limits().map(|limits| limits.clamp(0.0)).collect();
-    let mut far = [0, 0];
+    let start = arm.default_start();
     for _ in 0..200 {
-        for (count, start) in far.iter_mut().zip([arm.default_start(), &zeros]) {
-            let near: Vec<f64> = (start.iter().zip(arm.limits()))
-                .map(|(value, limits)| limits.clamp(value + 0.6 * (random.unit() - 0.5)))
-                .collect();
-            let target = arm.base_from_tool(&near).unwrap();
-            let solution = arm.solve(target, start).unwrap();
-            assert!(solution.reached);
-            let moved = solution.q.iter().zip(start).map(|(a, b)| (a - b).abs());
-            *count += usize::from(moved.fold(0.0, f64::max) > 1.0);
-        }
+        let near: Vec<f64> = (start.iter().zip(arm.limits()))
+            .map(|(value, limits)| limits.clamp(value + 0.6 * (random.unit() - 0.5)))
+            .collect();
+        let target = arm.base_from_tool(&near).unwrap();
+        let solution = arm.solve(target, start).unwrap();
+        assert!(solution.reached);
+        let moved = solution.q.iter().zip(start).map(|(a, b)| (a - b).abs());
+        assert!(moved.fold(0.0, f64::max) < 1.0, "{:?}", solution.q);
     }
-    // At zeros the elbow of the Panda is stretched and on its limit.
-    assert!(
-        far[0] == 0 && far[1] > 20,
-        "{far:?} of 200 end more than 1 rad away"
-    );
 }
