@@ -30,6 +30,11 @@ pub(crate) struct ModelOptions {
     #[arg(long, help_heading = MODEL, hide_short_help = true)]
     soft_limits: bool,
 
+    /// Limits that restrict a joint which mimic joints follow: its own (`source`), or also those of its mimic joints (`both`).
+    /// Default: source.
+    #[arg(long, value_name = "WHICH", value_parser = ["source", "both"], help_heading = MODEL, hide_short_help = true)]
+    mimic_limits: Option<String>,
+
     /// Limits of a robot's joints, as MoveIt's joint_limits.yaml: velocities and accelerations, and positions within those of its own file.
     /// Default: the robot's file alone.
     #[arg(long, value_name = "FILE", help_heading = MODEL, hide_short_help = true)]
@@ -60,6 +65,12 @@ impl ModelOptions {
             failure!("{error}{hint}")
         })?;
         let file = path.display();
+        let robot = match self.mimic_limits.as_deref() {
+            Some("both") => robot
+                .with_mimic_limits()
+                .map_err(|error| failure!("{file}: mimic limits: {error}"))?,
+            _ => robot,
+        };
         for repair in robot.repairs() {
             output::message(&format!("note: {file}:{repair}"));
         }
@@ -147,6 +158,7 @@ impl ModelOptions {
         let given = first_given([
             ("--lenient", self.lenient),
             ("--soft-limits", self.soft_limits),
+            ("--mimic-limits", self.mimic_limits.is_some()),
             ("--joint-limits", self.joint_limits.is_some()),
         ]);
         match given.or(self.loops.given()) {

@@ -20,6 +20,8 @@ Targets: TypeAlias = Any
 _AXES = {"pose": 2, "orientation": 2, "distance": 0, "joint coupling": 0}
 # Targets of which only a part is a parameter of the solution.
 _NOT_BY = ("plane", "ray", "frame velocity")
+# The solver of problems without one: the same for all, so that questions compare equal.
+_SOLVER = Solver()
 _SHAPES = "a target must have shape (..., 4, 4), (..., 3, 3) or (..., n) to be differentiated by"
 
 
@@ -182,8 +184,29 @@ def question(
         raise InvalidValueError("joint_origins is a dict by joint")
     origins = dict(joint_origins or {})
     is_weighed = weights is not None
-    own = ProblemQuestion(asked, solver or Solver(), tuple(targets), missing, is_weighed, tuple(origins))
+    own = ProblemQuestion(asked, solver or _SOLVER, tuple(targets), missing, is_weighed, tuple(origins))
     return own, [*targets.values(), *([weights] if is_weighed else []), *origins.values()]
+
+
+def check_shapes(
+    own: Question, targets: Sequence[tuple[int, ...]], start: tuple[int, ...]
+) -> None:
+    """Raises ``InvalidValueError`` for shapes of targets and of a start that do not go with the question or with each other."""
+    batch = [start[:-1]]
+    for k, shape in enumerate(targets):
+        axes = own.target_axes(k)
+        own_axes = shape[len(shape) - axes :]
+        if len(shape) < axes or (axes == 2 and own_axes not in ((4, 4), (3, 3))):
+            raise InvalidValueError(f"{_SHAPES}, not {shape}")
+        if isinstance(own, ArmQuestion) and own_axes != (4, 4):
+            raise InvalidValueError(f"targets has shape {shape}, expected (..., 4, 4)")
+        batch.append(shape[: len(shape) - axes])
+    if start[-1:] != (own.length,):
+        raise InvalidValueError(f"start has shape {start}, expected (..., {own.length})")
+    try:
+        np.broadcast_shapes(*batch)
+    except ValueError:
+        raise InvalidValueError(f"targets {list(targets)} and start {start} do not broadcast") from None
 
 
 def batched(

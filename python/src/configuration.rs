@@ -11,6 +11,15 @@ use crate::error::{OrRaise, invalid};
 /// Rows between two looks at signals.
 const PIECE: usize = 4096;
 
+/// One row for each row of numbers: a list for a list, a table for a table.
+pub(crate) fn of_one<'py>(
+    given: (&Bound<'py, PyAny>, &str, usize),
+    width: usize,
+    compute: impl Fn(&[f64], &mut [f64]) -> Result<(), ModelError> + Sync,
+) -> PyResult<Bound<'py, PyAny>> {
+    of_two(given, given, width, |q, _, computed| compute(q, computed))
+}
+
 /// One row for each of two that go together: lists of numbers, tables of as many rows, or one list for all rows of
 /// a table.
 pub(crate) fn of_two<'py>(

@@ -63,7 +63,7 @@ impl Srdf {
     fn configuration(&self, q: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<f64>> {
         let model = &self.robot.get().model;
         match q {
-            None => Ok(model.neutral()),
+            None => Ok(self.robot.get().inner.neutral()),
             Some(q) => Ok(arrays::vector_of(q, "at", model.configuration_len())?.to_vec()),
         }
     }

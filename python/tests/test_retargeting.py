@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import json
 import pickle
+import signal
+import subprocess
+import sys
 import threading
+import time
 from pathlib import Path
 from typing import Any
 
@@ -417,3 +421,54 @@ def test_what_is_no_figure_is_refused(nao: kinopt.Robot, tmp_path: Path) -> None
     (tmp_path / "body.fbx").write_text("")
     with pytest.raises(InvalidFileError, match="body.fbx.*[.]urdf"):
         kinopt.retarget(sway(), tmp_path / "body.fbx", MAP)
+
+
+def test_fixed_base_of_a_humanoid_is_noted() -> None:
+    free = kinopt.Robot.from_urdf(NAO, base_joint="free")
+    fixed = kinopt.Robot.from_urdf(NAO)
+
+    def named(robot: kinopt.Robot) -> list[str]:
+        return [note for note in kinopt.retarget(sway(4), robot, MAP).notes if 'base_joint="free"' in note]
+
+    assert len(named(fixed)) == 1 and not named(free)
+
+
+def test_repr_of_a_movement_is_one_line() -> None:
+    found = kinopt.retarget(sway(4), kinopt.Robot.from_urdf(NAO, base_joint="free"), MAP)
+    assert repr(found).startswith("Retargeted(4 frames") and "\n" not in repr(found)
+    assert len(repr(found)) < 160
+
+
+def test_whole_movement_reports_progress() -> None:
+    heard: list[tuple[int, int]] = []
+    robot = kinopt.Robot.from_urdf(NAO, base_joint="free")
+    plain = kinopt.retarget(sway(40), robot, MAP, whole=True)
+    found = kinopt.retarget(sway(40), robot, MAP, whole=True, progress=lambda *now: heard.append(now))
+    assert heard[-1] == (40, 40) and heard == sorted(heard)
+    np.testing.assert_array_equal(found.q, plain.q)
+
+
+def test_whole_movement_ends_by_an_exception_of_progress() -> None:
+    robot = kinopt.Robot.from_urdf(NAO, base_joint="free")
+
+    def stop(done: int, total: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        kinopt.retarget(sway(400), robot, MAP, whole=True, progress=stop)
+
+
+def test_whole_movement_ends_by_ctrl_c() -> None:
+    code = (
+        "import sys, kinopt; sys.path.insert(0, sys.argv[1]); from test_retargeting import NAO, MAP, sway; "
+        "robot = kinopt.Robot.from_urdf(NAO, base_joint='free'); print('begun', flush=True); "
+        "kinopt.retarget(sway(20000), robot, MAP, whole=True); print('done', flush=True)"
+    )
+    child = subprocess.Popen(
+        [sys.executable, "-c", code, str(Path(__file__).parent)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert child.stdout is not None and child.stdout.readline() == "begun\n"
+    time.sleep(1.0)
+    child.send_signal(signal.SIGINT)
+    out, errors = child.communicate(timeout=60)
+    assert out == "" and "KeyboardInterrupt" in errors

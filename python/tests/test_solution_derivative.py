@@ -405,3 +405,45 @@ class TestJax:
             assert abs(slopes).min() > 1e-6
         with pytest.raises(kinopt.InvalidValueError, match="an arm takes no weights"):
             kinopt.jax.solve(arm, targets[0], START, weights=at[0, :3])
+
+    def test_solve_outside_jit_compiles_once(self, digits, arm, robot, targets):
+        import kinopt.jax
+
+        problem = kinopt.Problem(robot, [tasks.Pose("flange", targets[0], name="hand")])
+
+        def cost(target):
+            return kinopt.jax.solve(arm, target, START).sum()
+
+        def cost_of_problem(target):
+            return kinopt.jax.solve(problem, {"hand": target}, START).sum()
+
+        compiled = []
+        digits.monitoring.register_event_duration_secs_listener(
+            lambda event, *_, **__: compiled.append(event) if "backend_compile" in event else None
+        )
+        one, many = digits.numpy.asarray(targets[0]), digits.numpy.asarray(targets[:2])
+        for of in (cost, cost_of_problem):
+            calls = [(of, one), (digits.grad(of), one), (digits.vmap(digits.grad(of)), many)]
+            for solve, given in calls:
+                solve(given)
+                before = len(compiled)
+                for _ in range(3):
+                    solve(given)
+                assert len(compiled) == before
+
+    def test_wrong_shapes_are_invalid_values(self, digits, arm, robot, targets):
+        import kinopt.jax
+
+        problem = kinopt.Problem(robot, [tasks.Pose("flange", targets[0], name="hand")])
+        for given, start in [
+            (targets[0][:3], START),
+            (targets[0], START[1:]),
+            (targets[:2], np.tile(START, (3, 1))),
+            (np.zeros((4, 4)), START),
+        ]:
+            with pytest.raises(kinopt.InvalidValueError):
+                kinopt.jax.solve(arm, given, start)
+            with pytest.raises(kinopt.InvalidValueError):
+                kinopt.jax.solve(problem, {"hand": given}, start)
+        with pytest.raises(kinopt.InvalidValueError):
+            digits.jit(lambda target: kinopt.jax.solve(arm, target, START))(targets[0][:3])

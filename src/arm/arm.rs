@@ -4,6 +4,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 
 use super::coordinates::Coordinates;
 use super::core_seeds::SeedTable;
+use super::default_start::middle_of;
 use super::options::Options;
 use super::rate_limits::RateLimits;
 use super::serial_chain::Serial;
@@ -36,6 +37,7 @@ pub struct Arm {
     /// What a radian or metre of each joint counts as, radians.
     pub(super) scale: Vec<f64>,
     pub(super) rates: RateLimits<f64>,
+    pub(super) default_start: Vec<f64>,
     /// Seeds of a chain that the lane engine cannot express, made for the first question that needs
     /// them.
     pub(super) seeds: OnceLock<SeedTable>,
@@ -74,6 +76,9 @@ impl Arm {
         };
         Ok(Self {
             rates,
+            default_start: (serial.map.lower().iter().zip(serial.map.upper()))
+                .map(|(&lower, &upper)| middle_of(Limits::new(lower, upper)))
+                .collect(),
             scale: serial.scales(options.metres_per_radian),
             serial,
             options,
@@ -97,7 +102,11 @@ impl Arm {
         let (coordinates, rates) = (self.coordinates.clone(), self.rates.clone());
         let tip = self.names.task_frames.first().cloned().flatten();
         let tip = tip.unwrap_or_default();
-        Self::assemble(serial, options, lanes, coordinates, rates, &tip)
+        let changed = Self::assemble(serial, options, lanes, coordinates, rates, &tip)?;
+        Ok(Self {
+            default_start: self.default_start.clone(),
+            ..changed
+        })
     }
 
     /// Names of the free joints, base to tip: the order of a configuration.

@@ -31,6 +31,7 @@ mod continuation;
 mod coordinates;
 mod core_search;
 mod core_seeds;
+mod default_start;
 mod derivative;
 mod elbow_side;
 mod error;

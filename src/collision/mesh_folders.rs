@@ -2,6 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::file::read_bytes;
+
+/// The file of a ROS package that states its name, and the longest that is read.
+const MANIFEST: &str = "package.xml";
+const MANIFEST_LIMIT: u64 = 1 << 20;
+
 /// Resolves `package://NAME/…`, `model://NAME/…`, `file://…` and paths.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MeshFolders {
@@ -12,36 +18,73 @@ pub(super) struct MeshFolders {
 }
 
 impl MeshFolders {
-    /// The first place with such a file, or all places that were looked at.
+    /// The first place with such a file, or all places that were looked at. A package is a folder of its name, or else a folder
+    /// whose `package.xml` states the name.
     pub(super) fn find(&self, reference: &str) -> Result<PathBuf, Vec<PathBuf>> {
-        let places = self.places(reference);
-        let found = places.iter().position(|place| place.is_file());
-        match found {
-            Some(at) => Ok(places[at].clone()),
-            None => Err(places),
+        let mut places = self.places(reference);
+        let is_file = |place: &&PathBuf| place.is_file();
+        if let Some(found) = places.iter().find(is_file) {
+            return Ok(found.clone());
         }
+        let declared = self.places_by_manifest(reference);
+        if let Some(found) = declared.iter().find(is_file) {
+            return Ok(found.clone());
+        }
+        places.extend(declared);
+        Err(places)
+    }
+
+    /// Places in packages whose `package.xml` has the name: folders above the robot's file, packages beside the one that holds it,
+    /// and the given folders with the folders in them.
+    fn places_by_manifest(&self, reference: &str) -> Vec<PathBuf> {
+        let Some((name, rest)) = package_of(reference) else {
+            return Vec::new();
+        };
+        let above: Vec<PathBuf> = self.above().collect();
+        let own = above.iter().find(|folder| folder.join(MANIFEST).is_file());
+        let beside = own.and_then(|folder| folder.parent()).map(Path::to_owned);
+        let within = self
+            .packages
+            .iter()
+            .chain(&beside)
+            .flat_map(|folder| folders_in(folder));
+        let all = self
+            .packages
+            .iter()
+            .cloned()
+            .chain(above.clone())
+            .chain(within);
+        all.filter(|folder| declares(folder, name))
+            .map(|folder| folder.join(rest))
+            .collect()
+    }
+
+    /// The folder of the robot's file and those above it.
+    fn above(&self) -> impl Iterator<Item = PathBuf> {
+        // The folder of a file without one is where the program runs. A relative name does not end the way up.
+        let whole = |folder: &PathBuf| {
+            let whole = std::path::absolute(Path::new(".").join(folder));
+            whole.unwrap_or_else(|_| folder.clone())
+        };
+        let beside = self.beside.as_ref().map(whole);
+        let above =
+            |folder: PathBuf| -> Vec<PathBuf> { folder.ancestors().map(Path::to_owned).collect() };
+        beside.map(above).into_iter().flatten()
     }
 
     fn places(&self, reference: &str) -> Vec<PathBuf> {
         let strip = |scheme: &str| reference.strip_prefix(scheme);
         let mut places = Vec::new();
-        let package = strip("package://").or_else(|| strip("model://"));
-        if let Some((name, rest)) = package.and_then(|path| path.split_once('/')) {
+        if let Some((name, rest)) = package_of(reference) {
             for folder in &self.packages {
                 places.push(folder.join(name).join(rest));
                 if is_named(folder, name) {
                     places.push(folder.join(rest));
                 }
             }
-            // From the robot's file upward, beyond where a relative name begins: the package itself, or one beside.
-            let whole = |folder: &PathBuf| {
-                // The folder of a file without one is where the program runs.
-                let whole = std::path::absolute(Path::new(".").join(folder));
-                whole.unwrap_or_else(|_| folder.clone())
-            };
-            let beside = self.beside.as_ref().map(whole);
-            for folder in beside.iter().flat_map(|folder| folder.ancestors()) {
-                if is_named(folder, name) {
+            // From the robot's file upward: the package itself, or one beside.
+            for folder in self.above() {
+                if is_named(&folder, name) {
                     places.push(folder.join(rest));
                 }
                 places.push(folder.join(name).join(rest));
@@ -56,6 +99,36 @@ impl MeshFolders {
         places.extend(folders.map(|folder| folder.join(path)));
         places
     }
+}
+
+/// The package and the path in it of `package://NAME/…` or `model://NAME/…`.
+fn package_of(reference: &str) -> Option<(&str, &str)> {
+    let strip = |scheme: &str| reference.strip_prefix(scheme);
+    let path = strip("package://").or_else(|| strip("model://"))?;
+    path.split_once('/')
+}
+
+/// Whether the manifest of a folder states this package name.
+fn declares(folder: &Path, name: &str) -> bool {
+    let manifest = read_bytes(&folder.join(MANIFEST), MANIFEST_LIMIT);
+    manifest.is_ok_and(|bytes| {
+        let text = String::from_utf8_lossy(&bytes);
+        let stated = text
+            .split_once("<name>")
+            .and_then(|(_, rest)| rest.split_once("</name>"));
+        stated.is_some_and(|(stated, _)| stated.trim() == name)
+    })
+}
+
+/// The folders in a folder, by name.
+fn folders_in(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut folders: Vec<PathBuf> = entries
+        .map(|entry| entry.path())
+        .filter(|path| path.is_dir())
+        .collect();
+    folders.sort();
+    folders
 }
 
 fn is_named(folder: &Path, name: &str) -> bool {

@@ -134,6 +134,15 @@ impl ModelBuilder {
         }
     }
 
+    /// Replaces the limits of a joint. An endless joint becomes one with limits; a fixed one stays as it is.
+    pub(crate) fn replace_limits(&mut self, joint: JointId, limits: Limits) {
+        let own = self.joints.get_mut(joint.index());
+        if let Some(joint) = own.filter(|joint| joint.kind != JointKind::Fixed) {
+            joint.limits = limits;
+            joint.kind = joint.kind.within(&limits);
+        }
+    }
+
     /// Adds a joint that turns about `axis` (own frame), limits in radians.
     pub fn revolute(
         &mut self,

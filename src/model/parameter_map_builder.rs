@@ -196,7 +196,7 @@ impl<'m> ParameterMapBuilder<'m> {
                 && roles[c].is_some()
             {
                 let allowed = preimage(&limits[c], ratio, offset);
-                bounds[variable] = bounds[variable].intersection(&allowed);
+                bounds[variable] = restricted(&bounds[variable], &allowed, offset / ratio);
             }
             map.sources[c] = source;
         }
@@ -276,6 +276,17 @@ fn within_excess(limits: &Limits, value: f64) -> f64 {
         true => clamped,
         false => value,
     }
+}
+
+/// The bounds that the allowed values restrict. A bound that rounding alone moves stays; `shift` is the offset in the bounds' unit.
+fn restricted(bounds: &Limits, allowed: &Limits, shift: f64) -> Limits {
+    let end = |own: f64, restricted: f64| {
+        let rounding = 8.0 * f64::EPSILON * (own.abs() + shift.abs());
+        let is_rounding = rounding.is_finite() && (own - restricted).abs() <= rounding;
+        if is_rounding { own } else { restricted }
+    };
+    let Limits { lower, upper } = bounds.intersection(allowed);
+    Limits::new(end(bounds.lower, lower), end(bounds.upper, upper))
 }
 
 fn unit_parts(Quaternion { w, v }: Quaternion<f64>) -> [f64; 4] {

@@ -358,6 +358,61 @@ impl Problem {
         }
     }
 
+    /// Joins variables that a task of a share depends on together: afterwards `joined` has for each variable the lowest one that it is
+    /// joined with. Shape: variables, each its own index before. Returns the number of separate sets that tasks depend on.
+    pub(crate) fn join_by_tasks(&self, share: Share, joined: &mut [usize]) -> usize {
+        fn root(joined: &[usize], mut variable: usize) -> usize {
+            while joined[variable] != variable {
+                variable = joined[variable];
+            }
+            variable
+        }
+        for (_, task, _) in self.tasks_of(share) {
+            let mut first = None;
+            for variable in self.variables_moving(task) {
+                let own = root(joined, variable);
+                let lowest = own.min(*first.get_or_insert(own));
+                let highest = own.max(first.unwrap_or(own));
+                joined[highest] = lowest;
+                first = Some(lowest);
+            }
+        }
+        for variable in 0..joined.len() {
+            joined[variable] = root(joined, variable);
+        }
+        let moves_a_task =
+            |variable: &usize| joined[*variable] == *variable && self.moving[*variable];
+        (0..joined.len()).filter(moves_a_task).count()
+    }
+
+    /// Whether the goals of a share that depend on a set of [joined](Self::join_by_tasks) variables are reached, by the weighted
+    /// residual of the share. False for a set that no goal depends on.
+    pub(crate) fn is_limb_reached(
+        &self,
+        share: Share,
+        residual: &[f64],
+        joined: &[usize],
+        limb: usize,
+    ) -> bool {
+        let mut any = false;
+        for block in self
+            .errors(share, residual)
+            .filter(|block| block.role == Role::Goal)
+        {
+            let mut moving = self.variables_moving(&self.tasks[block.task]);
+            if moving
+                .next()
+                .is_some_and(|variable| joined[variable] == limb)
+            {
+                any = true;
+                if !block.reached {
+                    return false;
+                }
+            }
+        }
+        any
+    }
+
     /// The variables that a task depends on.
     fn variables_moving<'a>(&'a self, task: &'a CompiledTask) -> impl Iterator<Item = usize> + 'a {
         let by_frames = task

@@ -1,6 +1,6 @@
 //! What a robot's root link moves on.
 
-use super::{Mimic, Robot};
+use super::Robot;
 use crate::model::{JointId, Limits, ModelBuilder, ModelError, UnknownName};
 use crate::spatial::{Placement, Vector3};
 
@@ -189,7 +189,7 @@ impl Robot {
         }
         builder.configuration_order(order);
         let model = builder.build()?;
-        let map = super::coupled(&model, &self.mimics).build()?;
+        let map = super::coupled(&model, &self.mimics.joints).build()?;
         Ok(Self { model, map, ..self })
     }
 
@@ -200,15 +200,14 @@ impl Robot {
         let model = builder.build()?;
         let added = model.joints().len() - before;
         let moved = |joint: JointId| JointId::new(joint.index() + added);
-        let mimics = self.mimics.iter().map(|mimic| Mimic {
-            joint: moved(mimic.joint),
-            master: moved(mimic.master),
-            ..*mimic
-        });
-        let mimics: Vec<Mimic> = mimics.collect();
+        let mut mimics = self.mimics;
+        for mimic in &mut mimics.joints {
+            mimic.joint = moved(mimic.joint);
+            mimic.master = moved(mimic.master);
+        }
         let mut drives = vec![super::Drive::default(); added];
         drives.extend(self.drives);
-        let map = super::coupled(&model, &mimics).build()?;
+        let map = super::coupled(&model, &mimics.joints).build()?;
         let passive = self.passive.iter().copied().map(moved).collect();
         Ok(Self {
             model,

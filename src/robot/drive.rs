@@ -1,8 +1,8 @@
 //! What moves a joint, as far as files tell it: speed, effort, soft limits.
 
-use super::Robot;
+use super::{Robot, mimic};
 use crate::ik::MotionLimits;
-use crate::model::{JointId, Limits, ModelBuilder, ModelError};
+use crate::model::{JointId, Limits, ModelError};
 
 /// Limits of a joint's drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -109,12 +109,19 @@ impl Robot {
 
     /// The same robot with joints also within these limits.
     pub(super) fn narrowed(self, limits: &[(JointId, Limits)]) -> Result<Self, ModelError> {
-        let mut builder = ModelBuilder::from_model(&self.model);
+        let mut mimics = self.mimics;
+        let mut builder = mimics.with_ranges_of_files(&self.model);
         for &(joint, limits) in limits {
             builder.narrow(joint, limits);
         }
         let model = builder.build()?;
-        let map = super::coupled(&model, &self.mimics).build()?;
-        Ok(Self { model, map, ..self })
+        mimics.ranges = mimic::ranges(&model, &mimics.joints);
+        let (model, map) = mimics.applied(model)?;
+        Ok(Self {
+            model,
+            mimics,
+            map,
+            ..self
+        })
     }
 }

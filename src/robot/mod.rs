@@ -10,6 +10,7 @@ mod drive;
 mod joint_limits;
 mod link;
 mod masses;
+mod mimic;
 #[cfg(feature = "mjcf")]
 mod mjcf;
 mod sole;
@@ -22,6 +23,7 @@ mod xml;
 
 pub use base_joint::BaseJoint;
 pub use link::{Geometry, Inertial, LeftToMeshes, Link, Shape};
+pub use mimic::Mimic;
 #[cfg(feature = "mjcf")]
 pub use mjcf::mjcf_with_includes;
 #[cfg(feature = "xml")]
@@ -36,25 +38,13 @@ use std::path::{Path, PathBuf};
 #[cfg(feature = "mjcf")]
 pub(crate) use contacts::Contacts;
 use drive::Drive;
+use mimic::Mimics;
 
 use crate::model::{
     FrameId, FrameRef, JointId, JointRef, Loop, Model, ModelBuilder, ModelError, ParameterMap,
     ParameterMapBuilder, UnknownName,
 };
 use crate::spatial::Placement;
-
-/// A joint that follows another: its value is `ratio · master + offset`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mimic {
-    /// The joint that follows.
-    pub joint: JointId,
-    /// The joint it follows, which may itself follow another.
-    pub master: JointId,
-    /// In units of the joint per unit of the master.
-    pub ratio: f64,
-    /// In radians or metres.
-    pub offset: f64,
-}
 
 /// A robot: joints and links as a [`Model`], and which of its joints follow others.
 ///
@@ -65,7 +55,7 @@ pub struct Mimic {
 #[derive(Clone, Debug)]
 pub struct Robot {
     model: Model,
-    mimics: Vec<Mimic>,
+    mimics: Mimics,
     map: ParameterMap,
     /// By joint index; shorter where the last joints have none.
     drives: Vec<Drive>,
@@ -86,10 +76,10 @@ impl Robot {
     /// A robot of its parts.
     ///
     /// # Errors
-    /// Mimic joints that are fixed, follow in a ring, have a number that is not finite, or leave
-    /// their master no value.
+    /// Mimic joints that are fixed, follow in a ring or have a number that is not finite.
     pub fn new(model: Model, mimics: Vec<Mimic>) -> Result<Self, ModelError> {
-        let map = coupled(&model, &mimics).build()?;
+        let mimics = Mimics::of(&model, mimics);
+        let (model, map) = mimics.applied(model)?;
         Ok(Self {
             model,
             mimics,
@@ -113,7 +103,7 @@ impl Robot {
         /// All joints free but the mimic ones, which follow.
         pub fn map(&self) -> &ParameterMap = &self.map;
         /// The joints that follow others.
-        pub fn mimics(&self) -> &[Mimic] = &self.mimics;
+        pub fn mimics(&self) -> &[Mimic] = &self.mimics.joints;
         /// Starts a parameter map in which the mimic joints follow; lock joints or free only some.
         ///
         /// ```
@@ -129,7 +119,7 @@ impl Robot {
         /// assert_eq!(wrist.variables(), 3);
         /// # Ok::<(), Box<dyn std::error::Error>>(())
         /// ```
-        pub fn parameters(&self) -> ParameterMapBuilder<'_> = coupled(&self.model, &self.mimics);
+        pub fn parameters(&self) -> ParameterMapBuilder<'_> = coupled(&self.model, &self.mimics.joints);
         /// The joints that nothing drives: of an MJCF file with actuators those that none of them moves, by itself or
         /// through a fixed tendon, and that follow no other; else those that were
         /// [said to be](Self::with_passive_joints).

@@ -3,6 +3,7 @@
 use super::attempt::{Attempt, Found};
 use super::basin_hopping::Hops;
 use super::best_attempt::Keeper;
+use super::independent_limbs::IndependentLimbs;
 use super::schedule::{Schedule, Trial};
 use crate::clock::Instant;
 use crate::problem::{Question, Share};
@@ -31,6 +32,7 @@ pub(crate) struct Attempts {
     /// The variables that the first attempts beside the start may move.
     local: Vec<bool>,
     hops: Hops,
+    limbs: IndependentLimbs,
 }
 
 impl Attempts {
@@ -62,6 +64,7 @@ pub(crate) fn run(
         x,
         local,
         hops,
+        limbs,
     } = search;
     keeper.begin(schedule);
     hops.begin();
@@ -83,6 +86,8 @@ pub(crate) fn run(
             }
             Trial::Quick(index) | Trial::Full(index) => {
                 if index == 1 {
+                    limbs.begin(question, share);
+                    limbs.take(question, share, (&keeper.x, &keeper.residual));
                     let residual = engine.residual_at_start(start);
                     question.problem.mark_local(share, residual, local);
                 }
@@ -90,11 +95,17 @@ pub(crate) fn run(
                 if !(schedule.hops() && hops.start_of(index, restarts.seed, question, x)) {
                     restarts.start_of(index, start, local, question, x);
                 }
+                if index > 0 {
+                    limbs.keep(x);
+                }
             }
             _ => x.copy_from_slice(keeper.start_of(trial)),
         }
         let attempt = engine.attempt(x, &schedule.stopping(trial));
         keeper.take(trial, &attempt, engine.end(), schedule);
+        if keeper.found.attempts > 1 {
+            limbs.take(question, share, engine.end());
+        }
         if schedule.hops() {
             hops.take(&attempt, engine.end().0);
         }

@@ -14,6 +14,7 @@ mod check_start;
 mod collisions;
 mod error;
 mod explain;
+mod independent_limbs;
 mod measure;
 mod move_limits;
 #[cfg(feature = "serde")]

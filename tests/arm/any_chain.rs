@@ -127,6 +127,7 @@ fn plain<'a>(tree: &'a Tree, base: &'a str, tip: &'a str) -> Case<'a> {
 #[test]
 fn a_follower_inside_the_chain() {
     let robot = Robot::parse(COUPLED, "coupled.urdf").unwrap();
+    let robot = robot.with_mimic_limits().unwrap();
     let tree = Tree::parse(COUPLED);
     let builder = Arm::builder(&robot, "mount", "hand");
     let arm = builder.clone().with_atlas(false).build().unwrap();

@@ -254,9 +254,9 @@ fn leaders_are_as_fast_as_their_followers_allow() {
     }
 }
 
-/// A follower whose leader stands on its bound is within its limits to the bit, however its ratio rounds.
+/// A mimic joint whose source joint is at its bound is exactly within its limits, however its ratio rounds.
 #[test]
-fn followers_stay_within_their_limits() {
+fn mimic_joints_stay_within_requested_limits() {
     use kinopt::model::{Limits, Model};
     use kinopt::robot::{Mimic, Robot};
     use kinopt::spatial::{Placement, Vector3};
@@ -276,6 +276,7 @@ fn followers_stay_within_their_limits() {
             offset: 0.1 * random.unit(),
         };
         let robot = Robot::new(builder.build().unwrap(), vec![mimic]).unwrap();
+        let robot = robot.with_mimic_limits().unwrap();
         let arm = Arm::new(&robot, "base", "tip").unwrap();
         let bounds = arm.limits().next().unwrap();
         for end in [bounds.lower, bounds.upper] {
@@ -390,9 +391,9 @@ fn seeds_are_heard() {
     assert_ne!(told(1), told(2));
 }
 
-/// A follower in another branch narrows what its leader may do in the arm.
+/// A mimic joint in another branch restricts its source joint in the arm on request.
 #[test]
-fn a_follower_outside_the_chain_is_kept_within_its_limits() {
+fn mimic_outside_the_chain_restricts_on_request() {
     let joint = |name: &str, child: &str, end: f64, more: &str| {
         format!(
             "<link name=\"{child}\"/><joint name=\"{name}\" type=\"revolute\"><parent link=\"l0\"/>\
@@ -408,6 +409,9 @@ fn a_follower_outside_the_chain_is_kept_within_its_limits() {
             joint("b", "l2", 0.5, &follows),
         );
         let robot = Robot::parse(&text, "r.urdf").unwrap();
+        let arm = Arm::new(&robot, "l0", "l1").unwrap();
+        assert_eq!(arm.limits().next().unwrap().upper, 1.5);
+        let robot = robot.with_mimic_limits().unwrap();
         let arm = Arm::new(&robot, "l0", "l1").unwrap();
         let limits: Vec<_> = arm.limits().map(|own| (own.lower, own.upper)).collect();
         assert_eq!(limits, [(-most, most)]);

@@ -3,6 +3,7 @@
 mod any_chain;
 mod bounded_turns;
 mod chains_with_followers;
+mod default_start;
 mod derivatives;
 mod elbow_sides;
 mod flipped_axes;

@@ -44,9 +44,50 @@ const ROW: &str = r#"<robot name="row">
 fn one_body_and_neighbours_may_touch() {
     let robot = Robot::parse(ROW, "row.urdf").unwrap();
     let model = CollisionModel::of(&robot).unwrap();
-    // c and e are neighbours: between them is no shape.
-    let apart = ["ae", "af", "ag", "be", "bf", "bg", "cf", "cg", "eg"];
+    // Two joints and the link d, which has no shape, are between c and e.
+    let apart = ["ae", "af", "ag", "be", "bf", "bg", "ce", "cf", "cg", "eg"];
     assert_eq!(names(&model), apart);
+}
+
+/// Two links with shapes, six joints apart, and a shoulder of three hinges on one link in between.
+#[test]
+fn links_several_joints_apart_are_no_neighbours() {
+    let link = |name: &str, radius: f64| {
+        format!(
+            "<link name='{name}'><collision><geometry><sphere radius='{radius}'/></geometry></collision></link>"
+        )
+    };
+    let joints: String = (0..6)
+        .map(|k| {
+            let axis = ["0 0 1", "0 1 0"][k % 2];
+            format!(
+                "<joint name='j{k}' type='continuous'><parent link='l{k}'/><child link='l{}'/>\
+                 <origin xyz='0.2 0 0'/><axis xyz='{axis}'/></joint>",
+                k + 1
+            )
+        })
+        .collect();
+    let bare: String = (1..6).map(|k| format!("<link name='l{k}'/>")).collect();
+    let ends = link("l0", 0.12) + &link("l6", 0.06);
+    let text = format!("<robot name='r'>{ends}{bare}{joints}</robot>");
+    let model = CollisionModel::of(&Robot::parse(&text, "r.urdf").unwrap()).unwrap();
+    assert_eq!(names(&model), ["l0l6"]);
+    // A free base is one joint, though it is a chain of four.
+    let free = format!(
+        "<robot name='r'>{}{}<joint name='j' type='floating'><parent link='a'/><child link='b'/></joint></robot>",
+        link("a", 0.1),
+        link("b", 0.1)
+    );
+    let model = CollisionModel::of(&Robot::parse(&free, "r.urdf").unwrap()).unwrap();
+    assert!(names(&model).is_empty());
+    // So is a shoulder of three hinges in one MJCF body.
+    let geom = "<geom size='0.1'/>";
+    let body = format!(
+        "<mujoco><worldbody><body name='trunk'><freejoint/>{geom}<body name='arm'>{geom}<joint axis='1 0 0'/>\
+         <joint axis='0 1 0'/><joint axis='0 0 1'/></body></body></worldbody></mujoco>"
+    );
+    let model = CollisionModel::of(&Robot::parse_mjcf(&body, "r.xml").unwrap()).unwrap();
+    assert!(names(&model).is_empty());
 }
 
 #[test]
@@ -121,7 +162,7 @@ fn semantics_disable_pairs() {
       <disable_collisions link1="d" link2="a" reason="Never"/></robot>"#;
     let srdf = Srdf::parse(text, "row.srdf", &robot).unwrap();
     let model = CollisionModel::of(&robot).unwrap().with_srdf(&srdf);
-    let apart = ["ae", "af", "ag", "be", "bg", "cf", "cg", "eg"];
+    let apart = ["ae", "af", "ag", "be", "bg", "ce", "cf", "cg", "eg"];
     assert_eq!(names(&model), apart);
 }
 

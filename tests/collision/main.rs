@@ -24,6 +24,7 @@ mod least_touched;
 mod mesh_files;
 mod mjcf_contacts;
 mod narrow_gaps;
+mod package_manifests;
 mod paths_keep_clear;
 mod sampled_pairs;
 mod scaled_worlds;

@@ -41,7 +41,7 @@ fn the_tables_are_the_code() {
     assert_same(
         "Arms",
         &[("src/arm/builder.rs", "")],
-        &["Arm::with_checker"],
+        &["Arm::with_checker", "Arm::with_srdf"],
     );
     assert_same("Followers and servos", &[("src/arm/servo/mod.rs", "")], &[]);
     let solvers = [

@@ -546,3 +546,37 @@ fn a_map_is_its_text() {
     assert_eq!(map.contacts, Some(vec!["Hips".to_owned()]));
     assert_eq!(BodyMap::from_json(&map.to_json(), "").unwrap(), map);
 }
+
+/// A motor of the ankle is fixed to the shank and comes first, as on the Unitree R1.
+#[test]
+fn ankle_is_a_link_that_moves_on_the_shank() {
+    let mut builder = ModelBuilder::new("biped");
+    let (limits, [x, y, _]) = (Limits::new(-1.0, 1.0), Vector3::UNITS);
+    let below = |z: f64| Placement::translation(Vector3::new(0.0, 0.0, z));
+    builder.frame("pelvis_link", None, below(0.0));
+    for side in ["left", "right"] {
+        let aside = Placement::translation(Vector3::new(
+            0.0,
+            if side == "left" { 0.1 } else { -0.1 },
+            0.0,
+        ));
+        let hip = builder.revolute(format!("{side}_hip"), None, aside, y, limits);
+        builder.frame(format!("{side}_hip_pitch_link"), Some(hip), below(0.0));
+        let knee = builder.revolute(format!("{side}_knee"), Some(hip), below(-0.3), y, limits);
+        builder.frame(format!("{side}_knee_link"), Some(knee), below(0.0));
+        builder.frame(format!("{side}_ankle_B_link"), Some(knee), below(-0.16));
+        let pitch = builder.revolute(format!("{side}_pitch"), Some(knee), below(-0.31), y, limits);
+        builder.frame(format!("{side}_ankle_pitch_link"), Some(pitch), below(0.0));
+        let roll = builder.revolute(format!("{side}_roll"), Some(pitch), below(0.0), x, limits);
+        builder.frame(format!("{side}_ankle_roll_link"), Some(roll), below(0.0));
+    }
+    let smpl = KnownSkeleton::named("smpl").unwrap();
+    let names = smpl.joints();
+    let map = BodyMap::guess(&capture(names), &builder.build().unwrap())
+        .unwrap()
+        .map;
+    for side in ["left", "right"] {
+        let wanted = (format!("{side}_ankle"), format!("{side}_ankle_roll_link"));
+        assert!(drives(&map).contains(&wanted), "{:?}", drives(&map));
+    }
+}

@@ -13,6 +13,7 @@ mod every_kind_of_limit;
 mod first_steps;
 mod from_outside;
 mod goals_with_room;
+mod independent_limbs;
 mod invariance;
 mod limits_hold;
 mod method_battery;

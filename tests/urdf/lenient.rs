@@ -67,7 +67,7 @@ fn before_version_1_2_a_missing_bound_is_0() {
 }
 
 #[test]
-fn a_follower_without_bounds_holds_its_leader() {
+fn mimic_without_bounds_leaves_its_source_free() {
     let two = text("revolute", "<limit lower='-1' upper='1'/>").replace(
         "</robot>",
         "<link name='c'/><joint name='k' type='revolute'><parent link='a'/><child link='c'/>\
@@ -76,7 +76,7 @@ fn a_follower_without_bounds_holds_its_leader() {
     let robot = Robot::parse(&two, "two.urdf").unwrap();
     assert_eq!(
         (robot.map().lower(), robot.map().upper()),
-        (&[0.0][..], &[0.0][..])
+        (&[-1.0][..], &[1.0][..])
     );
 }
 
@@ -268,4 +268,70 @@ fn decimal_commas_are_no_blanks() {
         let read = Robot::reader().lenient().parse(&text, "one.urdf");
         assert_eq!(read.is_ok(), there, "{xyz}");
     }
+}
+
+#[test]
+fn infinite_bounds_are_no_limits_if_lenient() {
+    for (bounds, limits) in [
+        ("lower='-inf' upper='1'", (f64::NEG_INFINITY, 1.0)),
+        ("lower='-1' upper=' inf '", (-1.0, f64::INFINITY)),
+        (
+            "lower='-INF' upper='Infinity'",
+            (f64::NEG_INFINITY, f64::INFINITY),
+        ),
+    ] {
+        let text = text("revolute", &format!("<limit {bounds}/>"));
+        assert!(Robot::parse(&text, "one.urdf").is_err(), "{bounds}");
+        let robot = Robot::reader().lenient().parse(&text, "one.urdf").unwrap();
+        assert_eq!(self::limits(&robot), Limits::new(limits.0, limits.1));
+        assert!(
+            repairs(&robot)[0].ends_with("is infinite: no limit"),
+            "{:?}",
+            repairs(&robot)
+        );
+    }
+    for bounds in [
+        "lower='inf' upper='1'",
+        "lower='-1' upper='-inf'",
+        "lower='nan' upper='1'",
+    ] {
+        let text = text("revolute", &format!("<limit {bounds}/>"));
+        assert!(
+            Robot::reader().lenient().parse(&text, "one.urdf").is_err(),
+            "{bounds}"
+        );
+    }
+}
+
+#[test]
+fn leftover_macro_call_is_ignored_with_a_note() {
+    let call = "<xacro:sensors port='none'/></robot>";
+    let text = text("revolute", "<limit lower='-1' upper='1'/>")
+        .replace("</robot>", call)
+        .replace("<robot ", "<robot xmlns:xacro='http://ros.org/wiki/xacro' ");
+    let robot = Robot::parse(&text, "one.urdf").unwrap();
+    let [note] = &repairs(&robot)[..] else {
+        panic!("{:?}", repairs(&robot))
+    };
+    assert!(note.contains("<xacro:sensors>"), "{note}");
+    // A file that defines a macro is to be expanded.
+    let defines = text.replace(
+        call,
+        "<xacro:macro name='sensors'/><xacro:sensors/></robot>",
+    );
+    assert!(Robot::parse(&defines, "one.urdf").is_err());
+}
+
+#[test]
+fn undeclared_world_link_is_added_with_a_note() {
+    let text = "<robot name='r'><link name='arm'/><joint name='weld' type='fixed'><parent link='world'/><child link='arm'/>\
+                <origin xyz='0 0 1'/></joint></robot>";
+    let robot = Robot::parse(text, "r.urdf").unwrap();
+    assert!(robot.model().frame("world").is_ok());
+    assert!(
+        repairs(&robot)[0].contains("`world`"),
+        "{:?}",
+        repairs(&robot)
+    );
+    assert!(Robot::parse(&text.replace("world", "ground"), "r.urdf").is_err());
 }

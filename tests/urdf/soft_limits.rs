@@ -59,7 +59,7 @@ fn soft_limits_are_kept_and_bind_on_request() {
 }
 
 #[test]
-fn soft_limits_of_an_endless_joint_end_it_and_those_of_a_follower_bind_its_leader() {
+fn soft_limits_of_a_mimic_joint_bind_on_request() {
     let endless = "<safety_controller soft_lower_limit='-1' soft_upper_limit='1'/>";
     let follower = "<mimic joint='j0' multiplier='-1'/>";
     let text = chain(["", SOFT[1], endless], follower);
@@ -67,8 +67,12 @@ fn soft_limits_of_an_endless_joint_end_it_and_those_of_a_follower_bind_its_leade
     assert_eq!(robot.map().upper(), [2.0, f64::INFINITY]);
     let soft = robot.with_soft_limits().unwrap();
     assert_eq!(soft.model().joints()[2].kind, JointKind::Revolute);
-    assert_eq!(soft.map().lower(), [-0.5, -1.0]);
+    assert_eq!(soft.map().lower()[1], -1.0);
     assert_eq!(soft.map().upper(), [2.0, 1.0]);
+    let restricted = soft.clone().with_mimic_limits().unwrap();
+    assert!(soft.map().lower()[0] < -0.5);
+    assert_eq!(restricted.map().lower(), [-0.5, -1.0]);
+    assert_eq!(restricted.map().upper(), [2.0, 1.0]);
 }
 
 #[test]

@@ -75,15 +75,22 @@ impl Model {
         self.inner.reach()
     }
 
-    /// All joints at 0, or at the limit next to it.
+    /// All joints at 0, or at the limit next to it; mimic joints at the values that their source joints give them.
     pub fn neutral(&self) -> Vec<f64> {
-        self.inner.neutral()
+        match &self.robot {
+            Some(robot) => robot.neutral(),
+            None => self.inner.neutral(),
+        }
     }
 
-    /// A configuration within the limits, drawn evenly; the same for the same seed.
+    /// A configuration sampled uniformly within the limits, with mimic joints at the values that their source joints give them. Equal
+    /// seeds give equal configurations.
     #[wasm_bindgen(js_name = randomConfiguration)]
     pub fn random_configuration(&self, seed: u32) -> Vec<f64> {
-        self.inner.random_configuration(seed.into())
+        match &self.robot {
+            Some(robot) => robot.random_configuration(seed.into()),
+            None => self.inner.random_configuration(seed.into()),
+        }
     }
 }
 

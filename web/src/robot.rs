@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use kinopt::model::Limits;
+use kinopt::model::{Limits, UnknownName};
 use kinopt::robot::{BaseJoint, Geometry};
 use kinopt::spatial::Vector3;
 use wasm_bindgen::prelude::*;
@@ -23,6 +23,8 @@ export interface BaseOptions {
 export interface RobotOptions extends BaseOptions {
     /** Mend what can be, and tell it in `repairs`. */
     lenient?: boolean;
+    /** Whose limits restrict a joint that mimic joints follow: its own ("source", the default), or also theirs ("both"). */
+    mimicLimits?: "source" | "both";
     /** Hold to the file's soft limits. */
     softLimits?: boolean;
 }
@@ -74,7 +76,13 @@ impl Robot {
         name: Option<String>,
         options: Option<RobotOptions>,
     ) -> Result<Self, JsError> {
-        const KNOWN: [&str; 4] = ["baseJoint", "baseRoom", "lenient", "softLimits"];
+        const KNOWN: [&str; 5] = [
+            "baseJoint",
+            "baseRoom",
+            "lenient",
+            "mimicLimits",
+            "softLimits",
+        ];
         let options = options.map_or(JsValue::UNDEFINED, JsValue::from);
         let options = Given::new(options, "option of a robot", &KNOWN)?;
         let mut reader = kinopt::robot::Robot::reader();
@@ -85,6 +93,14 @@ impl Robot {
         let mut inner = reader.parse(text, name).map_err(raise)?;
         if options.switch("softLimits")?.unwrap_or(false) {
             inner = inner.with_soft_limits().map_err(raise)?;
+        }
+        match options.text("mimicLimits")?.as_deref() {
+            None | Some("source") => {}
+            Some("both") => inner = inner.with_mimic_limits().map_err(raise)?,
+            Some(other) => {
+                let unknown = UnknownName::new("mimicLimits", other, ["source", "both"]);
+                return Err(raise(unknown));
+            }
         }
         on_base(inner, &options)
     }

@@ -46,7 +46,7 @@ extern "C" {
 /// What an SRDF file says of a robot: groups of joints, states, joints that nothing drives, links that need not be kept apart.
 #[wasm_bindgen]
 pub struct Srdf {
-    inner: kinopt::robot::Srdf,
+    pub(crate) inner: kinopt::robot::Srdf,
     robot: Rc<kinopt::robot::Robot>,
 }
 

@@ -1,4 +1,5 @@
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, Union, final
 
@@ -67,6 +68,7 @@ def capture_retargeted(
     map: str,
     whole: bool,
     options: dict[str, Any],
+    progress: Callable[[int, int], None] | None,
 ) -> tuple[
     Floats,
     list[str],
@@ -78,7 +80,7 @@ def capture_retargeted(
     list[tuple[str, str, int, int]],
     list[tuple[int, str, str, float]],
     list[tuple[int, str]],
-    str | None,
+    tuple[str | None, bool],
 ]: ...
 def map_completed(
     map: str, capture: Capture, target: _Target

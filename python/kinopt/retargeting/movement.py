@@ -55,7 +55,7 @@ class GivenUp:
     """The frame of the target, as in ``standing``."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Retargeted:
     """A movement on a robot or a rig: configurations within all limits of position and speed, to the bit."""
 
@@ -98,6 +98,12 @@ class Retargeted:
 
     def __len__(self) -> int:
         return len(self.q)
+
+    def __repr__(self) -> str:
+        return (
+            f"Retargeted({len(self.q)} frames at {self.fps:g} fps, {self.q.shape[1]} numbers a frame, "
+            f"mean_error={self.mean_error:.4g} m, slip={self.slip:.2g} m, {len(self.notes)} notes)"
+        )
 
     def missed(self, tolerance: float = 0.05) -> dict[str, NDArray[np.intp]]:
         """The frames in which a driven place is further off than a ``tolerance`` (metres), by the joint that drives it."""

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from .. import progress as bars
 from .._kinopt import World
 from .._kinopt.retargeting import Capture, capture_retargeted
 from .maps import MapLike, completed, guess_map, is_skeleton, read_map
@@ -75,6 +76,7 @@ def retarget(
     keep_clear: float | None = None,
     world: World | None = None,
     margin: float | None = None,
+    progress: bool | Callable[[int, int], None] = False,
 ) -> Retargeted:
     """Brings a person's movement onto a robot or a rig, within its limits of position and speed in every frame.
 
@@ -93,7 +95,10 @@ def retarget(
     ``contact_height`` (metres over the ground) say when feet stand, ``acceleration`` what 1 rad/s² costs with ``whole``,
     in metres off a place. ``keep_clear``: by how many metres a ``Robot``'s links are kept apart in every frame, by the exact distances of its
     collision shapes; ``touching`` tells of frames in which that cannot be. ``world``: a ``World`` that it keeps clear of, and of itself, in
-    metres where the robot goes (a person's boxes are ``stride`` times as large there), by ``margin``; feet stand on obstacles as on the ground. The GIL is released.
+    metres where the robot goes (a person's boxes are ``stride`` times as large there), by ``margin``; feet stand on obstacles as on the ground.
+
+    ``progress``: True shows a bar (by tqdm); a function is called with the frames that are done and all frames. Ctrl-C ends the
+    computation. The GIL is released.
 
     Raises ``UnknownNameError`` for names that the map has and the capture or the target has not, ``InvalidValueError`` for
     what is wrong with arrays, names and options, ``FileError`` and ``InvalidFileError`` of files.
@@ -113,13 +118,21 @@ def retarget(
         world=world,
         margin=margin,
     )
-    q, names, contacts, (standing, standing_at), errors, driven, measured, limits, touching, given_up, stands_along = capture_retargeted(
-        own.capture, own.target, json.dumps(own.map), whole, own.options
+    q, names, contacts, (standing, standing_at), errors, driven, measured, limits, touching, given_up, base = capture_retargeted(
+        own.capture,
+        own.target,
+        json.dumps(own.map),
+        whole,
+        own.options,
+        bars.bar() if progress is True else progress or None,
     )
+    stands_along, has_fixed_base = base
     mean_error, slip, sunk, stride = measured
     notes = list(own.notes)
     if stands_along is not None:
         notes.append("the target stands along another axis than the one that is taken for upward")
+    if has_fixed_base:
+        notes.append('the target has legs but a fixed base, so it stays in place: read the robot with base_joint="free"')
     return Retargeted(
         q=q,
         fps=own.capture.fps,

@@ -291,7 +291,7 @@ impl Armature {
         pose.get().with(set).or_raise()
     }
 
-    /// Turns a bone of `pose` in the model by a quaternion of shape (4,), `xyzw` or `wxyz`; its translation
+    /// Turns a bone of `pose` in the model by a quaternion of shape (4,), x, y, z, w as `xyzw` or w, x, y, z as `wxyz`; its translation
     /// and scale in its parent stay.
     ///
     /// Raises `UnknownNameError` for the bone, `InvalidValueError` for a quaternion of length 0, and as

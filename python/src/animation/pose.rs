@@ -118,8 +118,8 @@ impl Pose {
         one_to_array(py, &local.to_affine())
     }
 
-    /// Moves a bone in its parent; what is not given stays. A quaternion of shape (4,) and any length is
-    /// made of unit length; `translation` and `scale` have shape (3,).
+    /// Moves a bone in its parent; what is not given stays. A quaternion of shape (4,), x, y, z, w as
+    /// `rotation_xyzw` or w, x, y, z as `rotation_wxyz`, of any length, is made of unit length; `translation` and `scale` have shape (3,).
     ///
     /// Raises `UnknownNameError`, and `InvalidValueError` for numbers that are not finite.
     #[pyo3(signature = (bone, *, translation = None, rotation_xyzw = None, rotation_wxyz = None, scale = None))]

@@ -23,6 +23,7 @@ use crate::placement::{placement, placements, to_array, to_arrays};
 use crate::pool::Pool;
 use crate::robot::Robot;
 use crate::solution::{Collision, Solution};
+use crate::srdf::Srdf;
 use crate::world::World;
 
 /// An arm that answers pose questions: base, tip and target in, joint values out.
@@ -57,6 +58,7 @@ use crate::world::World;
 /// limit_avoidance: how strongly joints keep clear of their limits on paths, radians, at least 0. Default: 4.
 /// time_limit: seconds a question. Default: none; with one, answers may differ from run to run.
 /// seed: of the attempts after the first. Default: 0.
+/// srdf: an `Srdf` of the robot, whose state "ready" or "home" is `default_start`. Default: none.
 /// world: a `World` to keep clear of, as it is now; also of the arm's own robot. A solution is then reached only if
 ///     nothing touches, by the exact distances of the robot's collision shapes (`solution.collisions`); paths touch
 ///     nothing between their points either. `with_world` takes another. Default: nothing is in the way.
@@ -116,17 +118,13 @@ impl Arm {
         Ok(arm)
     }
 
-    /// The start given, or the configuration nearest to all zeros.
+    /// The start given, or the default one.
     fn start(&self, start: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<f64>> {
         match start {
             Some(start) => {
                 Ok(arrays::vector_of(start, "start", self.inner.joint_count())?.to_vec())
             }
-            None => Ok(self
-                .inner
-                .limits()
-                .map(|limits| limits.clamp(0.0))
-                .collect()),
+            None => Ok(self.inner.default_start().to_vec()),
         }
     }
 }
@@ -140,7 +138,7 @@ impl Arm {
             global_search_on_miss=None, goal=None, held=None, iterations=None, joint_weights=None, limit_avoidance=None, \
             locked=None, margin=None, max_move=None, metres_per_radian=None, only=None, \
             orientation_tolerance=None, position_tolerance=None, posture=None, search=None, \
-            seed=None, time_limit=None, tool=None, world=None)"
+            seed=None, srdf=None, time_limit=None, tool=None, world=None)"
     )]
     fn new(
         robot: &Bound<'_, PyAny>,
@@ -177,6 +175,10 @@ impl Arm {
         };
         let builder = options::apply(builder, &options, &model.neutral())?;
         let inner = py.detach(|| builder.build()).or_raise()?;
+        let inner = match options.get_item("srdf")?.filter(|srdf| !srdf.is_none()) {
+            Some(srdf) => with_srdf(inner, &srdf)?,
+            None => inner,
+        };
         let checker = obstacles.checker(robot)?;
         let inner = obstacles::keep_clear(inner, checker.as_ref(), held)?;
         Ok(Self {
@@ -232,6 +234,14 @@ impl Arm {
     #[getter]
     fn jerk_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         arrays::frozen(py, self.inner.jerk_limits().iter().copied())
+    }
+
+    /// The start of `solve`, `solve_batch`, `distinct`, `track` and `follower` without one, shape (dof,), radians or metres: the
+    /// state "ready" or "home" of `srdf`, else the middle of each joint's limits, or the value closest to 0 for a joint that
+    /// has no limit on one side.
+    #[getter]
+    fn default_start<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        arrays::frozen(py, self.inner.default_start().iter().copied())
     }
 
     /// What the arm was made of: a `Robot`, or a `Model`.
@@ -351,7 +361,7 @@ impl Arm {
     /// Solves for one target from one start: a `Solution`, reached or not.
     ///
     /// `target` is base_from_tool (4 x 4, metres), `start` a configuration of shape (dof,), outside the
-    /// limits or not; None is the one nearest to all zeros.
+    /// limits or not; None is `default_start`.
     ///
     /// Raises `InvalidValueError` for a target that is no rigid motion to 1e-6, and for a start of another
     /// length or one that is not finite. A target out of reach is no error: see `Solution.reached` and
@@ -396,7 +406,7 @@ impl Arm {
     /// Solves many targets: a `Batch` of arrays.
     ///
     /// `targets` has shape (N, 4, 4), or is a list of placements; `starts` shape (N, dof), or (dof,) for
-    /// one start of all; None is the configuration nearest to all zeros. What a target gives depends on
+    /// one start of all; None is `default_start`. What a target gives depends on
     /// nothing but itself and its start: q and errors are `solve`'s bit for bit, on any number of
     /// `threads` (None: all cores), but for the search "first", where the lowest attempt wins and not the
     /// quickest. `out` is a float64 array of shape (N, dof) that takes the configurations. `progress` is
@@ -556,5 +566,13 @@ impl Arm {
             self.tip,
             self.inner.joint_count()
         )
+    }
+}
+
+/// The arm that starts at a state of an SRDF file.
+fn with_srdf(arm: kinopt::Arm, srdf: &Bound<'_, PyAny>) -> PyResult<kinopt::Arm> {
+    match srdf.cast::<Srdf>() {
+        Ok(srdf) => Ok(arm.with_srdf(srdf.get().inner())),
+        Err(_) => Err(invalid(format!("srdf must be a kinopt.Srdf, not {srdf}"))),
     }
 }

@@ -13,7 +13,7 @@ use crate::goal::Goal;
 use crate::placement::placement;
 
 /// All keywords; `held` goes with `only`, `margin` with `world`.
-const NAMES: [&str; 22] = [
+const NAMES: [&str; 23] = [
     "attempts",
     "atlas",
     "collision_model",
@@ -33,6 +33,7 @@ const NAMES: [&str; 22] = [
     "posture",
     "search",
     "seed",
+    "srdf",
     "time_limit",
     "tool",
     "world",
@@ -83,7 +84,7 @@ fn set<'m>(
         "seed" => builder.with_seed(whole::<u64>(value, name)?),
         "time_limit" => builder.with_time_limit(seconds(value)?),
         "tool" => builder.with_tool(placement(value, "tool")?),
-        // `held` is read with `only`, `world`, `margin` and `collision_model` where the arm stands.
+        // `held` is read with `only`; `srdf`, `world`, `margin` and `collision_model` where the arm is made.
         _ => builder,
     })
 }

@@ -18,8 +18,8 @@ use crate::world::Obstacle;
 
 /// Shapes on the links of a robot, and the pairs of links that must not touch. Made by `Robot.collision_model`.
 ///
-/// At first all links with shapes are kept apart, but those of one body (joined by fixed joints alone) and adjacent
-/// ones (joined by a joint, links without shapes between them passed over). An `Arm` or `Problem` that is given a model takes its pairs as they
+/// At first all pairs of links with shapes are enabled, except those of one body (joined by fixed joints) and of neighbours
+/// (joined by one moving joint). An `Arm` or `Problem` that is given a model takes its pairs as they
 /// are; without one they leave out what nearly always touches, as `with_pairs_sampled` does: begin with that where pairs are edited.
 #[pyclass(frozen, module = "kinopt")]
 pub(crate) struct CollisionModel {

@@ -174,35 +174,16 @@ impl Model {
         seed: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = crate::arrays::whole_or_none)] n: Option<usize>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let seed = match seed {
-            Some(seed) => first_seed(seed)?,
-            None => 0,
-        };
-        let draw = |i: usize| self.inner.random_configuration(seed.wrapping_add(i as u64));
-        let Some(n) = n else {
-            return Ok(arrays::list(py, &draw(0)).into_any());
-        };
-        let array = PyArray2::<f64>::zeros(py, [n, self.inner.configuration_len()], false);
-        {
-            let mut array = array
-                .try_readwrite()
-                .map_err(|error| invalid(error.to_string()))?;
-            let rows = array
-                .as_slice_mut()
-                .map_err(|error| invalid(error.to_string()))?;
-            for (i, row) in rows
-                .chunks_mut(self.inner.configuration_len().max(1))
-                .enumerate()
-            {
-                row.copy_from_slice(&draw(i));
-            }
-        }
-        Ok(array.into_any())
+        let model = &self.inner;
+        random_configurations(py, seed, n, model.configuration_len(), |seed| {
+            model.random_configuration(seed)
+        })
     }
 
     /// Where a velocity leads from a configuration in a unit of time, limits aside: q + v for joints of one
     /// number, exp for balls and free joints, as Pinocchio's `integrate`. Shapes (nq,) and (nv,), (N, nq) and (N, nv), or
     /// one for all of the other; radians and metres, a ball's and a free joint's in their own moved axes, linear first.
+    /// Quaternions of `q` are w, x, y, z.
     ///
     /// Raises `InvalidValueError` for other shapes, numbers that are not finite, quaternions of length zero.
     pub(crate) fn integrate<'py>(
@@ -249,7 +230,7 @@ impl Model {
         })
     }
 
-    /// The configuration with quaternions of unit length, shape (nq,).
+    /// The configuration with quaternions w, x, y, z of unit length, shape (nq,).
     ///
     /// Raises `InvalidValueError` as `integrate`.
     pub(crate) fn normalise<'py>(
@@ -297,6 +278,37 @@ impl Model {
             self.inner.frames().len()
         )
     }
+}
+
+/// Configurations of `nq` numbers of the seeds `seed`, `seed + 1`, ...: one of shape (nq,), or `n` of shape (n, nq).
+pub(crate) fn random_configurations<'py>(
+    py: Python<'py>,
+    seed: Option<&Bound<'py, PyAny>>,
+    n: Option<usize>,
+    nq: usize,
+    sample: impl Fn(u64) -> Vec<f64>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let seed = match seed {
+        Some(seed) => first_seed(seed)?,
+        None => 0,
+    };
+    let draw = |i: usize| sample(seed.wrapping_add(i as u64));
+    let Some(n) = n else {
+        return Ok(arrays::list(py, &draw(0)).into_any());
+    };
+    let array = PyArray2::<f64>::zeros(py, [n, nq], false);
+    {
+        let mut array = array
+            .try_readwrite()
+            .map_err(|error| invalid(error.to_string()))?;
+        let rows = array
+            .as_slice_mut()
+            .map_err(|error| invalid(error.to_string()))?;
+        for (i, row) in rows.chunks_mut(nq.max(1)).enumerate() {
+            row.copy_from_slice(&draw(i));
+        }
+    }
+    Ok(array.into_any())
 }
 
 /// A whole number, or one drawn from a generator of numpy's.

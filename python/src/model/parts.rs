@@ -30,7 +30,7 @@ pub(crate) struct Joint {
     /// Largest value, radians or metres.
     #[pyo3(get)]
     upper: f64,
-    /// Where its value, or a ball's quaternion, begins in a configuration; None for a fixed joint.
+    /// Where its value, or a ball's quaternion w, x, y, z, begins in a configuration; None for a fixed joint.
     #[pyo3(get)]
     coordinate: Option<usize>,
     /// How far a ball joint may swing about two axes across its own, radians; None for anywhere.

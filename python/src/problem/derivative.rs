@@ -187,7 +187,7 @@ impl SolutionDerivative {
     /// The gradient by all parameters of a scalar, from its slope by the solution: all at once, by one reverse
     /// product.
     ///
-    /// `slope` is by the velocity, shape (dof,), or `by_q` by the numbers of q, shape (nq,), quaternions
+    /// `slope` is by the velocity, shape (dof,), or `by_q` by the numbers of q, shape (nq,), quaternions w, x, y, z
     /// included. A dict: "targets" by task, "weights" of shape (rows of `Solution.rows`,), and "joint_origins"
     /// by joint, shape (3,) each, per metre in the parent's axes.
     ///

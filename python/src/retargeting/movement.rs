@@ -1,5 +1,10 @@
 //! A whole movement, and the truth about it.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::Duration;
+
 use kinopt::motion::clip::MotionBound;
 use kinopt::motion::retarget::{RetargetError, UpAxis};
 use kinopt::solver::Side;
@@ -9,7 +14,7 @@ use pyo3::prelude::*;
 use super::capture::Capture;
 use super::question::{Options, Question};
 use crate::arrays;
-use crate::error::OrRaise;
+use crate::error::{OrRaise, invalid};
 
 /// What `kinopt.Retargeted` is made of: numbers and names in the order of its fields.
 type MovementParts<'py> = (
@@ -23,8 +28,69 @@ type MovementParts<'py> = (
     Vec<(String, &'static str, usize, usize)>,
     Vec<(usize, String, String, f64)>,
     Vec<(usize, String)>,
-    Option<&'static str>,
+    (Option<&'static str>, bool),
 );
+
+/// Time between two looks at signals.
+const INTERVAL: Duration = Duration::from_millis(50);
+
+/// The frames that are done, and all frames.
+#[derive(Default)]
+struct Progress {
+    done: AtomicUsize,
+    frames: AtomicUsize,
+}
+
+/// Computes on another thread; meanwhile calls `progress` with (done, total) and reacts to Ctrl-C.
+fn while_listening<T: Send>(
+    py: Python<'_>,
+    progress: Option<&Bound<'_, PyAny>>,
+    compute: impl FnOnce(Arc<AtomicBool>, &Progress) -> Result<T, RetargetError> + Send,
+) -> PyResult<T> {
+    let (cancelled, state) = (Arc::new(AtomicBool::new(false)), Progress::default());
+    let progress = progress.map(|progress| progress.clone().unbind());
+    let mut reported = None;
+    let mut report = |py: Python<'_>| {
+        let now = (
+            state.done.load(Ordering::Relaxed),
+            state.frames.load(Ordering::Relaxed),
+        );
+        py.check_signals()?;
+        if let Some(progress) = progress
+            .as_ref()
+            .filter(|_| now.1 > 0 && reported != Some(now))
+        {
+            reported = Some(now);
+            progress.call1(py, now)?;
+        }
+        PyResult::Ok(())
+    };
+    py.detach(|| {
+        let (tell, told) = mpsc::channel();
+        std::thread::scope(|scope| {
+            let flag = Arc::clone(&cancelled);
+            let state = &state;
+            scope.spawn(move || tell.send(compute(flag, state)));
+            loop {
+                match told.recv_timeout(INTERVAL) {
+                    Ok(found) => {
+                        Python::attach(&mut report)?;
+                        return found.or_raise();
+                    }
+                    Err(RecvTimeoutError::Timeout) => {
+                        if let Err(error) = Python::attach(&mut report) {
+                            cancelled.store(true, Ordering::Relaxed);
+                            return Err(error);
+                        }
+                    }
+                    Err(RecvTimeoutError::Disconnected) => {
+                        return Err(invalid("the computation ended without a result"));
+                    }
+                }
+            }
+        })
+    })
+}
 
 /// A capture on a target by a map (JSON).
 #[pyfunction]
@@ -35,22 +101,29 @@ pub(super) fn capture_retargeted<'py>(
     map: &str,
     whole: bool,
     options: Options,
+    progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<MovementParts<'py>> {
     let question = Question::read(capture, target, map, &options)?;
-    let found = py.detach(|| {
-        let retargeting = question.fitted()?;
+    let found = while_listening(py, progress, |cancelled, done| {
+        let retargeting = question.fitted()?.with_cancellation(cancelled);
+        let frames = retargeting.frames();
+        done.frames.store(frames, Ordering::Relaxed);
         let found = match whole {
-            true => retargeting.whole()?,
+            true => retargeting.whole_with_progress(&mut |frames| {
+                done.done.fetch_max(frames, Ordering::Relaxed);
+            })?,
             false => retargeting.per_frame()?,
         };
+        done.done.store(frames, Ordering::Relaxed);
+        let has_fixed_base = retargeting.legs_on_fixed_base();
         let errors = retargeting.errors(&found)?;
         let limits = retargeting.limits_met(&found);
         let driving = retargeting.driving();
         let stride = retargeting.stride();
         let up = retargeting.model_stands_along();
-        Ok::<_, RetargetError>((found, errors, limits, driving, stride, up))
-    });
-    let (found, errors, limits, driving, stride, up) = found.or_raise()?;
+        Ok((found, errors, limits, driving, stride, up, has_fixed_base))
+    })?;
+    let (found, errors, limits, driving, stride, up, has_fixed_base) = found;
     let driven = driving
         .iter()
         .map(|&joint| question.capture.names()[joint].clone());
@@ -87,6 +160,9 @@ pub(super) fn capture_retargeted<'py>(
         limits.collect(),
         touching.collect(),
         given_up.collect(),
-        up.filter(|up| *up == UpAxis::Y).map(|_| "y"),
+        (
+            up.filter(|up| *up == UpAxis::Y).map(|_| "y"),
+            has_fixed_base,
+        ),
     ))
 }

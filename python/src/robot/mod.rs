@@ -1,5 +1,6 @@
 //! Robots from URDF and MJCF.
 
+mod coordinate_order;
 mod shape;
 mod source;
 
@@ -8,21 +9,27 @@ use std::sync::{Arc, OnceLock};
 
 use kinopt::collision::Checker;
 use kinopt::kinematics::{ForwardKinematics, Jacobian};
+use kinopt::model::JointKind;
 use kinopt::motion::retarget::FootShapes;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 
+use coordinate_order::CoordinateOrder;
 pub(crate) use shape::Shape;
-use source::{Base, Loops, PickledBase, PickledLimits, PickledLoops, PickledTool, Source, text_of};
+use source::{
+    Base, Loops, PickledBase, PickledLimits, PickledLoops, PickledTool, Source, restricts_sources,
+    text_of,
+};
 
 use crate::arrays;
 use crate::collision::{CollisionModel, Taking};
-use crate::error::OrRaise;
+use crate::configuration::of_one;
+use crate::error::{OrRaise, invalid};
 use crate::kinematics::jacobians;
 use crate::loops::{self, LoopParts, NamedLoop};
 use crate::masses::{centres, centres_jacobians};
-use crate::model::Model;
+use crate::model::{Model, random_configurations};
 use crate::pickling;
 use crate::placement;
 use crate::pool::Pool;
@@ -69,6 +76,30 @@ impl Robot {
         self.foot_shapes.get_or_init(found).clone()
     }
 
+    fn pinocchio_order(&self) -> PyResult<CoordinateOrder> {
+        if self.source.is_mjcf() {
+            return Err(invalid(
+                "the order of Pinocchio is known for robots from URDF, not from MJCF: use to_mujoco",
+            ));
+        }
+        // Limits that were added make a continuous joint one with limits, but not in Pinocchio.
+        let stated = self.source.stated()?;
+        let kind = |joint: &str| {
+            let id = stated.joint(joint).ok()?;
+            Some(stated.joints()[id.index()].kind)
+        };
+        Ok(CoordinateOrder::of_pinocchio(&self.model, |joint| {
+            kind(joint) == Some(JointKind::Continuous)
+        }))
+    }
+
+    fn mujoco_order(&self) -> CoordinateOrder {
+        match self.source.is_mjcf() {
+            true => CoordinateOrder::same(&self.model),
+            false => CoordinateOrder::of_mujoco(&self.model),
+        }
+    }
+
     fn per_joint<'py>(
         &self,
         py: Python<'py>,
@@ -93,10 +124,14 @@ impl Robot {
     /// `soft_limits` every joint also keeps within its safety controller's limits. Files of meshes are not
     /// opened.
     ///
+    /// `mimic_limits`: the limits that restrict a joint which mimic joints follow. "source": its own. If they move a mimic joint
+    /// out of its range, `repairs` notes both joints, and the limits of the mimic joint contain the values. "both": also the
+    /// ranges of its mimic joints.
+    ///
     /// Raises `FileError` where it cannot be read, `InvalidFileError`, which names the element, for what is
     /// wrong in it.
     #[classmethod]
-    #[pyo3(signature = (path, *, base_joint = None, base_room = None, lenient = false, soft_limits = false))]
+    #[pyo3(signature = (path, *, base_joint = None, base_room = None, lenient = false, soft_limits = false, mimic_limits = "source"))]
     fn from_urdf(
         _class: &Bound<'_, PyType>,
         path: PathBuf,
@@ -104,6 +139,7 @@ impl Robot {
         base_room: Option<Bound<'_, PyDict>>,
         lenient: bool,
         soft_limits: bool,
+        mimic_limits: &str,
     ) -> PyResult<Self> {
         let (text, file) = text_of(&path)?;
         Self::build(Source {
@@ -111,6 +147,7 @@ impl Robot {
             file,
             lenient,
             soft_limits,
+            mimic_limits: restricts_sources(mimic_limits)?,
             joint_limits: Vec::new(),
             base: Base::new(base_joint, base_room)?,
             tools: Vec::new(),
@@ -123,18 +160,19 @@ impl Robot {
     /// Bodies and sites are frames under their names (unnamed ones: `body/ID`, `BODY/site`; the world's is
     /// `world`), and a configuration is MuJoCo's `qpos`: a free joint's x, y, z and quaternion w, x, y, z, a
     /// ball's quaternion, `ref` counted in. Joints that a linear `equality` couples follow; `connect` and `weld`
-    /// are `loops`. What is left out is in `repairs`. Files of meshes are not opened. `base_joint` and
-    /// `base_room` are as of `from_urdf`.
+    /// are `loops`. What is left out is in `repairs`. Files of meshes are not opened. `base_joint`,
+    /// `base_room` and `mimic_limits` are as of `from_urdf`.
     ///
     /// Raises `FileError` where it cannot be read, `InvalidFileError`, which names the element, for what is
     /// wrong in it.
     #[classmethod]
-    #[pyo3(signature = (path, *, base_joint = None, base_room = None))]
+    #[pyo3(signature = (path, *, base_joint = None, base_room = None, mimic_limits = "source"))]
     fn from_mjcf(
         _class: &Bound<'_, PyType>,
         path: PathBuf,
         base_joint: Option<Bound<'_, PyAny>>,
         base_room: Option<Bound<'_, PyDict>>,
+        mimic_limits: &str,
     ) -> PyResult<Self> {
         // Faults are told by the lines of the file, which the text of all files together has not.
         kinopt::robot::Robot::read_mjcf(&path).or_raise()?;
@@ -144,6 +182,7 @@ impl Robot {
             file: path.display().to_string(),
             lenient: false,
             soft_limits: false,
+            mimic_limits: restricts_sources(mimic_limits)?,
             joint_limits: Vec::new(),
             base: Base::new(base_joint, base_room)?,
             tools: Vec::new(),
@@ -156,7 +195,8 @@ impl Robot {
     /// Raises `InvalidFileError`, which names the element, for what is wrong in it.
     #[classmethod]
     #[pyo3(signature = (
-        text, name = "robot.urdf", *, base_joint = None, base_room = None, lenient = false, soft_limits = false
+        text, name = "robot.urdf", *, base_joint = None, base_room = None, lenient = false, soft_limits = false,
+        mimic_limits = "source"
     ))]
     fn from_urdf_text(
         _class: &Bound<'_, PyType>,
@@ -166,12 +206,14 @@ impl Robot {
         base_room: Option<Bound<'_, PyDict>>,
         lenient: bool,
         soft_limits: bool,
+        mimic_limits: &str,
     ) -> PyResult<Self> {
         Self::build(Source {
             text: text.into(),
             file: name.to_owned(),
             lenient,
             soft_limits,
+            mimic_limits: restricts_sources(mimic_limits)?,
             joint_limits: Vec::new(),
             base: Base::new(base_joint, base_room)?,
             tools: Vec::new(),
@@ -470,12 +512,14 @@ impl Robot {
         centres_jacobians(q, &self.model, &self.inner.masses().or_raise()?)
     }
 
-    /// The configuration nearest to all zeros within the limits, shape (nq,).
+    /// The configuration closest to all zeros within the limits, shape (nq,), radians and metres, quaternions w, x, y, z. Mimic joints
+    /// have the values that their source joints give them.
     fn neutral<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.model().neutral(py)
+        arrays::list(py, &self.inner.neutral())
     }
 
-    /// Configurations drawn within the limits: see `Model.random_configuration`.
+    /// Configurations sampled uniformly within the limits, shape (nq,) or (n, nq): see `Model.random_configuration`. Mimic joints
+    /// have the values that their source joints give them.
     ///
     /// Raises `InvalidValueError` for a seed or an `n` that is no whole number of at least 0.
     #[pyo3(signature = (seed = None, n = None))]
@@ -485,12 +529,14 @@ impl Robot {
         seed: Option<&Bound<'py, PyAny>>,
         #[pyo3(from_py_with = crate::arrays::whole_or_none)] n: Option<usize>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        self.model().random_configuration(py, seed, n)
+        let (robot, nq) = (&self.inner, self.model.configuration_len());
+        random_configurations(py, seed, n, nq, |seed| robot.random_configuration(seed))
     }
 
     /// Where a velocity leads from a configuration in a unit of time, limits aside: q + v for joints of one
     /// number, exp for balls and free joints, as Pinocchio's `integrate`. Shapes (nq,) and (nv,), (N, nq) and (N, nv), or
     /// one for all of the other; radians and metres, a ball's and a free joint's in their own moved axes, linear first.
+    /// Quaternions of `q` are w, x, y, z.
     ///
     /// Raises `InvalidValueError` for other shapes, numbers that are not finite, quaternions of length zero.
     fn integrate<'py>(
@@ -525,18 +571,85 @@ impl Robot {
         self.model().interpolate(q0, q1, share)
     }
 
-    /// The configuration with quaternions of unit length, shape (nq,).
+    /// The configuration with quaternions w, x, y, z of unit length, shape (nq,).
     ///
     /// Raises `InvalidValueError` as `integrate`.
     fn normalise<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         self.model().normalise(q)
     }
 
-    /// Whether a configuration, shape (nq,), is within all limits, cones included.
+    /// Whether a configuration, shape (nq,), is within all limits, cones included, and has every mimic joint at the value that its
+    /// source joint gives it, up to 1e-9 rad or m.
     ///
     /// Raises `InvalidValueError` for another shape.
     fn is_within_limits(&self, q: &Bound<'_, PyAny>) -> PyResult<bool> {
-        self.model().is_within_limits(q)
+        let q = arrays::vector_of(q, "q", self.model.configuration_len())?;
+        Ok(self.inner.is_within_limits(&q))
+    }
+
+    /// The configuration with mimic joints at the values that their source joints in it give them. Shape (nq,) for `q` of shape (nq,),
+    /// (N, nq) for (N, nq), radians and metres. Forward kinematics takes a configuration as it is.
+    ///
+    /// Raises `InvalidValueError` for other shapes and for numbers that are not finite.
+    fn apply_mimics<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let nq = self.model.configuration_len();
+        of_one((q, "q", nq), nq, |q, applied| {
+            applied.copy_from_slice(&self.inner.apply_mimics(q)?);
+            Ok(())
+        })
+    }
+
+    /// The configuration as Pinocchio's `buildModelFromUrdf` has it for the robot's URDF, with a root joint for `base_joint`: joints
+    /// depth first, siblings by name; quaternions x, y, z, w (here w, x, y, z); the cosine and sine of a continuous joint (here
+    /// its angle). Shape (n,) for `q` of shape (nq,), (N, n) for (N, nq), radians and metres.
+    ///
+    /// Raises `InvalidValueError` for other shapes and for a robot from MJCF.
+    fn to_pinocchio<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let order = self.pinocchio_order()?;
+        let nq = self.model.configuration_len();
+        of_one((q, "q", nq), order.len(), |q, other| {
+            order.write(q, other);
+            Ok(())
+        })
+    }
+
+    /// The configuration of a `q` in the order of Pinocchio, shape (n,) or (N, n): the inverse of `to_pinocchio`. Continuous joints are
+    /// from -pi to pi.
+    ///
+    /// Raises `InvalidValueError` as `to_pinocchio`.
+    fn from_pinocchio<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let order = self.pinocchio_order()?;
+        let nq = self.model.configuration_len();
+        of_one((q, "q", order.len()), nq, |other, q| {
+            order.read(other, q);
+            Ok(())
+        })
+    }
+
+    /// The configuration as MuJoCo's `qpos` for the robot's file: joints depth first, siblings in the order of the file, quaternions
+    /// w, x, y, z as here. For a robot from MJCF it is `q` itself. Shape (nq,) for `q` of shape (nq,), (N, nq) for (N, nq),
+    /// radians and metres.
+    ///
+    /// Raises `InvalidValueError` for other shapes.
+    fn to_mujoco<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let order = self.mujoco_order();
+        let nq = self.model.configuration_len();
+        of_one((q, "q", nq), nq, |q, other| {
+            order.write(q, other);
+            Ok(())
+        })
+    }
+
+    /// The configuration of MuJoCo's `qpos`, shape (nq,) or (N, nq): the inverse of `to_mujoco`.
+    ///
+    /// Raises `InvalidValueError` as `to_mujoco`.
+    fn from_mujoco<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let order = self.mujoco_order();
+        let nq = self.model.configuration_len();
+        of_one((q, "q", nq), nq, |other, q| {
+            order.read(other, q);
+            Ok(())
+        })
     }
 
     /// The Jacobian of a frame, shape (6, nv) for a configuration `q` of shape (nq,), (N, 6, nv) for (N, nq): the

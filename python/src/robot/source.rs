@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use kinopt::model::Limits;
+use kinopt::model::{Limits, UnknownName};
 use kinopt::robot::{BaseJoint, Robot};
 use kinopt::spatial::Placement;
 use numpy::PyArray2;
@@ -22,6 +22,8 @@ pub(super) struct Source {
     pub(super) file: String,
     pub(super) lenient: bool,
     pub(super) soft_limits: bool,
+    /// Whether mimic joints restrict their source joints.
+    pub(super) mimic_limits: bool,
     /// Texts of joint_limits.yaml and their names.
     pub(super) joint_limits: Vec<(Arc<str>, String)>,
     pub(super) base: Base,
@@ -44,8 +46,8 @@ pub(super) struct Base {
     pub(super) room: Vec<(String, (f64, f64))>,
 }
 
-/// Soft limits, and texts of joint_limits.yaml with their names, as they are pickled.
-pub(super) type PickledLimits = (bool, Vec<(String, String)>);
+/// Soft limits, mimic limits, and texts of joint_limits.yaml with their names, as they are pickled.
+pub(super) type PickledLimits = (bool, bool, Vec<(String, String)>);
 
 /// What a root moves on, as it is pickled.
 pub(super) type PickledBase<'py> = (Option<Bound<'py, PyAny>>, Option<Bound<'py, PyDict>>);
@@ -57,19 +59,33 @@ pub(super) type PickledTool<'py> = (String, String, Bound<'py, PyAny>);
 pub(super) type PickledLoops<'py> = (bool, Vec<PickledLoop<'py>>, Option<Vec<String>>);
 type PickledLoop<'py> = (String, String, [String; 2], [Bound<'py, PyAny>; 2]);
 
+/// The values of `mimic_limits`.
+const MIMIC_LIMITS: [&str; 2] = ["source", "both"];
+
+/// Reads `mimic_limits`: whether mimic joints restrict their source joints.
+pub(super) fn restricts_sources(mimic_limits: &str) -> PyResult<bool> {
+    match mimic_limits {
+        "source" => Ok(false),
+        "both" => Ok(true),
+        other => Err(UnknownName::new("mimic_limits", other, MIMIC_LIMITS)).or_raise(),
+    }
+}
+
 impl Source {
     /// The robot that it tells of.
     pub(super) fn read(&self) -> PyResult<Robot> {
-        let reader = Robot::reader();
         let reader = match self.lenient {
-            true => reader.lenient(),
-            false => reader,
+            true => Robot::reader().lenient(),
+            false => Robot::reader(),
         };
         let robot = reader.parse(&self.text, &self.file).or_raise()?;
         // Whose folder meshes are looked for in.
         let mut robot = robot.with_file(&self.file);
         if self.soft_limits {
             robot = robot.with_soft_limits().or_raise()?;
+        }
+        if self.mimic_limits {
+            robot = robot.with_mimic_limits().or_raise()?;
         }
         for (text, file) in &self.joint_limits {
             robot = robot
@@ -95,6 +111,21 @@ impl Source {
         Ok(robot)
     }
 
+    /// Whether the file is MJCF.
+    pub(super) fn is_mjcf(&self) -> bool {
+        self.text.contains("<mujoco") && !self.text.contains("<robot")
+    }
+
+    /// The model as the file alone states it.
+    pub(super) fn stated(&self) -> PyResult<kinopt::Model> {
+        let reader = match self.lenient {
+            true => Robot::reader().lenient(),
+            false => Robot::reader(),
+        };
+        let robot = reader.parse(&self.text, &self.file).or_raise()?;
+        Ok(robot.model().clone())
+    }
+
     /// What [`unpickled`](Self::unpickled) takes.
     #[allow(clippy::type_complexity, reason = "it is read once")]
     pub(super) fn pickled<'py>(&self, py: Python<'py>) -> PyResult<impl IntoPyObject<'py>> {
@@ -116,7 +147,7 @@ impl Source {
             self.text.to_string(),
             self.file.clone(),
             self.lenient,
-            (self.soft_limits, limits),
+            (self.soft_limits, self.mimic_limits, limits),
             (self.base.joint.clone(), room),
             tools,
             (self.loops.without, added, self.loops.passive.clone()),
@@ -128,7 +159,7 @@ impl Source {
         text: &str,
         file: String,
         lenient: bool,
-        (soft_limits, limits): PickledLimits,
+        (soft_limits, mimic_limits, limits): PickledLimits,
         (joint, room): PickledBase<'_>,
         tools: Vec<PickledTool<'_>>,
         (without, added, passive): PickledLoops<'_>,
@@ -144,6 +175,7 @@ impl Source {
             file,
             lenient,
             soft_limits,
+            mimic_limits,
             joint_limits: (limits.into_iter())
                 .map(|(text, file)| (text.into(), file))
                 .collect(),

@@ -22,7 +22,7 @@ use crate::model::Model;
 use crate::pickling;
 use crate::pool::Pool;
 
-/// The bones of a skeleton on ball joints within cones: a unit quaternion a bone.
+/// The bones of a skeleton on ball joints within cones: a unit quaternion w, x, y, z a bone.
 ///
 /// A configuration `q` has w, x, y, z for each bone that turns, in their order: how it is turned from rest in its own
 /// axes. The root's, with `root="free"`, has x, y, z before it: how far it is from rest along the model's axes,

@@ -182,6 +182,11 @@ impl Solution {
         pickling::by_json::<Self>(py, &self.inner)
     }
 
+    /// `bool(solution)` is `solution.reached`.
+    fn __bool__(&self) -> bool {
+        self.inner.reached
+    }
+
     fn __repr__(&self) -> String {
         let Self { inner, .. } = self;
         let mut text = match inner.reached {

@@ -18,7 +18,9 @@ fn moving(model: &Model, mut joint: Option<JointId>) -> Option<JointId> {
     None
 }
 
-/// Of links with shapes, by place: which body each is of, and which body comes next towards the root.
+/// Of links with shapes, by index: the body of each link, and the next body towards the root.
+///
+/// A body is what moves with one joint. Joints that carry no frame, as all but the last of a free joint, make none.
 pub(crate) struct Bodies {
     carriers: Vec<Option<JointId>>,
     /// `None` where there is none.
@@ -28,11 +30,14 @@ pub(crate) struct Bodies {
 impl Bodies {
     pub(crate) fn new(model: &Model, links: &[FrameId]) -> Self {
         let carriers: Vec<Option<JointId>> = links.iter().map(|l| carrier(model, *l)).collect();
-        // Only bodies that have shapes.
+        let mut has_frames = vec![false; model.joints().len()];
+        for joint in model.frame_ids().filter_map(|frame| carrier(model, frame)) {
+            has_frames[joint.index()] = true;
+        }
         let next = |body: Option<JointId>| {
             let mut body = moving(model, model.joints()[body?.index()].parent);
-            while !carriers.contains(&body) {
-                body = moving(model, model.joints()[body?.index()].parent);
+            while let Some(joint) = body.filter(|joint| !has_frames[joint.index()]) {
+                body = moving(model, model.joints()[joint.index()].parent);
             }
             Some(body)
         };
@@ -42,7 +47,7 @@ impl Bodies {
         }
     }
 
-    /// Whether two links are of two bodies that are not adjacent: a body with shapes is between those.
+    /// Whether two links are of two bodies that no single joint connects.
     pub(crate) fn are_apart(&self, a: usize, b: usize) -> bool {
         self.carriers[a] != self.carriers[b] && !self.is_above(a, b) && !self.is_above(b, a)
     }
@@ -59,7 +64,7 @@ impl Bodies {
     }
 }
 
-/// All pairs of links but those of one body and of adjacent ones.
+/// All pairs of links except those of one body and of bodies that one joint connects.
 pub(crate) fn pairs_apart(model: &Model, links: &[FrameId]) -> Vec<[FrameId; 2]> {
     let bodies = Bodies::new(model, links);
     let pairs = (0..links.len()).flat_map(|a| (a + 1..links.len()).map(move |b| [a, b]));

@@ -63,9 +63,9 @@ impl CollisionObject {
 
 /// Shapes on the links of a model, and the pairs of links that must not touch.
 ///
-/// At first all links with shapes are kept apart, but those of one body (joined by fixed joints alone) and of
-/// adjacent ones (joined by a joint, links without shapes between them passed over); of an MJCF file those that MuJoCo
-/// lets touch, and links that move are kept over the planes of its world. SRDF files
+/// At first all pairs of links with shapes are enabled, except those of one body (joined by fixed joints) and of
+/// neighbours (joined by one moving joint). An MJCF file enables the pairs that MuJoCo
+/// lets touch, and moving links are kept above the planes of its world. SRDF files
 /// ([`with_srdf`](Self::with_srdf)), samples ([`with_pairs_sampled`](Self::with_pairs_sampled)) and hand
 /// ([`with_ignored`](Self::with_ignored), [`with_checked`](Self::with_checked)) change that.
 ///

@@ -29,6 +29,9 @@ pub enum MotionError {
     /// A start that the frames cannot be solved from.
     #[error(transparent)]
     Start(#[from] SolveError),
+    /// The caller's flag ended the search.
+    #[error("the search was cancelled")]
+    Cancelled,
     /// No frame.
     #[error("a motion of no frames")]
     NoFrames,

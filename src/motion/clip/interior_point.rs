@@ -4,6 +4,8 @@
 //! F(x) − μ Σ ln s, with multipliers z of their own (Nocedal & Wright 2006, "Numerical optimization", 19.3); μ falls as
 //! fast as a step with μ = 0 promises (Mehrotra 1992, "On the implementation of a primal-dual interior point method").
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use super::barrier::Barrier;
 use super::block_banded::BlockBanded;
 use super::bounds::{Frames, Inward};
@@ -55,6 +57,8 @@ pub(super) struct Window<'a, 'e> {
     pub(super) evaluator: &'e mut Evaluator<'a>,
     pub(super) at: Stretch,
     pub(super) fixed: Vec<bool>,
+    /// Ends the search once it is set.
+    pub(super) cancelled: Option<&'e AtomicBool>,
 }
 
 /// What came of it, but for where the frames stand.
@@ -115,6 +119,9 @@ impl<'a> Window<'a, '_> {
         let mut termination = MotionTermination::IterationLimit;
         let mut last_cost = f64::INFINITY;
         while iterations < limits.iterations {
+            if (self.cancelled).is_some_and(|cancelled| cancelled.load(Ordering::Relaxed)) {
+                return Err(MotionError::Cancelled);
+            }
             self.evaluator.curved = limits.curvature && (step.was_cut || iterations >= PLAIN_STEPS);
             let costs = self.linearise(x, &mut step)?;
             let cost = costs[0] + costs[1];

@@ -1,5 +1,7 @@
 //! Solves motions: all frames as one, or window by window.
 
+use std::sync::atomic::AtomicBool;
+
 use super::bounds::Inward;
 use super::evaluator::{Evaluator, Stretch};
 use super::frame_residuals::FrameResiduals;
@@ -94,7 +96,7 @@ impl MotionSolver {
         let first = variables(motion, start)?;
         let mut x = vec![0.0; motion.frames * n];
         per_frame(motion, &mut FrameResiduals::new(motion), &first, &mut x)?;
-        self.minimise(motion, x, &mut |_| ())
+        self.minimise(motion, x, &mut |_| (), None)
     }
 
     /// Solves a motion from one near it: a configuration a frame, one after the other. It need not keep any limit.
@@ -119,6 +121,17 @@ impl MotionSolver {
         start: &[f64],
         progress: &mut dyn FnMut(usize),
     ) -> Result<MotionSolution, MotionError> {
+        self.solve_near_unless(motion, start, progress, None)
+    }
+
+    /// As [`solve_near_with_progress`](Self::solve_near_with_progress), until the flag is set, which every iteration reads.
+    pub(in crate::motion) fn solve_near_unless(
+        &self,
+        motion: &MotionProblem,
+        start: &[f64],
+        progress: &mut dyn FnMut(usize),
+        cancelled: Option<&AtomicBool>,
+    ) -> Result<MotionSolution, MotionError> {
         let n = motion.configuration_len();
         if start.len() != motion.frames * n {
             return Err(MotionError::Length {
@@ -131,7 +144,7 @@ impl MotionSolver {
         for q in start.chunks_exact(n.max(1)) {
             x.extend(variables(motion, q)?);
         }
-        self.minimise(motion, x, progress)
+        self.minimise(motion, x, progress, cancelled)
     }
 
     fn minimise(
@@ -139,6 +152,7 @@ impl MotionSolver {
         motion: &MotionProblem,
         mut x: Vec<f64>,
         progress: &mut dyn FnMut(usize),
+        cancelled: Option<&AtomicBool>,
     ) -> Result<MotionSolution, MotionError> {
         BadOption::check("tolerance", self.tolerance, AT_LEAST_0)?;
         BadOption::check("slip", self.slip_m, AT_LEAST_0)?;
@@ -182,6 +196,7 @@ impl MotionSolver {
                     held,
                 },
                 fixed: motion.fixed(&stretch, held),
+                cancelled,
             };
             let own = &mut x[stretch.start * n..stretch.end * n];
             let outcome = window.minimise(own, limits)?;

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use super::body_map::DriveText;
 use super::known_maps::KnownBody;
-use super::part_names::parts_of;
+use super::limb_tree::moving_joint;
+use super::part_names::{parts_of, parts_where};
 use super::proportions::Proportions;
 use super::{BodyMap, BodyPart, Capture, Drive, KnownSkeleton, RetargetError, UpAxis};
 use crate::kinematics::ForwardKinematics;
@@ -130,7 +131,12 @@ impl BodyMap {
         let (body, parts) = match KnownBody::of_model(model)? {
             Some(known) => (Some(known.name), known.parts),
             None => {
-                let told = parts_of(frames()).into_iter();
+                let moving: Vec<_> = model
+                    .frame_ids()
+                    .map(|id| moving_joint(model, id))
+                    .collect();
+                let moves = |on: usize, frame: usize| moving[on] != moving[frame];
+                let told = parts_where(frames(), moves).into_iter();
                 let frame = |at: usize| DriveText::Frame(model.frames()[at].name.clone());
                 let told = told.map(|(part, at)| (part, frame(at))).collect();
                 (None, apart(model, told, &mut notes)?)

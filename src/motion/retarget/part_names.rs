@@ -131,14 +131,38 @@ struct NameParts {
 
 /// The place of each part among names: of several that tell of the same, the first.
 pub(super) fn parts_of<'a>(names: impl Iterator<Item = &'a str>) -> BTreeMap<BodyPart, usize> {
+    parts_where(names, |_, _| true)
+}
+
+/// The index of each part among names. `moves` says whether the second of two names moves on the first: of several names of an
+/// ankle, the first that moves on the knee counts, or the first of all if none does.
+pub(super) fn parts_where<'a>(
+    names: impl Iterator<Item = &'a str>,
+    moves: impl Fn(usize, usize) -> bool,
+) -> BTreeMap<BodyPart, usize> {
     let told: Vec<NameParts> = names.map(name_parts).collect();
     let mut found: BTreeMap<BodyPart, usize> = BTreeMap::new();
     let mut look = |part: BodyPart, side: Option<Side>, called: &[&str]| {
         let free = |at: &usize| !found.values().any(|other| other == at);
-        let first = called.iter().find_map(|word| {
-            let fits = |own: &NameParts| own.side == side && own.rest == *word;
-            told.iter().position(fits).filter(free)
-        });
+        let knee = match part {
+            BodyPart::LeftAnkle => found.get(&BodyPart::LeftKnee),
+            BodyPart::RightAnkle => found.get(&BodyPart::RightKnee),
+            _ => None,
+        };
+        let knee = knee.copied();
+        let first_of = |on: Option<usize>| {
+            called.iter().find_map(|word| {
+                let fits = |(at, own): &(usize, &NameParts)| {
+                    let is_called = own.side == side && own.rest == *word;
+                    is_called && on.is_none_or(|knee| moves(knee, *at))
+                };
+                let first = told.iter().enumerate().find(fits);
+                first.map(|(at, _)| at).filter(free)
+            })
+        };
+        let first = knee
+            .and_then(|knee| first_of(Some(knee)))
+            .or_else(|| first_of(None));
         if let Some(at) = first {
             found.insert(part, at);
         }

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::clear_frames::ClearFrames;
 use super::contacts::Standing;
@@ -15,7 +16,7 @@ use super::{
 use crate::bad_option::{BadOption, NOT_NEGATIVE, POSITIVE};
 use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::FrameId;
-use crate::motion::clip::Windows;
+use crate::motion::clip::{MotionError, Windows};
 use crate::motion::contact_detection::USUAL_LEG_M;
 use crate::problem::KeepClear;
 use crate::robot::Robot;
@@ -90,6 +91,7 @@ pub struct Retargeting<'r> {
     pub(super) targets: Arc<[Vector3<f64>]>,
     pub(super) standing: Vec<Standing>,
     pub(super) obstacles: Option<Obstacles>,
+    pub(super) cancelled: Option<Arc<AtomicBool>>,
 }
 
 impl<'r> Retargeting<'r> {
@@ -132,6 +134,7 @@ impl<'r> Retargeting<'r> {
             targets: targets.into(),
             standing,
             obstacles: None,
+            cancelled: None,
         })
     }
 
@@ -142,6 +145,21 @@ impl<'r> Retargeting<'r> {
     pub fn keep_clear<C: KeepClear + Clone + Send + Sync + 'static>(mut self, of: &C) -> Self {
         self.obstacles = Some(Obstacles::of(of));
         self
+    }
+
+    /// Ends a solve with [`MotionError::Cancelled`](crate::motion::clip::MotionError::Cancelled) once another thread sets the flag.
+    /// Every frame and every iteration reads it.
+    #[must_use]
+    pub fn with_cancellation(mut self, cancelled: Arc<AtomicBool>) -> Self {
+        self.cancelled = Some(cancelled);
+        self
+    }
+
+    /// Reports whether the target has legs but a fixed base, so that it cannot walk: see
+    /// [`Robot::with_base_joint`](crate::robot::Robot::with_base_joint).
+    #[must_use]
+    pub fn legs_on_fixed_base(&self) -> bool {
+        self.limbs.all.iter().any(|limb| limb.stands) && !self.robot.moves_as_a_whole()
     }
 
     getters! {
@@ -224,6 +242,10 @@ impl<'r> Retargeting<'r> {
         let mut near = Vec::with_capacity(self.frames());
         let mut firmness = vec![0.0; self.limbs.all.len()];
         for frame in 0..self.frames() {
+            if (self.cancelled.as_ref()).is_some_and(|cancelled| cancelled.load(Ordering::Relaxed))
+            {
+                return Err(MotionError::Cancelled.into());
+            }
             self.firmness(frame, &mut firmness);
             let places = self.targets(frame).unwrap_or_default();
             q.extend_from_slice(follower.advance(places, &firmness)?);

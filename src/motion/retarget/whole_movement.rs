@@ -112,7 +112,8 @@ impl Retargeting<'_> {
             .with_good_start()
             .with_max_iterations(MOST_ITERATIONS)
             .with_windows(Some(self.options.windows));
-        let solved = solver.solve_near_with_progress(&motion, start, progress)?;
+        let solved =
+            solver.solve_near_unless(&motion, start, progress, self.cancelled.as_deref())?;
         Ok(solved.q().to_vec())
     }
 

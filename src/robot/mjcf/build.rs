@@ -23,6 +23,8 @@ pub(super) struct Build<'a> {
     pub(super) drives: Vec<Drive>,
     /// What is read otherwise than it looks.
     pub(super) notes: Vec<Repair>,
+    /// Line and name of the element of each mimic joint, in the order of [`couple`](Self::couple).
+    pub(super) couplings: Vec<(u32, String)>,
 }
 
 /// Half a turn as files round it up, in radians.
@@ -39,6 +41,7 @@ impl<'a> Build<'a> {
             drawn: Vec::new(),
             drives: Vec::new(),
             notes: Vec::new(),
+            couplings: Vec::new(),
         }
     }
 
@@ -179,6 +182,10 @@ impl<'a> Build<'a> {
                     ..
                 }) => left_out.extend(taken.err()),
                 other => other?,
+            }
+            if mimics.len() > self.couplings.len() {
+                let tag = equality.tag;
+                self.couplings.push((tag.line(), tag.called()));
             }
         }
         Ok(mimics)

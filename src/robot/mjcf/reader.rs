@@ -31,7 +31,8 @@ impl Robot {
     /// `NAME/y`, `NAME/z` and `NAME/rotation`. Ranges are limits where MuJoCo has it so; a ball's limits
     /// its whole [angle](crate::model::BallLimits::angle), of which half a turn and more is no limit; of more there is a note.
     ///
-    /// Joints that an active linear `equality` couples follow; `connect` and `weld` are
+    /// Joints that an active linear `equality` couples follow, and do not restrict the joint that they follow unless
+    /// [`with_mimic_limits`](Self::with_mimic_limits) is called; `connect` and `weld` are
     /// [`loops`](crate::model::Model::loops) of the model, unnamed ones BODY/connect and BODY/weld by their first body;
     /// those to a `mocap` body, which is a target, and other relations are left out with a note. `inertial`s, or the masses of geoms that
     /// need no mesh's file, are kept with the geoms ([`link`](Self::link)): those of groups 0 to 2 as visuals, those
@@ -117,7 +118,17 @@ fn robot(tree: &Tree) -> Read<Robot> {
     let mut robot = Robot::new(model, mimics).map_err(unsound)?;
     robot.passive = passive::joints(root, names, &robot);
     robot.drives = build.drives;
-    let ranges = build.notes;
+    let mut ranges = build.notes;
+    for (mimic, mended) in robot.mimics_beyond_range() {
+        let at = (robot.mimics().iter()).position(|own| own.joint == mimic);
+        if let Some((line, element)) = at.and_then(|at| build.couplings.get(at)) {
+            ranges.push(Repair {
+                line: *line,
+                element: element.clone(),
+                mended,
+            });
+        }
+    }
     robot.contacts = Some(contact::read(root, &bodies, &mut left_out));
     let (weights, notes) = weights::weigh(&bodies, &compiler);
     let bodies = bodies.into_iter().zip(weights);

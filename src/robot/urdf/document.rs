@@ -1,5 +1,7 @@
 //! A whole document: its links and joints, each sound on its own.
 
+use std::collections::HashSet;
+
 use roxmltree::Node;
 
 use super::joint_element::{self, JointElement, READ};
@@ -8,6 +10,23 @@ use super::version::Version;
 use crate::robot::Link;
 use crate::robot::xml::{Element, Fault, Mended, Named, Read, Reading, RobotFileError, is, parse};
 
+/// The link that stands in the world, which Drake's files need not declare.
+const WORLD: &str = "world";
+/// The elements of xacro itself; any other is a call of a macro.
+const DIRECTIVES: [&str; 12] = [
+    "arg",
+    "attribute",
+    "call",
+    "element",
+    "elif",
+    "else",
+    "if",
+    "include",
+    "insert_block",
+    "macro",
+    "property",
+    "unless",
+];
 /// What a lenient reader calls a robot without a name.
 const NAMELESS: &str = "robot";
 
@@ -55,7 +74,28 @@ pub(super) fn read(reading: &Reading<'_>) -> Read<Document> {
             robot.check_child(node, &["link", "joint"])?;
         }
     }
+    add_world(&robot, &mut document);
     Ok(document)
+}
+
+/// Adds the link `world` of a file whose joints hang on it without declaring it, as Drake reads it.
+fn add_world(robot: &Element<'_>, document: &mut Document) {
+    let joints = &document.joints;
+    if joints.iter().all(|joint| joint.parent != WORLD) {
+        return;
+    }
+    // Another link without a parent is the root.
+    let children: HashSet<&str> = joints.iter().map(|joint| joint.child.as_str()).collect();
+    let mut names = document.links.iter().map(|link| link.named.name.as_str());
+    if names.any(|name| name == WORLD || !children.contains(name)) {
+        return;
+    }
+    robot.note(Mended::WorldAdded);
+    let (name, at) = (WORLD.to_owned(), robot.at());
+    document.links.push(LinkElement {
+        named: Named { name, at },
+        link: Link::default(),
+    });
 }
 
 fn name_of(robot: &Element<'_>) -> Read<Named> {
@@ -68,26 +108,34 @@ fn name_of(robot: &Element<'_>) -> Read<Named> {
     Ok(Named { name, at })
 }
 
-/// Finds xacro's own elements, and `${…}` or `$(…)` where kinematics would read a number or name.
+/// Finds xacro's directives, and `${…}` or `$(…)` where kinematics would read a number or name. A call of a macro that the file neither
+/// defines nor includes was left over when the file was expanded: it counts for nothing, with a note.
 fn refuse_macros(reading: &Reading<'_>, root: Node<'_, '_>) -> Read<()> {
-    let is_macro = |node: &Node<'_, '_>| {
+    let of_xacro = |node: &Node<'_, '_>| {
         let namespace = node.tag_name().namespace();
+        namespace.is_some_and(|uri| uri.ends_with("/xacro"))
+    };
+    let is_macro = |node: &Node<'_, '_>| {
         let mut names = ["robot", "link", "joint"]
             .into_iter()
             .chain(READ.map(|(name, _)| name));
         let ours = names.any(|name| is(*node, name));
         // An <origin> within a <visual> is no joint's, but a macro there is a macro all the same.
-        namespace.is_some_and(|uri| uri.ends_with("/xacro"))
+        of_xacro(node) && DIRECTIVES.contains(&node.tag_name().name())
             || ours
                 && node
                     .attributes()
                     .any(|a| ["${", "$("].iter().any(|m| a.value().contains(m)))
     };
-    match root.descendants().find(is_macro) {
-        Some(node) => Err(RobotFileError::Xacro {
+    if let Some(node) = root.descendants().find(is_macro) {
+        return Err(RobotFileError::Xacro {
             file: reading.file.to_owned(),
             line: reading.line(node.range().start),
-        }),
-        None => Ok(()),
+        });
     }
+    for call in root.descendants().filter(of_xacro) {
+        let element = format!("<xacro:{}>", call.tag_name().name());
+        reading.note(call.range().start, &element, Mended::MacroCallLeftOut);
+    }
+    Ok(())
 }

@@ -146,6 +146,16 @@ fn limits(
         return Ok(held);
     };
     let bound = |missing, value: f64| -> Read<f64> {
+        let unlimited = if missing == "lower" {
+            f64::NEG_INFINITY
+        } else {
+            f64::INFINITY
+        };
+        let text = limit.text(missing).map(str::trim);
+        if limit.reading.lenient && text.and_then(|text| text.parse().ok()) == Some(unlimited) {
+            limit.note(Mended::Unlimited { attribute: missing });
+            return Ok(unlimited);
+        }
         let given = limit.number(missing)?;
         if given.is_none() {
             limit.note(Mended::BoundByDefault { missing, value });

@@ -26,7 +26,7 @@ impl UrdfReader {
         /// Mends what can be mended in one way only, and lists each repair: see
         /// [`Robot::repairs`] and [`Mended`](crate::robot::Mended).
         ///
-        /// Limits out of order are exchanged; a joint that needs `<limit>` and has none is held at 0; of
+        /// Limits out of order are exchanged; an infinite `lower` or `upper` is no limit; a joint that needs `<limit>` and has none is held at 0; of
         /// an element that stands twice the first counts; commas between numbers are blanks; misspelt
         /// names, and speeds, efforts and soft limits that are no numbers, are left out; a robot without
         /// a name gets one; XML declarations may stand anywhere and prefixes be undeclared. Whatever
@@ -89,10 +89,19 @@ impl UrdfReader {
         };
         let document = document::read(&reading)?;
         let topology = topology::order(&reading, &document)?;
+        let starts: Vec<(String, usize)> = (document.joints.iter())
+            .map(|joint| (joint.named.name.clone(), joint.named.at))
+            .collect();
         let mut robot = robot(document, &topology).map_err(|source| RobotFileError::Model {
             file: file.to_owned(),
             source,
         })?;
+        for (joint, mended) in robot.mimics_beyond_range() {
+            let name = &robot.model().joints()[joint.index()].name;
+            if let Some((name, at)) = starts.iter().find(|(own, _)| own == name) {
+                reading.note(*at, &format!("joint `{name}`"), mended);
+            }
+        }
         robot.repairs = reading.repairs.into_inner();
         robot.repairs.sort_by_key(|repair| repair.line);
         Ok(robot)
@@ -171,8 +180,8 @@ impl Robot {
     /// Reads a URDF file; with feature `mjcf` also MJCF, told by its element `<mujoco>`, as `read_mjcf` does.
     ///
     /// Links become frames; every joint keeps its name; a configuration lists the moving joints in
-    /// the order of the file. `mimic` joints follow their master, and their limits restrict it. An
-    /// axis need not be of unit length, and is x where none is given. A missing `lower` or `upper` is
+    /// the order of the file. `mimic` joints follow their master, which keeps its own limits (see
+    /// [`with_mimic_limits`](Self::with_mimic_limits)). An axis need not be of unit length, and is x where none is given. A missing `lower` or `upper` is
     /// 0, as the standard says (none from URDF 1.2 on), and noted in [`repairs`](Self::repairs).
     ///
     /// A `floating` joint NAME is a [free](crate::model::ModelBuilder::free) one, `NAME/x`, `NAME/y`, `NAME/z` and
@@ -196,7 +205,8 @@ impl Robot {
     ///
     /// # Errors
     /// What is wrong with the file, with line and name: see [`RobotFileError`] and
-    /// [`Fault`](crate::robot::Fault). Xacro files are not expanded.
+    /// [`Fault`](crate::robot::Fault). Xacro files are not expanded; a macro call that is left over in an expanded file is ignored with a
+    /// note. A link `world` that joints hang on without a declaration is added with a note.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, RobotFileError> {
         Self::reader().read(path)
     }

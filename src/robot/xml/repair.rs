@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::error::{Fault, RobotFileError};
+use crate::model::Limits;
 use crate::robot::LeftToMeshes;
 
 /// One place of a file that was not taken at its word, and what was taken instead.
@@ -39,8 +40,9 @@ impl Repair {
 }
 
 /// What was done about one place of a file. The first two and [`LeftOut`](Self::LeftOut) of what
-/// belongs to a link, [`MassLeftToMeshes`](Self::MassLeftToMeshes) and [`StopsNothing`](Self::StopsNothing), come from strict readers
-/// too; the others from lenient ones alone.
+/// belongs to a link, [`MassLeftToMeshes`](Self::MassLeftToMeshes), [`StopsNothing`](Self::StopsNothing) and
+/// [`MimicBeyondRange`](Self::MimicBeyondRange), [`MacroCallLeftOut`](Self::MacroCallLeftOut) and [`WorldAdded`](Self::WorldAdded)
+/// come from strict readers too; the others from lenient ones alone.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Mended {
@@ -62,8 +64,29 @@ pub enum Mended {
         /// Where it ends, in radians.
         angle: f64,
     },
+    /// A mimic joint whose source joint moves it out of the range that the file states. The source joint keeps its own limits;
+    /// [`Robot::with_mimic_limits`](crate::robot::Robot::with_mimic_limits) restricts it.
+    MimicBeyondRange {
+        /// The mimic joint.
+        joint: String,
+        /// The joint that it follows, through others if they follow too.
+        source: String,
+        /// The range that the file states for the mimic joint, radians or metres.
+        range: Limits,
+        /// The values that the mimic joint takes within the limits of its source, radians or metres.
+        values: Limits,
+    },
     /// A revolute or prismatic joint has no `<limit>`: it is held at 0.
     HeldAtZero,
+    /// An infinite `lower` or `upper` of a `<limit>`: no limit on that side.
+    Unlimited {
+        /// lower or upper.
+        attribute: &'static str,
+    },
+    /// A call of a xacro macro that the file does not define, left over when it was expanded: it counts for nothing.
+    MacroCallLeftOut,
+    /// Joints hang on a link `world` that the file does not declare: it is added, as Drake does.
+    WorldAdded,
     /// Limits were out of order and are exchanged; these are the new ones, in radians or metres.
     LimitsExchanged {
         /// The smaller one.
@@ -120,6 +143,22 @@ impl fmt::Display for Mended {
                 f,
                 "its range ends at {angle} rad, beyond half a turn, farther than which nothing is turned: no limit"
             ),
+            Self::MimicBeyondRange {
+                joint,
+                source,
+                range,
+                values,
+            } => write!(
+                f,
+                "`{source}` moves `{joint}` through [{}, {}], beyond its own range [{}, {}]; `{source}` keeps its limits",
+                values.lower, values.upper, range.lower, range.upper
+            ),
+            Self::Unlimited { attribute } => write!(f, "`{attribute}` is infinite: no limit"),
+            Self::MacroCallLeftOut => write!(
+                f,
+                "a call of a macro that the file does not define: left out"
+            ),
+            Self::WorldAdded => write!(f, "link `world` is not declared: added, as Drake does"),
             Self::HeldAtZero => write!(f, "there is no <limit>: the joint is held at 0"),
             Self::LimitsExchanged { lower, upper } => {
                 write!(f, "limits out of order, taken as {lower} to {upper}")

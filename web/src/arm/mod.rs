@@ -68,6 +68,20 @@ impl Arm {
         self.inner.limits().map(|limits| limits.upper).collect()
     }
 
+    /// The configuration that searches without a start begin at, radians and metres: the SRDF state `ready` or `home` (`withSrdf`), else
+    /// the middle of each joint's limits, or the value closest to 0 for a joint without them.
+    #[wasm_bindgen(getter, js_name = defaultStart)]
+    pub fn default_start(&self) -> Vec<f64> {
+        self.inner.default_start().to_vec()
+    }
+
+    /// The arm with `defaultStart` at the state `ready` or `home` of an SRDF file.
+    #[wasm_bindgen(js_name = withSrdf)]
+    pub fn with_srdf(&self, srdf: &crate::srdf::Srdf) -> Self {
+        let arm = kinopt::Arm::clone(&self.inner);
+        arm.with_srdf(&srdf.inner).into()
+    }
+
     /// Where the tool stands in the base: a 4 x 4 matrix by columns.
     #[wasm_bindgen(js_name = baseFromTool)]
     pub fn base_from_tool(
@@ -78,7 +92,7 @@ impl Arm {
         Ok(columns(&place).to_vec())
     }
 
-    /// Solves for one target from one start; without a start from the joints at 0. A target out of reach is no
+    /// Solves for one target from one start; without a start from `defaultStart`. A target out of reach is no
     /// exception: see `reached` and `explain()`.
     pub fn solve(
         &self,
@@ -86,7 +100,7 @@ impl Arm {
         #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] start: Option<Vec<f64>>,
     ) -> Result<Solution, JsError> {
         let target = read(target, "target")?;
-        let start = start.unwrap_or_else(|| self.middle());
+        let start = start.unwrap_or_else(|| self.inner.default_start().to_vec());
         Ok(self.inner.solve(target, &start).map_err(raise)?.into())
     }
 
@@ -99,7 +113,7 @@ impl Arm {
         #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] starts: Option<Vec<f64>>,
     ) -> Result<Batch, JsError> {
         let targets = read_all(targets, "target")?;
-        let mut starts = starts.unwrap_or_else(|| self.middle());
+        let mut starts = starts.unwrap_or_else(|| self.inner.default_start().to_vec());
         if starts.len() == self.inner.joint_count() {
             starts = starts.repeat(targets.len());
         }
@@ -124,7 +138,7 @@ impl Arm {
         };
         let arm = self.inner.with_search(search).map_err(raise)?;
         let target = read(target, "target")?;
-        let start = start.unwrap_or_else(|| self.middle());
+        let start = start.unwrap_or_else(|| self.inner.default_start().to_vec());
         let all = arm.solve_all(target, &start).map_err(raise)?;
         Ok(all.into_iter().map(Solution::from).collect())
     }
@@ -136,7 +150,7 @@ impl Arm {
         #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] start: Option<Vec<f64>>,
     ) -> Result<Track, JsError> {
         let targets = read_all(targets, "target")?;
-        let start = start.unwrap_or_else(|| self.middle());
+        let start = start.unwrap_or_else(|| self.inner.default_start().to_vec());
         let track = self.inner.track(&targets, &start).map_err(raise)?;
         Ok(Track::new(&self.inner, track))
     }
@@ -146,7 +160,7 @@ impl Arm {
         &self,
         #[wasm_bindgen(unchecked_optional_param_type = "Numbers")] start: Option<Vec<f64>>,
     ) -> Result<Follower, JsError> {
-        let start = start.unwrap_or_else(|| self.middle());
+        let start = start.unwrap_or_else(|| self.inner.default_start().to_vec());
         Follower::new(Rc::clone(&self.inner), &start)
     }
 
@@ -234,13 +248,5 @@ impl Arm {
     ) -> Result<crate::solution::Collisions, JsError> {
         let found = self.inner.collisions(q).map_err(raise)?;
         Ok(crate::solution::collisions(&found))
-    }
-}
-
-impl Arm {
-    /// All joints at 0, or at the limit next to it.
-    fn middle(&self) -> Vec<f64> {
-        let limits = self.inner.limits();
-        limits.map(|limits| limits.clamp(0.0)).collect()
     }
 }

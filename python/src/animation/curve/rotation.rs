@@ -54,6 +54,8 @@ impl RotationCurve {
 impl RotationCurve {
     /// Keeps each key's rotation until the next (glTF's STEP).
     ///
+    /// Quaternions are x, y, z, w as `xyzw`, or w, x, y, z as `wxyz`, shape (K, 4).
+    ///
     /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
     /// other shapes; a quaternion of length 0.
     #[classmethod]
@@ -70,6 +72,8 @@ impl RotationCurve {
     }
 
     /// At constant angular speed along the shorter arc from key to key (glTF's LINEAR).
+    ///
+    /// Quaternions are x, y, z, w as `xyzw`, or w, x, y, z as `wxyz`, shape (K, 4).
     ///
     /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
     /// other shapes; a quaternion of length 0.
@@ -88,6 +92,8 @@ impl RotationCurve {
 
     /// Along the shorter arc from key to key, each way at its own pace: an easing (see `easing`) for each key
     /// and the way that leaves it.
+    ///
+    /// Quaternions are x, y, z, w as `xyzw`, or w, x, y, z as `wxyz`, shape (K, 4).
     ///
     /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
     /// other shapes, an easing that there is not.
@@ -108,6 +114,8 @@ impl RotationCurve {
 
     /// By squad: smooth at keys an even time apart.
     ///
+    /// Quaternions are x, y, z, w as `xyzw`, or w, x, y, z as `wxyz`, shape (K, 4).
+    ///
     /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
     /// other shapes; a quaternion of length 0.
     #[classmethod]
@@ -124,6 +132,8 @@ impl RotationCurve {
     }
 
     /// By Hermite segments with mean angular velocities: smooth at uneven times.
+    ///
+    /// Quaternions are x, y, z, w as `xyzw`, or w, x, y, z as `wxyz`, shape (K, 4).
     ///
     /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
     /// other shapes; a quaternion of length 0.
@@ -142,6 +152,8 @@ impl RotationCurve {
 
     /// A cubic through the components, made of unit length, with arriving and leaving `tangents` per second,
     /// shape (K, 2, 4), in the order of the quaternions (glTF's CUBICSPLINE).
+    ///
+    /// Quaternions are x, y, z, w as `xyzw`, or w, x, y, z as `wxyz`, shape (K, 4).
     ///
     /// Raises `InvalidValueError`, which names the key: times that do not rise, numbers that are not finite,
     /// other shapes; a quaternion of length 0.

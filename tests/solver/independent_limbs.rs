@@ -1,0 +1,72 @@
+//! Limbs that share no variable are restarted separately: a reachable target for each is reached as often as for one alone.
+
+use kinopt::ik::Restarts;
+use kinopt::kinematics::ForwardKinematics;
+use kinopt::problem::Problem;
+use kinopt::robot::Robot;
+use kinopt::task::Pose;
+use kinopt::{Solver, Workspace};
+
+const ARMS: [&str; 4] = ["a", "b", "c", "d"];
+
+/// Four UR5e arms side by side on one link.
+fn robot() -> Robot {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/universal_ur5e.urdf");
+    let text = std::fs::read_to_string(file).unwrap();
+    let start = text.find("<robot").unwrap();
+    let inner = &text[start + text[start..].find('>').unwrap() + 1..text.find("</robot>").unwrap()];
+    let arms: String = ARMS
+        .iter()
+        .enumerate()
+        .map(|(k, arm)| {
+            let own = inner
+                .replace("name=\"", &format!("name=\"{arm}_"))
+                .replace("link=\"", &format!("link=\"{arm}_"));
+            format!(
+                "{own}<joint name=\"{arm}_mount\" type=\"fixed\"><parent link=\"torso\"/><child link=\"{arm}_base\"/>\
+                 <origin xyz=\"{k} 0 0\"/></joint>"
+            )
+        })
+        .collect();
+    Robot::parse(
+        &format!("<robot name=\"four\"><link name=\"torso\"/>{arms}</robot>"),
+        "four.urdf",
+    )
+    .unwrap()
+}
+
+#[test]
+fn independent_limbs_reach_what_each_reaches() {
+    let robot = robot();
+    let model = robot.model();
+    let tips = ARMS.map(|arm| model.frame(&format!("{arm}_flange")).unwrap());
+    let mut kinematics = ForwardKinematics::of_frames(model, &tips).unwrap();
+    let solver = Solver::default().with_restarts(Restarts::default().with_attempts(12));
+    let mut workspace = Workspace::new();
+    let solved = |frames: &[usize],
+                  q: &[f64],
+                  kinematics: &mut ForwardKinematics,
+                  workspace: &mut Workspace| {
+        let placed = kinematics.place(q).unwrap();
+        let mut tasks = Problem::builder(model);
+        for &k in frames {
+            tasks.add(Pose::new(tips[k], placed[k]));
+        }
+        let problem = tasks.build().unwrap();
+        solver
+            .solve(&problem, &model.neutral(), workspace)
+            .unwrap()
+            .reached
+    };
+    let mut missed = [0, 0];
+    for seed in 0..60 {
+        let q = robot.random_configuration(seed);
+        missed[0] += usize::from(!solved(&[0, 1, 2, 3], &q, &mut kinematics, &mut workspace));
+        let mut alone = (0..4).map(|k| solved(&[k], &q, &mut kinematics, &mut workspace));
+        missed[1] += usize::from(!alone.all(|reached| reached));
+    }
+    assert!(
+        missed[0] <= missed[1] + 1,
+        "{missed:?} of 60 missed together and one by one"
+    );
+}
