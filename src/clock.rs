@@ -7,6 +7,12 @@ use std::time::Duration;
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 pub(crate) use std::time::Instant;
 
+/// Whether a deadline is past, or the computation of this thread is to end for another reason.
+#[inline]
+pub(crate) fn is_past(deadline: Option<Instant>) -> bool {
+    crate::interruption::is_stopped() || deadline.is_some_and(|at| Instant::now() >= at)
+}
+
 static GIVEN: OnceLock<fn() -> Duration> = OnceLock::new();
 
 /// Gives a clock: the time since any moment. It is looked at on `wasm32-unknown-unknown` alone, where no limit of time ends

@@ -4,7 +4,7 @@ use super::Reply;
 use super::arm::Arm;
 use super::options::Search;
 use super::workspace::{ArmWorkspace, Errors};
-use crate::clock::Instant;
+use crate::clock::{Instant, is_past};
 use crate::ik::{RowsReport, Solution};
 use crate::lanes::{self, PoseOutcome, PoseSolver};
 use crate::problem::Anchor;
@@ -28,7 +28,7 @@ pub(super) struct Query<'a> {
 
 impl Query<'_> {
     pub(super) fn is_late(&self) -> bool {
-        self.deadline.is_some_and(|at| Instant::now() >= at)
+        is_past(self.deadline)
     }
 }
 

@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from .._kinopt import World
 from .._kinopt.retargeting import Capture, capture_retargeted
-from .maps import MapLike, completed, guess_map, is_skeleton, read_map
+from .maps import MapLike, completed, guess_map, is_skeleton, naming, read_map
 from .movement import GivenUp, LimitMet, Retargeted, Touching
 from .sources import Source, read_capture
 from .targets import Target, TargetLike, read_target
@@ -55,7 +55,8 @@ def asked(
         guess = guess_map(capture, target, skeleton)
         given, notes = guess.map, guess.notes
     else:
-        given, notes = completed(given, capture, target)
+        with naming(map):
+            given, notes = completed(given, capture, target)
     return Question(capture, target, given, notes, options)
 
 
@@ -113,9 +114,9 @@ def retarget(
         world=world,
         margin=margin,
     )
-    q, names, contacts, (standing, standing_at), errors, driven, measured, limits, touching, given_up, stands_along = capture_retargeted(
-        own.capture, own.target, json.dumps(own.map), whole, own.options
-    )
+    with naming(map):
+        parts = capture_retargeted(own.capture, own.target, json.dumps(own.map), whole, own.options)
+    q, names, contacts, (standing, standing_at), errors, driven, measured, limits, touching, given_up, stands_along = parts
     mean_error, slip, sunk, stride = measured
     notes = list(own.notes)
     if stands_along is not None:

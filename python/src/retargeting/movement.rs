@@ -7,9 +7,8 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
 use super::capture::Capture;
-use super::question::{Options, Question};
+use super::question::{Options, Question, raised};
 use crate::arrays;
-use crate::error::OrRaise;
 
 /// What `kinopt.Retargeted` is made of: numbers and names in the order of its fields.
 type MovementParts<'py> = (
@@ -50,7 +49,7 @@ pub(super) fn capture_retargeted<'py>(
         let up = retargeting.model_stands_along();
         Ok::<_, RetargetError>((found, errors, limits, driving, stride, up))
     });
-    let (found, errors, limits, driving, stride, up) = found.or_raise()?;
+    let (found, errors, limits, driving, stride, up) = found.map_err(raised)?;
     let driven = driving
         .iter()
         .map(|&joint| question.capture.names()[joint].clone());

@@ -14,7 +14,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 
 pub(crate) use shape::Shape;
-use source::{Base, Loops, PickledBase, PickledLimits, PickledLoops, PickledTool, Source, text_of};
+pub(crate) use source::text_of;
+use source::{Base, Loops, PickledBase, PickledLimits, PickledLoops, PickledTool, Source};
 
 use crate::arrays;
 use crate::collision::{CollisionModel, Taking};
@@ -91,12 +92,15 @@ impl Robot {
     ///
     /// With `lenient` what can be mended in one way only is mended, and listed in `repairs`. With
     /// `soft_limits` every joint also keeps within its safety controller's limits. Files of meshes are not
-    /// opened.
+    /// opened here. With `confine` they are opened only below the folder of `path` and below the `packages` of
+    /// `collision_model`, for files that are not trusted.
     ///
     /// Raises `FileError` where it cannot be read, `InvalidFileError`, which names the element, for what is
     /// wrong in it.
     #[classmethod]
-    #[pyo3(signature = (path, *, base_joint = None, base_room = None, lenient = false, soft_limits = false))]
+    #[pyo3(signature = (
+        path, *, base_joint = None, base_room = None, lenient = false, soft_limits = false, confine = false
+    ))]
     fn from_urdf(
         _class: &Bound<'_, PyType>,
         path: PathBuf,
@@ -104,12 +108,14 @@ impl Robot {
         base_room: Option<Bound<'_, PyDict>>,
         lenient: bool,
         soft_limits: bool,
+        confine: bool,
     ) -> PyResult<Self> {
         let (text, file) = text_of(&path)?;
         Self::build(Source {
             text: text.into(),
             file,
             lenient,
+            confine,
             soft_limits,
             joint_limits: Vec::new(),
             base: Base::new(base_joint, base_room)?,
@@ -123,26 +129,37 @@ impl Robot {
     /// Bodies and sites are frames under their names (unnamed ones: `body/ID`, `BODY/site`; the world's is
     /// `world`), and a configuration is MuJoCo's `qpos`: a free joint's x, y, z and quaternion w, x, y, z, a
     /// ball's quaternion, `ref` counted in. Joints that a linear `equality` couples follow; `connect` and `weld`
-    /// are `loops`. What is left out is in `repairs`. Files of meshes are not opened. `base_joint` and
-    /// `base_room` are as of `from_urdf`.
+    /// are `loops`. What is left out is in `repairs`. Files of meshes are not opened here. `base_joint` and
+    /// `base_room` are as of `from_urdf`. With `confine` files are included, and meshes opened later, only below the folder
+    /// of `path`, for files that are not trusted.
     ///
     /// Raises `FileError` where it cannot be read, `InvalidFileError`, which names the element, for what is
     /// wrong in it.
     #[classmethod]
-    #[pyo3(signature = (path, *, base_joint = None, base_room = None))]
+    #[pyo3(signature = (path, *, base_joint = None, base_room = None, confine = false))]
     fn from_mjcf(
         _class: &Bound<'_, PyType>,
         path: PathBuf,
         base_joint: Option<Bound<'_, PyAny>>,
         base_room: Option<Bound<'_, PyDict>>,
+        confine: bool,
     ) -> PyResult<Self> {
         // Faults are told by the lines of the file, which the text of all files together has not.
-        kinopt::robot::Robot::read_mjcf(&path).or_raise()?;
-        let text = kinopt::robot::mjcf_with_includes(&path).or_raise()?;
+        let text = match confine {
+            true => {
+                kinopt::robot::Robot::read_mjcf_confined(&path).or_raise()?;
+                kinopt::robot::mjcf_with_includes_confined(&path)
+            }
+            false => {
+                kinopt::robot::Robot::read_mjcf(&path).or_raise()?;
+                kinopt::robot::mjcf_with_includes(&path)
+            }
+        };
         Self::build(Source {
-            text: text.into(),
+            text: text.or_raise()?.into(),
             file: path.display().to_string(),
             lenient: false,
+            confine,
             soft_limits: false,
             joint_limits: Vec::new(),
             base: Base::new(base_joint, base_room)?,
@@ -156,8 +173,10 @@ impl Robot {
     /// Raises `InvalidFileError`, which names the element, for what is wrong in it.
     #[classmethod]
     #[pyo3(signature = (
-        text, name = "robot.urdf", *, base_joint = None, base_room = None, lenient = false, soft_limits = false
+        text, name = "robot.urdf", *, base_joint = None, base_room = None, lenient = false, soft_limits = false,
+        confine = false
     ))]
+    #[allow(clippy::too_many_arguments, reason = "they are keywords")]
     fn from_urdf_text(
         _class: &Bound<'_, PyType>,
         text: &str,
@@ -166,17 +185,25 @@ impl Robot {
         base_room: Option<Bound<'_, PyDict>>,
         lenient: bool,
         soft_limits: bool,
+        confine: bool,
     ) -> PyResult<Self> {
         Self::build(Source {
             text: text.into(),
             file: name.to_owned(),
             lenient,
+            confine,
             soft_limits,
             joint_limits: Vec::new(),
             base: Base::new(base_joint, base_room)?,
             tools: Vec::new(),
             loops: Loops::default(),
         })
+    }
+
+    /// Whether meshes are opened only below the folder of the robot's file: see `confine` of `from_urdf`.
+    #[getter]
+    fn confined(&self) -> bool {
+        self.inner.is_confined()
     }
 
     /// The same robot with the limits of MoveIt's joint_limits.yaml: `max_velocity`, `max_acceleration`, `max_jerk`, and `min_position` and
@@ -593,14 +620,14 @@ impl Robot {
         _class: &Bound<'_, PyType>,
         text: &str,
         file: String,
-        lenient: bool,
+        reading: (bool, bool),
         limits: PickledLimits,
         base: PickledBase<'_>,
         tools: Vec<PickledTool<'_>>,
         loops: PickledLoops<'_>,
     ) -> PyResult<Self> {
         Self::build(Source::unpickled(
-            text, file, lenient, limits, base, tools, loops,
+            text, file, reading, limits, base, tools, loops,
         )?)
     }
 

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use kinopt::io::FileAccess;
 use kinopt::model::Limits;
 use kinopt::robot::{BaseJoint, Robot};
 use kinopt::spatial::Placement;
@@ -21,6 +22,8 @@ pub(super) struct Source {
     pub(super) text: Arc<str>,
     pub(super) file: String,
     pub(super) lenient: bool,
+    /// Whether the files it names are opened only below its folder.
+    pub(super) confine: bool,
     pub(super) soft_limits: bool,
     /// Texts of joint_limits.yaml and their names.
     pub(super) joint_limits: Vec<(Arc<str>, String)>,
@@ -63,6 +66,10 @@ impl Source {
         let reader = Robot::reader();
         let reader = match self.lenient {
             true => reader.lenient(),
+            false => reader,
+        };
+        let reader = match self.confine {
+            true => reader.confined(),
             false => reader,
         };
         let robot = reader.parse(&self.text, &self.file).or_raise()?;
@@ -115,7 +122,7 @@ impl Source {
         Ok((
             self.text.to_string(),
             self.file.clone(),
-            self.lenient,
+            (self.lenient, self.confine),
             (self.soft_limits, limits),
             (self.base.joint.clone(), room),
             tools,
@@ -127,7 +134,7 @@ impl Source {
     pub(super) fn unpickled(
         text: &str,
         file: String,
-        lenient: bool,
+        (lenient, confine): (bool, bool),
         (soft_limits, limits): PickledLimits,
         (joint, room): PickledBase<'_>,
         tools: Vec<PickledTool<'_>>,
@@ -143,6 +150,7 @@ impl Source {
             text: text.into(),
             file,
             lenient,
+            confine,
             soft_limits,
             joint_limits: (limits.into_iter())
                 .map(|(text, file)| (text.into(), file))
@@ -193,10 +201,9 @@ impl Base {
 }
 
 /// What a file holds, and its name in messages.
-pub(super) fn text_of(path: &Path) -> PyResult<(String, String)> {
+pub(crate) fn text_of(path: &Path) -> PyResult<(String, String)> {
     let file = path.display().to_string();
-    let bytes = std::fs::read(path)
-        .map_err(|error| raise(Kind::File, format!("{file}: cannot be read: {error}")))?;
+    let bytes = FileAccess::new().read(path).or_raise()?;
     let text = String::from_utf8(bytes)
         .map_err(|_| raise(Kind::InvalidFile, format!("{file}: is not UTF-8 text")))?;
     Ok((text, file))

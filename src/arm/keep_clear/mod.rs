@@ -147,6 +147,7 @@ impl Arm {
     /// The same; nothing where there is nothing to keep clear of.
     pub(crate) fn touching(&self, q: &[f64]) -> Result<Vec<Collision>, QueryError> {
         self.check_length("q", q.len(), self.joint_count())?;
+        self.check_finite(q)?;
         match &self.collisions {
             Some(kept) => kept.collisions(self, &mut kept.room(), q),
             None => Ok(Vec::new()),
