@@ -37,6 +37,14 @@ mod given {
             Self(GIVEN.get().map_or(Duration::ZERO, |now| now()))
         }
 
+        pub(crate) fn checked_sub(self, time: Duration) -> Option<Self> {
+            self.0.checked_sub(time).map(Self)
+        }
+
+        pub(crate) fn duration_since(self, earlier: Self) -> Duration {
+            self.0.saturating_sub(earlier.0)
+        }
+
         pub(crate) fn checked_add(self, limit: Duration) -> Option<Self> {
             self.0.checked_add(limit).map(Self)
         }

@@ -27,6 +27,13 @@ pub(super) struct Query<'a> {
 }
 
 impl Query<'_> {
+    /// Whether less time than this is left.
+    #[cfg(feature = "collision")]
+    pub(super) fn is_late_by(&self, needed: std::time::Duration) -> bool {
+        let earlier = |at: Instant| at.checked_sub(needed).unwrap_or(at);
+        is_past(self.deadline.map(earlier))
+    }
+
     pub(super) fn is_late(&self) -> bool {
         is_past(self.deadline)
     }
