@@ -199,3 +199,18 @@ def test_writers_follow_links_and_leave_nothing(tmp_path: Path) -> None:
     assert not [name for name in os.listdir(tmp_path) if name.startswith(".")]
     with pytest.raises(FileError):
         kinopt.retargeting.MapGuess({}, None, None, []).save(tmp_path / "none" / "map.json")
+
+
+def test_the_viewer_opens_no_mesh_outside_of_a_confined_robot(inside: Path) -> None:
+    pytest.importorskip("trimesh", reason="SKIPPED: trimesh is not installed; the viewer's meshes are not read")
+    from kinopt.view.mesh_files import MeshFiles
+
+    (inside / "own.obj").write_text("mtllib ../outside/bad.ply\nusemtl x\n" + OBJ)
+    for file in references(inside, "good.obj"):
+        files = MeshFiles(inside, confine=True)
+        assert files.read(file) is None and SECRET not in str(files.missing)
+    assert MeshFiles(inside).read("../outside/good.obj") is not None
+    files = MeshFiles(inside, confine=True)
+    assert files.read("own.obj") is not None and not files.missing
+    files = MeshFiles(inside)
+    assert files.read("../outside/bad.ply") is None and SECRET not in str(files.missing)

@@ -12,6 +12,7 @@ import pytest
 import kinopt
 from kinopt import InvalidValueError
 from kinopt.animation import Clip, Playhead
+from kinopt.tasks import Point
 
 MODELS = Path(__file__).parents[2] / "models"
 
@@ -75,7 +76,7 @@ def test_threads_are_as_many_as_targets_and_cores() -> None:
     before = threads()
     arm.solve_batch(targets, np.zeros(6), threads=10_000)
     assert threads() - before <= 3
-    problem = kinopt.Problem(robot, [kinopt.Point("flange", targets[0, :3, 3])])
+    problem = kinopt.Problem(robot, [Point("flange", targets[0, :3, 3])])
     kinopt.Solver().solve_batch(problem, robot.random_configuration(1, 3), threads=10_000)
     assert threads() - before <= 6
 
@@ -112,7 +113,7 @@ def test_values_that_are_not_finite_are_refused() -> None:
         srdf = kinopt.Srdf.parse(text.replace("JOINT", robot.joint_names[0]), robot)
         with pytest.raises(InvalidValueError, match="finite"):
             srdf.state("s", q)
-    problem = kinopt.Problem(robot, [kinopt.Point("flange", [0.3, 0.2, 0.4])])
+    problem = kinopt.Problem(robot, [Point("flange", [0.3, 0.2, 0.4])])
     drag = kinopt.Drag(problem, np.zeros(6))
     for call in (drag.settle, drag.follow):
         with pytest.raises(InvalidValueError, match="frames is 0"):

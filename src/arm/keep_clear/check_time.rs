@@ -21,10 +21,14 @@ impl CheckTime {
         let begun = Instant::now();
         let result = check();
         let took = Instant::now().duration_since(begun).as_nanos() as u64;
-        // An interruption of the process is forgotten after some checks.
         let before = self.0.load(Ordering::Relaxed);
-        self.0
-            .store(took.max(before - before / 8), Ordering::Relaxed);
+        // An interruption of the process may not count for more than two checks.
+        let took = match before {
+            0 => took,
+            before => took.min(before.saturating_mul(2)),
+        };
+        let kept = took.max(before - before / 32);
+        self.0.store(kept, Ordering::Relaxed);
         result
     }
 
