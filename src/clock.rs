@@ -7,6 +7,12 @@ use std::time::Duration;
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 pub(crate) use std::time::Instant;
 
+/// Whether a deadline is past, or the computation of this thread is to end for another reason.
+#[inline]
+pub(crate) fn is_past(deadline: Option<Instant>) -> bool {
+    crate::interruption::is_stopped() || deadline.is_some_and(|at| Instant::now() >= at)
+}
+
 static GIVEN: OnceLock<fn() -> Duration> = OnceLock::new();
 
 /// Gives a clock: the time since any moment. It is looked at on `wasm32-unknown-unknown` alone, where no limit of time ends
@@ -29,6 +35,14 @@ mod given {
     impl Instant {
         pub(crate) fn now() -> Self {
             Self(GIVEN.get().map_or(Duration::ZERO, |now| now()))
+        }
+
+        pub(crate) fn checked_sub(self, time: Duration) -> Option<Self> {
+            self.0.checked_sub(time).map(Self)
+        }
+
+        pub(crate) fn duration_since(self, earlier: Self) -> Duration {
+            self.0.saturating_sub(earlier.0)
         }
 
         pub(crate) fn checked_add(self, limit: Duration) -> Option<Self> {

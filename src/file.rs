@@ -2,9 +2,12 @@
 
 use std::fmt;
 use std::fs::File;
-use std::io::{Read, Write};
+use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
+
+/// Size of the largest file that is read where the caller sets none, bytes.
+pub(crate) const MAX_FILE_BYTES: u64 = 1 << 30;
 
 /// What is read of a file, or why that cannot be.
 pub(crate) type FromFile<T> = Result<T, ReadError>;
@@ -51,6 +54,17 @@ pub enum ReadProblem {
         /// The limit in bytes.
         limit: u64,
     },
+    /// A referenced file that is outside of the folders from which references may be opened.
+    #[error("is outside of the folders from which it may be opened{}", listed(.folders))]
+    Outside {
+        /// The allowed folders; none where the reference must lead below the folder that it counts from.
+        folders: Vec<String>,
+    },
+    /// A referenced file that is not valid. Its contents are not quoted.
+    #[error(
+        "is damaged or of another format; the reason is reported where this file is read by itself"
+    )]
+    InvalidReferenced,
     /// The file announces more than it holds.
     #[error("{what} need at least {needed} more bytes, but {available} are left in the file")]
     Truncated {
@@ -83,6 +97,13 @@ pub struct WriteError {
     /// Why.
     #[source]
     pub problem: Arc<std::io::Error>,
+}
+
+fn listed(folders: &[String]) -> String {
+    match folders.is_empty() {
+        true => ": it must lead below the folder of the file that names it".to_owned(),
+        false => format!(": {}", folders.join(", ")),
+    }
 }
 
 impl From<std::io::Error> for ReadProblem {
@@ -138,6 +159,32 @@ impl ReadError {
         Self::new(file, place, problem)
     }
 
+    /// The same error without a word of the file's contents: for a file that another one names, whoever wrote that.
+    pub(crate) fn without_contents(self) -> Self {
+        let Self {
+            file,
+            place,
+            problem,
+        } = self;
+        match problem {
+            ReadProblem::Io(_) | ReadProblem::TooLong { .. } | ReadProblem::Outside { .. } => {
+                Self {
+                    file,
+                    place,
+                    problem,
+                }
+            }
+            _ => Self {
+                file,
+                place: match place {
+                    Place::Json(_) => Place::File,
+                    place => place,
+                },
+                problem: ReadProblem::InvalidReferenced,
+            },
+        }
+    }
+
     /// An error in another file, from the place that names it.
     pub(crate) fn referred(file: &str, place: Place, error: Self) -> Self {
         Self::new(file, place, ReadProblem::Referenced(Box::new(error)))
@@ -173,12 +220,15 @@ pub(crate) fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> 
     if !metadata.is_file() {
         return Err(fail(ReadProblem::Malformed("is not a regular file".into())));
     }
+    if metadata.len() > limit {
+        return Err(fail(ReadProblem::TooLong { limit }));
+    }
     let mut bytes = Vec::new();
-    // `take` as well as the check below, because the file may grow while it is read.
+    // The file may grow while it is read.
     let length = File::open(path)
         .and_then(|file| file.take(limit.saturating_add(1)).read_to_end(&mut bytes))
         .map_err(|e| fail(e.into()))?;
-    if metadata.len() > limit || length as u64 > limit {
+    if length as u64 > limit {
         return Err(fail(ReadProblem::TooLong { limit }));
     }
     Ok(bytes)
@@ -191,39 +241,4 @@ pub(crate) fn read_with<T>(
     parse: impl FnOnce(&[u8], &str) -> Result<T, ReadError>,
 ) -> Result<T, ReadError> {
     parse(&read_bytes(path, limit)?, &path.display().to_string())
-}
-
-/// Writes a whole file. What is there already stays as it is until the new one is whole beside it.
-pub(crate) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    let written = match std::fs::canonicalize(path) {
-        Ok(own) if own.is_file() => replace(&own, bytes),
-        // None yet, a device or a pipe.
-        _ => std::fs::write(path, bytes),
-    };
-    written.map_err(|problem| WriteError::new(path, problem))
-}
-
-/// Writes beside a file and puts that in its place, with its permissions.
-fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let mut name = std::ffi::OsString::from(".part.");
-    name.push(path.file_name().unwrap_or_default());
-    let beside = path.with_file_name(name);
-    // What may not be written is not replaced either.
-    let permissions = File::options()
-        .write(true)
-        .open(path)?
-        .metadata()?
-        .permissions();
-    let Ok(mut new) = File::create(&beside) else {
-        // A folder that takes no file more.
-        return std::fs::write(path, bytes);
-    };
-    let written = new
-        .write_all(bytes)
-        .and_then(|()| new.set_permissions(permissions))
-        .and_then(|()| std::fs::rename(&beside, path));
-    if written.is_err() {
-        let _ = std::fs::remove_file(&beside);
-    }
-    written
 }

@@ -77,8 +77,11 @@ pub mod clock;
 #[cfg(feature = "collision")]
 pub mod collision;
 mod file;
+mod file_access;
+mod file_replacement;
 pub mod geometric;
 pub mod ik;
+pub mod interruption;
 pub mod io;
 pub mod kinematics;
 pub mod lanes;
@@ -152,6 +155,7 @@ struct Paths;
 /// The examples of the first steps and of the pages on single tasks, run as tests.
 #[cfg(all(doctest, feature = "urdf", feature = "mjcf"))]
 #[doc = include_str!("../docs/first-steps.md")]
+#[doc = include_str!("../docs/file-access.md")]
 #[doc = include_str!("../docs/places-and-poses.md")]
 #[doc = include_str!("../docs/looking.md")]
 #[doc = include_str!("../docs/postures.md")]

@@ -12,6 +12,7 @@ use kinopt::skinning::SkinningMethod;
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 
 use crate::failure::Outcome;
+use crate::file_access;
 use crate::frame_report::FrameReport;
 
 /// An armature and the clips of its file.
@@ -54,7 +55,7 @@ impl AnimatedArmature {
         let file = path.display().to_string();
         Ok(match extension(path).as_str() {
             "bvh" => Self::of_capture(file, bvh::read(path)?),
-            _ => Self::of_scene(file, SceneFile::read(path)?),
+            _ => Self::of_scene(file, SceneFile::read_with(path, &file_access::allowed())?),
         })
     }
 

@@ -13,6 +13,7 @@ use kinopt::skeleton::{BallSkeleton, Skeleton};
 use crate::animated_armature::{AnimatedArmature, extension};
 use crate::ball_figure::FigurePosing;
 use crate::failure::Outcome;
+use crate::file_access;
 use crate::model_options::ModelOptions;
 use crate::output;
 
@@ -127,7 +128,7 @@ impl LoadedModel {
         }
         match extension.as_str() {
             "json" => {
-                let rig = Rig::read(path)?;
+                let rig = Rig::read_with(path, &file_access::allowed())?;
                 for note in &rig.notes {
                     output::message(&format!("{file}: {note}"));
                 }

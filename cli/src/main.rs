@@ -20,6 +20,7 @@ mod closed_by_fk;
 mod collision_document;
 mod collision_options;
 mod configuration;
+mod file_access;
 mod fk;
 mod frame_name;
 mod frame_report;
@@ -108,6 +109,9 @@ struct Command {
     /// called so.
     #[arg(long, global = true, help_heading = help_headings::OUTPUT)]
     json: bool,
+
+    #[command(flatten)]
+    files: file_access::FileOptions,
 }
 
 #[derive(Debug, Subcommand)]
@@ -161,6 +165,7 @@ fn main() -> ExitCode {
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
         }
     };
+    command.files.hold();
     let json = command.json;
     let done = match &command.subcommand {
         Subcommands::Info(arguments) => info::run(arguments, json),

@@ -9,6 +9,7 @@ use crate::ball_figure::FigureOptions;
 use crate::base_joint::BaseJointOptions;
 use crate::choices::first_given;
 use crate::failure::Outcome;
+use crate::file_access;
 use crate::help_headings::MODEL;
 use crate::loaded_model::LoadedModel;
 use crate::loop_options::LoopOptions;
@@ -53,9 +54,13 @@ pub(crate) struct ModelOptions {
 impl ModelOptions {
     /// Reads a robot, and tells what was taken where the file says nothing or cannot be right.
     pub(crate) fn read(&self, path: &Path) -> Outcome<Robot> {
-        let reader = match self.lenient {
-            true => Robot::reader().lenient(),
+        let reader = match file_access::confines() {
+            true => Robot::reader().confined(),
             false => Robot::reader(),
+        };
+        let reader = match self.lenient {
+            true => reader.lenient(),
+            false => reader,
         };
         let robot = reader.read(path).map_err(|error| {
             let hint = match reader.lenient().read(path) {

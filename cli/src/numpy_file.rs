@@ -10,12 +10,11 @@ use zip::CompressionMethod;
 use zip::write::{SimpleFileOptions, ZipWriter};
 
 use crate::failure::Outcome;
+use crate::file_access;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 /// Numbers begin at a multiple of this.
 const ALIGNED: usize = 64;
-/// The largest file that is read.
-const LENGTH_LIMIT: u64 = 4 << 30;
 
 /// Numbers and the lengths of their axes, the last one's side by side.
 #[derive(Debug, PartialEq)]
@@ -26,14 +25,8 @@ pub(crate) struct Array {
 
 /// Reads an array of single or double precision.
 pub(crate) fn read(path: &Path) -> Outcome<Array> {
-    let file = path.display();
-    let told = |problem: &str| failure!("{file}: {problem}");
-    let length = std::fs::metadata(path).map_err(|error| told(&error.to_string()))?;
-    if length.len() > LENGTH_LIMIT {
-        return Err(told("larger than 4 GiB"));
-    }
-    let bytes = std::fs::read(path).map_err(|error| told(&error.to_string()))?;
-    parse(&bytes).map_err(|problem| told(&problem))
+    let bytes = file_access::allowed().read(path)?;
+    parse(&bytes).map_err(|problem| failure!("{}: {problem}", path.display()))
 }
 
 fn parse(bytes: &[u8]) -> Result<Array, String> {

@@ -33,8 +33,7 @@ pub(crate) fn make_folder(path: &Path) -> Outcome<()> {
 
 /// Writes a whole file.
 pub(crate) fn write_file(path: &Path, contents: impl AsRef<[u8]>) -> Outcome<()> {
-    std::fs::write(path, contents)
-        .map_err(|error| failure!("{}: cannot be written: {error}", path.display()))
+    Ok(kinopt::io::write_file(path, contents.as_ref())?)
 }
 
 /// Tells people something on standard error; a closed one leaves nobody to tell.

@@ -7,6 +7,7 @@ use kinopt::io::gltf::{SceneFile, WriteOptions};
 use kinopt::skinning::SkinningMethod;
 
 use crate::failure::Outcome;
+use crate::file_access;
 
 /// Writes a scene's file in a pose, with all that it holds.
 pub(crate) fn write_posed(
@@ -34,7 +35,7 @@ pub(crate) fn file_to_add_to(own: &SceneFile, into: &Path) -> Outcome<SceneFile>
     if !into.exists() {
         return Ok(own.clone());
     }
-    let file = SceneFile::read(into)?;
+    let file = SceneFile::read_with(into, &file_access::allowed())?;
     match file.scene().armature.names() == own.scene().armature.names() {
         true => Ok(file),
         false => Err(failure!(

@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use crate::collision_options::CollisionOptions;
 use crate::failure::Outcome;
+use crate::file_access;
 use crate::help_headings::OUTPUT;
 use crate::loaded_model::LoadedModel;
 use crate::model_options::ModelOptions;
@@ -116,8 +117,7 @@ pub(crate) fn run(arguments: &Arguments, json: bool) -> Outcome<()> {
         Format::Yaml => spheres.to_yaml(),
         Format::Urdf => {
             let file = path.display().to_string();
-            let urdf = std::fs::read_to_string(path);
-            let urdf = urdf.map_err(|error| failure!("{file}: cannot be read: {error}"))?;
+            let urdf = file_access::text(path)?;
             spheres.spherised(&urdf, &file)?
         }
     };

@@ -6,6 +6,7 @@ use clap::Args;
 use kinopt::collision::World;
 
 use crate::failure::Outcome;
+use crate::file_access;
 use crate::help_headings::COLLISIONS;
 use crate::output;
 
@@ -35,7 +36,7 @@ pub(crate) fn read(file: Option<&Path>) -> Outcome<World> {
     let Some(file) = file else {
         return Ok(World::new());
     };
-    let world = World::read(file)?;
+    let world = World::read_with(file, &file_access::allowed())?;
     for note in world.notes() {
         output::message(&format!("note: {}: {note}", file.display()));
     }

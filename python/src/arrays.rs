@@ -8,7 +8,7 @@ use numpy::{
     Element, PyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray,
     PyUntypedArray, PyUntypedArrayMethods,
 };
-use pyo3::exceptions::{PyIndexError, PyOverflowError};
+use pyo3::exceptions::{PyIndexError, PyMemoryError, PyOverflowError};
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict};
@@ -327,6 +327,31 @@ pub(crate) fn convert<'py, T: Element>(
     }
 }
 
+/// Bytes of an array that is asked of NumPy's own function, which raises where memory does not suffice.
+const LARGE: usize = 1 << 20;
+
+/// A new array of zeros.
+///
+/// Raises `MemoryError` where memory does not suffice.
+pub(crate) fn zeros<'py, T: Element, D: Dimension>(
+    py: Python<'py>,
+    shape: D,
+) -> PyResult<Bound<'py, PyArray<T, D>>> {
+    let lengths = shape.slice().to_vec();
+    let count = (lengths.iter()).try_fold(size_of::<T>(), |bytes, own| bytes.checked_mul(*own));
+    if count.is_some_and(|bytes| bytes < LARGE) {
+        return Ok(PyArray::zeros(py, shape, false));
+    }
+    let told = shape_text(&lengths);
+    let array = numpy(py)?.call_method1(intern!(py, "zeros"), (lengths, T::get_dtype(py)));
+    let array = array.map_err(|error| match error.is_instance_of::<PyMemoryError>(py) {
+        true => error,
+        // An array that no machine could address.
+        false => PyMemoryError::new_err(format!("an array of shape {told} is too large: {error}")),
+    })?;
+    Ok(array.cast_into::<PyArray<T, D>>()?)
+}
+
 /// An array of the caller's to write rows into, or a new one.
 pub(crate) fn room<'py>(
     py: Python<'py>,
@@ -345,7 +370,7 @@ pub(crate) fn room_of<'py, T: Element>(
     shape: &[usize],
 ) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
     let Some(out) = out else {
-        return Ok(PyArrayDyn::zeros(py, shape, false));
+        return zeros(py, IxDyn(shape));
     };
     let unfit = || {
         invalid(format!(

@@ -1,7 +1,6 @@
 //! Configurations moved, compared and mixed, one or many.
 
 use kinopt::model::ModelError;
-use numpy::PyArray;
 use numpy::ndarray::IxDyn;
 use pyo3::prelude::*;
 
@@ -41,7 +40,7 @@ pub(crate) fn of_two<'py>(
     let table = both.iter().any(|rows| rows.is_table());
     let count = if one == 1 { other } else { one };
     let shape: Vec<usize> = table.then_some(count).into_iter().chain([width]).collect();
-    let array = PyArray::<f64, IxDyn>::zeros(py, shape, false);
+    let array = crate::arrays::zeros::<f64, _>(py, IxDyn(&shape))?;
     let (first, second) = (first.all(), second.all());
     // The only row goes with every other.
     let at = |row: usize, rows: usize, width: usize| {

@@ -4,8 +4,8 @@ use kinopt::kinematics::{
     ForwardKinematics as Kinematics, Jacobian as Derivative, KinematicsError,
 };
 use kinopt::model::FrameId;
+use numpy::PyArrayMethods;
 use numpy::ndarray::IxDyn;
-use numpy::{PyArray, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::arrays::{self, axes};
@@ -103,7 +103,7 @@ fn for_each_configuration<'py, T: Clone + Send + Sync>(
     let q = arrays::rows(q, "q", dof)?;
     let mut whole = vec![q.shape()[0]];
     whole.extend_from_slice(shape);
-    let array = PyArray::<f64, IxDyn>::zeros(py, whole, false);
+    let array = crate::arrays::zeros::<f64, _>(py, IxDyn(&whole))?;
     let mut room = array
         .try_readwrite()
         .map_err(|error| invalid(error.to_string()))?;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use kinopt::model::{FrameId, JointId, Loop, LoopKind};
 use kinopt::spatial::Placement;
 use numpy::ndarray::IxDyn;
-use numpy::{PyArray, PyArray1, PyArray3};
+use numpy::{PyArray1, PyArray3};
 use pyo3::prelude::*;
 
 use crate::arrays::{self, Questions, fill};
@@ -162,7 +162,7 @@ impl LoopClosure {
         let py = q.py();
         let width = self.model.configuration_len();
         let rows = Questions::rows(q, "q", width)?;
-        let array = PyArray::<f64, IxDyn>::zeros(py, rows.shape(&[width]), false);
+        let array = crate::arrays::zeros::<f64, _>(py, IxDyn(&rows.shape(&[width])))?;
         self.ask(py, |closure| {
             fill(&array, |room| {
                 rows.each(py, room, PIECE, |row, to| {

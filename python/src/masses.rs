@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use kinopt::kinematics::{centre_of_mass, centre_of_mass_jacobian};
 use kinopt::model::Masses;
-use numpy::PyArray;
 use numpy::ndarray::IxDyn;
 use pyo3::prelude::*;
 
@@ -26,7 +25,7 @@ pub(crate) fn centres<'py>(
     masses: &Masses,
 ) -> PyResult<Bound<'py, PyAny>> {
     let q_rows = Questions::rows(q, "q", model.configuration_len())?;
-    let array = PyArray::<f64, IxDyn>::zeros(q.py(), q_rows.shape(&[3]), false);
+    let array = crate::arrays::zeros::<f64, _>(q.py(), IxDyn(&q_rows.shape(&[3])))?;
     fill(&array, |room| {
         q_rows.each(q.py(), room, PIECE, |q, to| {
             let centre = centre_of_mass(model, masses, q).or_raise()?;
@@ -45,7 +44,7 @@ pub(crate) fn centres_jacobians<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let q_rows = Questions::rows(q, "q", model.configuration_len())?;
     let columns = model.degrees_of_freedom();
-    let array = PyArray::<f64, IxDyn>::zeros(q.py(), q_rows.shape(&[3, columns]), false);
+    let array = crate::arrays::zeros::<f64, _>(q.py(), IxDyn(&q_rows.shape(&[3, columns])))?;
     fill(&array, |room| {
         q_rows.each(q.py(), room, PIECE, |q, to| {
             let jacobian = centre_of_mass_jacobian(model, masses, q).or_raise()?;

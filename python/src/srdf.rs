@@ -8,10 +8,11 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 
 use crate::arrays;
-use crate::error::{Kind, OrRaise, raise};
+use crate::error::OrRaise;
 use crate::pickling;
 use crate::problem::ParameterMap;
 use crate::robot::Robot;
+use crate::robot::text_of;
 
 /// What an SRDF file says of a robot: groups of joints, states, joints that nothing drives, links that need not be
 /// kept apart. Made by `read` and `parse`.
@@ -64,7 +65,12 @@ impl Srdf {
         let model = &self.robot.get().model;
         match q {
             None => Ok(self.robot.get().inner.neutral()),
-            Some(q) => Ok(arrays::vector_of(q, "at", model.configuration_len())?.to_vec()),
+            Some(q) => {
+                let q = arrays::vector_of(q, "at", model.configuration_len())?.to_vec();
+                q.iter()
+                    .try_for_each(|&value| arrays::finite(value, "a number of at").map(drop))?;
+                Ok(q)
+            }
         }
     }
 
@@ -95,9 +101,7 @@ impl Srdf {
         robot: Py<Robot>,
         lenient: bool,
     ) -> PyResult<Self> {
-        let file = path.display().to_string();
-        let text = std::fs::read_to_string(&path)
-            .map_err(|error| raise(Kind::File, format!("{file}: cannot be read: {error}")))?;
+        let (text, file) = text_of(&path)?;
         Self::of(text, robot, file, lenient)
     }
 
@@ -143,7 +147,8 @@ impl Srdf {
     /// A state as a whole configuration, shape (nq,): its values, and those of `at` (neutral's without it) for all
     /// other joints; radians and metres. A name that several groups have is all of them, `group/name` one's alone.
     ///
-    /// Raises `UnknownNameError` for a state that there is not, `InvalidValueError` for an `at` of another shape.
+    /// Raises `UnknownNameError` for a state that there is not, `InvalidValueError` for an `at` of another shape
+    /// and for numbers that are not finite.
     #[pyo3(signature = (name, at = None))]
     fn state<'py>(
         &self,

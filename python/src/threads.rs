@@ -16,10 +16,11 @@ struct Waiting {
 
 static WAITING: Mutex<Vec<Waiting>> = Mutex::new(Vec::new());
 
-/// A pool of so many threads (None: one a core) for so many jobs, or none where one is enough.
+/// A pool of so many threads (None: one a core) for so many jobs, or none where one is enough. It has at most as many threads as
+/// there are jobs and cores.
 pub(crate) fn pool(threads: Option<usize>, jobs: usize) -> PyResult<Option<Arc<ThreadPool>>> {
-    let threads = count(threads)?;
-    if threads.min(jobs) <= 1 {
+    let threads = count(threads, jobs)?;
+    if threads <= 1 {
         return Ok(None);
     }
     // Who finds it locked, or was forked off while it was, starts threads of its own.
@@ -40,11 +41,11 @@ pub(crate) fn pool(threads: Option<usize>, jobs: usize) -> PyResult<Option<Arc<T
     Ok(Some(pool))
 }
 
-/// So many threads (None: one a core).
-pub(crate) fn count(threads: Option<usize>) -> PyResult<usize> {
+/// So many threads (None: one a core) for so many jobs, at most as many as there are jobs and cores.
+pub(crate) fn count(threads: Option<usize>, jobs: usize) -> PyResult<usize> {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
     match threads {
         Some(0) => Err(invalid("threads is 0: at least 1, or None for all cores")),
-        Some(threads) => Ok(threads),
-        None => Ok(std::thread::available_parallelism().map_or(1, usize::from)),
+        threads => Ok(threads.unwrap_or(cores).min(cores).min(jobs)),
     }
 }

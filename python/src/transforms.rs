@@ -186,6 +186,15 @@ pub(crate) fn quaternion(value: &Bound<'_, PyAny>, order: Order) -> PyResult<Qua
     Ok(Quat::from_vec4(order.of_slice(&numbers)))
 }
 
+/// A quaternion whose numbers are finite, shape (4,).
+pub(crate) fn finite_quaternion(value: &Bound<'_, PyAny>, order: Order) -> PyResult<Quat> {
+    let quaternion = quaternion(value, order)?;
+    match quaternion.is_finite() {
+        true => Ok(quaternion),
+        false => Err(invalid(format!("{} is not finite", order.name()))),
+    }
+}
+
 fn four_columns<'py>(value: &Bound<'py, PyAny>, order: Order) -> PyResult<Numbers<'py, Ix2, f32>> {
     let rows: Numbers<'py, Ix2, f32> = arrays::numbers(value, order.name(), "(N, 4)")?;
     match rows.shape()[1] {
@@ -218,6 +227,15 @@ pub(crate) fn numbers(
 /// A point or direction, shape (3,).
 pub(crate) fn vector(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec3A> {
     Ok(Vec3A::from_slice(&numbers(value, what, Some(3))?))
+}
+
+/// A point or direction whose numbers are finite, shape (3,).
+pub(crate) fn finite_vector(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec3A> {
+    let vector = vector(value, what)?;
+    for part in vector.to_array() {
+        arrays::finite(part.into(), what)?;
+    }
+    Ok(vector)
 }
 
 /// Points or directions, shape (N, 3).

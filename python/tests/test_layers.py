@@ -138,7 +138,11 @@ def test_an_aim_points_at_its_target(leg):
         assert np.abs(placed[:3, 2] - way).max() < 1e-5
         # What is up stays in the plane of the way and the asked direction.
         assert abs(placed[:3, 0] @ [0, 1, 0]) < 1e-5
-    assert not aim.turn(leg.rest, AimGoal([np.nan, 0, 0]))
+    for wrong in (lambda: AimGoal([np.nan, 0, 0]), lambda: AimGoal([1, 0, 0], weight=np.nan), lambda: LimbGoal([0, np.inf, 0])):
+        with pytest.raises(kinopt.InvalidValueError, match="not finite"):
+            wrong()
+    with pytest.raises(kinopt.InvalidValueError, match="not finite"):
+        LimbGoal([0, 0, 0], rotation_xyzw=[0, 0, 0, np.nan])
 
 
 def test_a_reach_layer_brings_tips_to_their_goals_within_limits():

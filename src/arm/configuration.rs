@@ -26,7 +26,7 @@ impl Arm {
     /// Reads the arm's joints out of a configuration of the model, into a slice of as many or a `Vec`.
     ///
     /// # Errors
-    /// Slices of the wrong length.
+    /// Slices of the wrong length, and values of the arm's joints that are not finite.
     pub fn joint_values(
         &self,
         q_model: &[f64],
@@ -37,7 +37,7 @@ impl Arm {
         for (value, &coordinate) in q_arm.iter_mut().zip(&self.coordinates.own) {
             *value = q_model[coordinate];
         }
-        Ok(())
+        self.check_finite(q_arm)
     }
 
     fn check_lengths(&self, q_arm: &[f64], q_model: &[f64]) -> Reply<()> {

@@ -4,7 +4,7 @@ use super::Reply;
 use super::arm::Arm;
 use super::options::Search;
 use super::workspace::{ArmWorkspace, Errors};
-use crate::clock::Instant;
+use crate::clock::{Instant, is_past};
 use crate::ik::{RowsReport, Solution};
 use crate::lanes::{self, PoseOutcome, PoseSolver};
 use crate::problem::Anchor;
@@ -27,8 +27,15 @@ pub(super) struct Query<'a> {
 }
 
 impl Query<'_> {
+    /// Whether less time than this is left.
+    #[cfg(feature = "collision")]
+    pub(super) fn is_late_by(&self, needed: std::time::Duration) -> bool {
+        let earlier = |at: Instant| at.checked_sub(needed).unwrap_or(at);
+        is_past(self.deadline.map(earlier))
+    }
+
     pub(super) fn is_late(&self) -> bool {
-        self.deadline.is_some_and(|at| Instant::now() >= at)
+        is_past(self.deadline)
     }
 }
 

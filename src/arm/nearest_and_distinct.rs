@@ -12,8 +12,10 @@ use crate::search::Found;
 use crate::solver::Termination;
 use crate::spatial::Placement;
 
-/// Attempts between two looks at the clock.
+/// Attempts between two looks at the budget.
 const GROUP: u32 = 16;
+/// Attempts between two looks at the clock, if there is a time limit: one lock step.
+const TIMED_GROUP: u32 = 8;
 /// How many of the nearest are moved towards the start.
 const REFINED: usize = 6;
 
@@ -42,7 +44,10 @@ impl Arm {
             self.bound_moves(workspace, start);
             let ended = self.gather(workspace, &query);
             #[cfg(feature = "collision")]
-            self.drop_touching(workspace)?;
+            let ended = match self.drop_touching(workspace, &query)? {
+                true => ended,
+                false => Termination::TimeLimit,
+            };
             Ok(self.distinct(workspace, k, distance, ended))
         })?
     }
@@ -58,7 +63,11 @@ impl Arm {
         workspace.outcomes.clear();
         let mut first = 0;
         while first < wanted && spent(&workspace.outcomes) < budget {
-            let count = GROUP.min(wanted - first);
+            let group = match query.deadline {
+                Some(_) => TIMED_GROUP,
+                None => GROUP,
+            };
+            let count = group.min(wanted - first);
             self.run_attempts(workspace, query, first, count);
             if first == 0 {
                 self.continue_first(workspace, query);

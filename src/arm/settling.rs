@@ -15,7 +15,7 @@ use nalgebra::{Matrix6, Vector6};
 use super::null_space::add_square;
 use super::pose_question::PoseQuestion;
 use super::workspace::ArmWorkspace;
-use crate::clock::Instant;
+use crate::clock::{Instant, is_past};
 use crate::solver::Termination;
 
 /// Times that the damping is raised where a step does not lower the cost.
@@ -94,7 +94,7 @@ impl ArmWorkspace {
                 }
                 return (Termination::Stationary, step);
             }
-            if how.deadline.is_some_and(|at| Instant::now() >= at) {
+            if is_past(how.deadline) {
                 return (Termination::TimeLimit, step);
             }
             let mut lowered = false;

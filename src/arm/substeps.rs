@@ -126,7 +126,7 @@ impl Arm {
             self.bound_moves(workspace, from);
             self.gather(workspace, &query);
             #[cfg(feature = "collision")]
-            self.drop_touching(workspace)?;
+            self.drop_touching(workspace, &query)?;
             Ok(self.distinct(workspace, count, LONG_STEP, Termination::Reached))
         })?
     }

@@ -10,7 +10,7 @@ use nalgebra::{Matrix6, Vector6};
 
 use super::arm::Arm;
 use super::workspace::{ArmWorkspace, Errors};
-use crate::clock::Instant;
+use crate::clock::{Instant, is_past};
 
 /// Steps towards the wanted configuration.
 const STEPS: usize = 40;
@@ -34,7 +34,7 @@ impl Arm {
     ) {
         let mut distance = self.distance(&workspace.x, wanted);
         for _ in 0..STEPS {
-            if deadline.is_some_and(|at| Instant::now() >= at) {
+            if is_past(deadline) {
                 return;
             }
             let x = std::mem::take(&mut workspace.x);

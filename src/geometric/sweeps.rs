@@ -1,7 +1,7 @@
 //! The loop that the geometric methods share: sweep, look, stop.
 
 use super::GeometricError;
-use crate::clock::Instant;
+use crate::clock::{Instant, is_past};
 use crate::ik::{Restarts, Solution};
 use crate::problem::{Evaluation, Question, Scratch, Share};
 use crate::search::{Attempt, Attempts, End, Engine, Schedule, SolveError, run, variables_at};
@@ -219,7 +219,7 @@ impl Engine for Sweeps<'_> {
             if index >= stopping.max_iterations() {
                 break Termination::IterationLimit;
             }
-            if self.deadline.is_some_and(|at| Instant::now() >= at) {
+            if is_past(self.deadline) {
                 break Termination::TimeLimit;
             }
             self.previous.copy_from_slice(&self.x);

@@ -2,7 +2,7 @@
 
 use super::drag::{BETTER, Drag};
 use super::{Solution, Workspace};
-use crate::clock::Instant;
+use crate::clock::is_past;
 use crate::solver::{Counts, Termination};
 
 /// A frame that was cut at its steps creeps where its cost is not below this share of the last one's.
@@ -55,13 +55,14 @@ impl Drag {
     /// keeps a symmetric body symmetric; where that misses, or creeps towards a flat end, the way is gone again
     /// in steps of a frame, and the nearer end counts. Either goes on for so many frames at most, until the
     /// body rests on its targets or where it comes no nearer to them. The solution's steps and evaluations are
-    /// those of all frames, which count as one attempt; a time limit is for all of them. Allocates.
+    /// those of all frames, which count as one attempt; a time limit is for all of them. At least one frame is computed. Allocates.
     pub fn settle(&mut self, frames: usize) -> &Solution {
+        let frames = frames.max(1);
         if self.motion.is_some() {
             return self.follow(frames);
         }
         let deadline = self.solver.stopping().deadline();
-        let late = || deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        let late = || is_past(deadline);
         let start = (self.x.clone(), self.q.clone());
         let mut all = self.stride(frames, true, &late);
         if !self.workspace.solution.reached && !late() {
@@ -89,10 +90,11 @@ impl Drag {
     /// Goes on to the targets as they are now, in steps of a frame, at most so many: until they are reached
     /// and no joint is catching up, or the body rests, or its cost hardly falls any more. For paths whose
     /// steps are judged one by one. The solution's steps and evaluations are those of all frames; a time
-    /// limit is for all of them.
+    /// limit is for all of them. At least one frame is computed.
     pub fn follow(&mut self, frames: usize) -> &Solution {
+        let frames = frames.max(1);
         let deadline = self.solver.stopping().deadline();
-        let late = || deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        let late = || is_past(deadline);
         let all = self.go_on(frames, &late, |drag, last_cost| {
             if drag.catching_up() {
                 return None;

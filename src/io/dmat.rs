@@ -9,10 +9,7 @@ use std::path::Path;
 
 use nalgebra::DMatrix;
 
-use super::{FromFile, Place, ReadError, WriteError, read_with, write_bytes};
-
-/// The longest DMAT file that is read.
-const LENGTH_LIMIT: u64 = 1 << 31;
+use super::{FromFile, MAX_FILE_BYTES, Place, ReadError, WriteError, read_with, write_file};
 
 /// How the values of a DMAT file are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,7 +40,7 @@ pub fn from_bytes(bytes: &[u8], name: &str) -> Result<DMatrix<f64>, ReadError> {
 /// # Errors
 /// As [`from_bytes`], and when the file cannot be opened.
 pub fn read(path: impl AsRef<Path>) -> Result<DMatrix<f64>, ReadError> {
-    read_with(path.as_ref(), LENGTH_LIMIT, from_bytes)
+    read_with(path.as_ref(), MAX_FILE_BYTES, from_bytes)
 }
 
 /// The bytes of a DMAT file. A matrix of no columns and no rows is always written in the binary
@@ -80,7 +77,7 @@ pub fn write(
     encoding: DmatEncoding,
     path: impl AsRef<Path>,
 ) -> Result<(), WriteError> {
-    write_bytes(path.as_ref(), &to_bytes(matrix, encoding))
+    write_file(path.as_ref(), &to_bytes(matrix, encoding))
 }
 
 /// The two numbers of the line that starts at `start`, and where the next line starts.

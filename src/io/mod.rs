@@ -18,8 +18,11 @@ pub mod state_machine;
 
 pub(crate) use crate::file::FromFile;
 pub use crate::file::{Place, ReadError, ReadProblem, WriteError};
+pub use crate::file_access::FileAccess;
+pub use crate::file_replacement::write_file;
 
-use crate::file::{read_bytes, read_with, write_bytes};
+use crate::file::{MAX_FILE_BYTES, read_with};
+use crate::file_replacement::write_files;
 use crate::mesh::MeshError;
 use crate::skinning::WeightsError;
 

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use super::{WriteError, write_bytes};
+use super::{WriteError, write_file};
 use crate::mesh::TriangleMesh;
 
 /// The mesh as OBJ text: `v`, `vn` where there are normals, and `f` with indices from 1. Numbers
@@ -36,5 +36,5 @@ pub fn to_text(mesh: &TriangleMesh) -> String {
 /// # Errors
 /// A [`WriteError`] naming the file.
 pub fn write(mesh: &TriangleMesh, path: impl AsRef<Path>) -> Result<(), WriteError> {
-    write_bytes(path.as_ref(), to_text(mesh).as_bytes())
+    write_file(path.as_ref(), to_text(mesh).as_bytes())
 }

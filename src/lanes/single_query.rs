@@ -1,6 +1,6 @@
 //! One query: its attempts race in the lanes.
 
-use crate::clock::Instant;
+use crate::clock::is_past;
 
 use super::chain::MAX_JOINTS;
 use super::evaluation::Errors;
@@ -193,10 +193,7 @@ impl<'a, 'b, V: LaneScalar, const N: usize> Race<'a, 'b, V, N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn age(&mut self, ended: &Ended) -> u32 {
         self.iterations += self.active.count_ones();
-        self.late = match self.query.deadline {
-            Some(deadline) => Instant::now() >= deadline,
-            None => false,
-        };
+        self.late = is_past(self.query.deadline);
         let mut spent = if self.late { u32::MAX } else { 0 };
         for (lane, age) in self.age.iter_mut().enumerate().take(V::WIDTH) {
             *age += 1;

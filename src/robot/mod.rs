@@ -25,7 +25,7 @@ pub use base_joint::BaseJoint;
 pub use link::{Geometry, Inertial, LeftToMeshes, Link, Shape};
 pub use mimic::Mimic;
 #[cfg(feature = "mjcf")]
-pub use mjcf::mjcf_with_includes;
+pub use mjcf::{mjcf_with_includes, mjcf_with_includes_confined};
 #[cfg(feature = "xml")]
 pub use srdf::{DisabledPair, EndEffector, Group, GroupState, Srdf, SrdfReader, VirtualJoint};
 #[cfg(feature = "urdf")]
@@ -68,6 +68,8 @@ pub struct Robot {
     contacts: Option<Contacts>,
     /// Where it was read from.
     file: Option<PathBuf>,
+    /// Whether the files it names are opened only below its folder.
+    confined: bool,
     #[cfg(feature = "xml")]
     repairs: Vec<Repair>,
 }
@@ -90,6 +92,7 @@ impl Robot {
             #[cfg(feature = "mjcf")]
             contacts: None,
             file: None,
+            confined: false,
             #[cfg(feature = "xml")]
             repairs: Vec::new(),
         })
@@ -132,11 +135,18 @@ impl Robot {
         /// The file that it was read from, whose folder relative paths of meshes count from; `None` for one that was
         /// parsed from memory, unless [said](Self::with_file).
         pub fn file(&self) -> Option<&Path> = self.file.as_deref();
+        /// Whether meshes are opened only below the folder of the robot's file and below the package folders that the caller lists:
+        /// see [`confined`](Self::confined).
+        pub fn is_confined(&self) -> bool = self.confined;
     }
 
     setters! {
         /// The same robot as if it had been read from this file, which need not exist.
         pub fn with_file(mut self, file: impl Into<PathBuf>) { self.file = Some(file.into()) }
+        /// The same robot, of whose meshes only those below the folder of its file are opened, and those below the package folders
+        /// of a collision model's builder. Robot files may name meshes anywhere: use this
+        /// for files that are not trusted.
+        pub fn confined(mut self) { self.confined = true }
     }
 
     /// Which links touch, where the file is MJCF.

@@ -5,7 +5,7 @@ use super::basin_hopping::Hops;
 use super::best_attempt::Keeper;
 use super::independent_limbs::IndependentLimbs;
 use super::schedule::{Schedule, Trial};
-use crate::clock::Instant;
+use crate::clock::{Instant, is_past};
 use crate::problem::{Question, Share};
 use crate::solver::{Stopping, Termination};
 
@@ -57,7 +57,7 @@ pub(crate) fn run(
     engine: &mut dyn Engine,
     search: &mut Attempts,
 ) -> Found {
-    let late = || deadline.is_some_and(|deadline| Instant::now() >= deadline);
+    let late = || is_past(deadline);
     let Attempts {
         start,
         keeper,

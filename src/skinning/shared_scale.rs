@@ -3,7 +3,7 @@
 //! A file in centimetres below a root in metres, or below a mirrored root, scales every bone alike. This scale acts on the rest mesh
 //! before the bones move it, so that what remains of each transform is rigid.
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Mat3A, Vec3};
 
 use super::bone_transform::ROTATION_WITHIN;
 
@@ -20,9 +20,8 @@ impl SharedScale {
     /// The median scale of the bones, as a bone of its own size among many does not change it; of two middle ones that nearer to 1.
     /// `scales` is scratch memory. A scale within 1e-4 of 1 counts as none, as in the test for rigid transforms.
     pub(super) fn of(transforms: &[Affine3A], scales: &mut Vec<f32>) -> Self {
-        let determinants = transforms.iter().map(|t| t.matrix3.determinant());
         scales.clear();
-        scales.extend(determinants.map(f32::cbrt));
+        scales.extend(transforms.iter().map(|t| scale_of(&t.matrix3)));
         scales.sort_unstable_by(f32::total_cmp);
         let middle = [scales.len().saturating_sub(1) / 2, scales.len() / 2];
         let [lower, upper] = middle.map(|at| scales.get(at).copied().unwrap_or(1.0));
@@ -50,4 +49,11 @@ impl SharedScale {
     pub(super) fn remaining(self, transform: &Affine3A) -> Affine3A {
         *transform * Affine3A::from_scale(self.0.recip())
     }
+}
+
+/// The root mean square of the scales along the axes; negative where the matrix mirrors.
+fn scale_of(matrix: &Mat3A) -> f32 {
+    let axes = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
+    let squares: f32 = axes.iter().map(|axis| axis.length_squared()).sum();
+    (squares / 3.0).sqrt().copysign(matrix.determinant())
 }

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::SizeMismatch;
 use crate::bad_option::BadOption;
-use crate::clock::Instant;
+use crate::clock::{Instant, is_past};
 
 /// How a search ended; where, is in the state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,7 +120,7 @@ pub(super) fn search<M: Method>(
         if progress.iterations >= stopping.max_iterations {
             break Termination::IterationLimit;
         }
-        if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+        if is_past(deadline) {
             break Termination::TimeLimit;
         }
         if let Some(termination) = progress.step(problem, method, own, state, stopping) {

@@ -453,3 +453,18 @@ fn questions_before_leave_as_much_to_be_looked_at() {
         assert_eq!(format!("{own:?}"), format!("{fresh:?}"), "{turn}");
     }
 }
+
+#[test]
+fn arm_values_that_are_not_finite_are_refused() {
+    let kept = panda(Search::Start).among(&World::new(), 0.0);
+    for wrong in [f64::NAN, f64::INFINITY] {
+        let mut q = vec![0.0; 7];
+        q[3] = wrong;
+        let error = kept.arm.collisions(&q).unwrap_err().to_string();
+        assert!(error.contains("joint4"), "{error}");
+        let mut q_model = kept.q_model.clone();
+        q_model[3] = wrong;
+        let error = kept.arm.joint_values(&q_model, &mut q[..]).unwrap_err();
+        assert!(error.to_string().contains("joint4"), "{error}");
+    }
+}

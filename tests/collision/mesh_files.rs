@@ -296,3 +296,21 @@ fn what_stands_behind_and_lines_that_go_on_make_no_difference() {
     let tight = obj().replace(' ', "\\\n");
     is_the_box(&MeshFile::parse(tight.as_bytes(), "box.obj").unwrap());
 }
+
+/// Entities of entities could stand for any amount of memory.
+#[test]
+fn dae_with_a_document_type_is_refused() {
+    let mut entities = String::from("<!ENTITY e0 'xxxxxxxxxx'>");
+    for k in 1..9 {
+        let before = format!("&e{};", k - 1).repeat(10);
+        write!(entities, "<!ENTITY e{k} '{before}'>").unwrap();
+    }
+    let body = dae().replace("<library_geometries>", "&e8;<library_geometries>");
+    for text in [
+        format!("<!DOCTYPE x [{entities}]>{body}"),
+        format!("<!DOCTYPE x>{}", dae()),
+    ] {
+        let error = MeshFile::parse(text.as_bytes(), "bomb.dae").unwrap_err();
+        assert!(error.to_string().contains("DTD"), "{error}");
+    }
+}

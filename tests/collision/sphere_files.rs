@@ -360,3 +360,24 @@ fn a_capsule_whose_one_cap_sticks_out_is_not_held() {
         assert!(told >= gap && told < gap + 2e-3, "{ends:?}: {told} {gap}");
     }
 }
+
+#[test]
+fn spheres_beyond_the_largest_length_are_refused() {
+    let shapes = CollisionModel::of(&robot("franka_panda")).unwrap();
+    for (from, to) in [
+        ("0.12", "1e308"),
+        ("0.12", "1e10"),
+        ("-0.01", "-1e308"),
+        ("0.05", "1e200"),
+    ] {
+        let text = CUROBO.replacen(from, to, 1);
+        let error = SphereModel::parse(text.as_bytes(), "franka.yml", &shapes).unwrap_err();
+        let error = error.to_string();
+        assert!(
+            error.contains("link `") && error.contains("sphere 0"),
+            "{error}"
+        );
+    }
+    let urdf = "<robot name='r'><link name='hand'><collision><origin xyz='1e300 0 0'/><geometry><sphere radius='1'/></geometry></collision></link></robot>";
+    assert!(SphereModel::parse(urdf.as_bytes(), "spheres.urdf", &shapes).is_err());
+}

@@ -303,7 +303,7 @@ fn files_beside_it_go_along_to_another_folder() {
     let file = SceneFile::read(path("fox.gltf")).unwrap();
     // An image that is not there cannot go along; its name stays.
     file.write(path("elsewhere/bare.gltf")).unwrap();
-    std::fs::write(path("a coat.png"), IMAGE).unwrap();
+    std::fs::write(path("a coat.png"), b"\x89PNG\r\n\x1a\n\x00\xff\x07").unwrap();
     file.write(path("same.gltf")).unwrap();
     file.write(path("elsewhere/fox.gltf")).unwrap();
     let uri = |file: &str| {
@@ -313,10 +313,10 @@ fn files_beside_it_go_along_to_another_folder() {
     };
     assert_eq!(uri("same.gltf"), "a%20coat.png");
     assert_eq!(uri("elsewhere/bare.gltf"), "a%20coat.png");
-    // Seven bytes in base64, by hand.
+    // Eleven bytes in base64, by hand.
     assert_eq!(
         uri("elsewhere/fox.gltf"),
-        "data:image/png;base64,iVBORwD/Bw=="
+        "data:image/png;base64,iVBORw0KGgoA/wc="
     );
     // What does not go along stays as it was written.
     let text = std::fs::read_to_string(path("elsewhere/fox.gltf")).unwrap();

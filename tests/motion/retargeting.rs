@@ -213,3 +213,24 @@ fn a_single_frame_and_limbs_of_no_length_are_retargeted() {
         }
     }
 }
+
+/// Numbers with which places or costs would not stay finite are errors, as of a map that is made by hand.
+#[test]
+fn map_numbers_out_of_range_are_refused() {
+    for (number, word) in [
+        (r#""weight": 1e308"#, "weight"),
+        (r#""weight": -1"#, "weight"),
+        (r#""scale": 1e308"#, "scale"),
+        (r#""scale": 1e-308"#, "scale"),
+        (r#""offset": [0, 1e308, 0]"#, "offset"),
+    ] {
+        let text = format!(r#"{{"drives": {{"hips": {{"frame": "torso", {number}}}}}}}"#);
+        let error = BodyMap::from_json(&text, "").unwrap_err();
+        assert!(error.is_of_map(), "{error}");
+        assert!(error.to_string().contains(word), "{error}");
+    }
+    for rate in ["1e308", "1e-308", "0", "-1"] {
+        let error = BodyMap::from_json(&format!(r#"{{"fps": {rate}}}"#), "").unwrap_err();
+        assert!(error.to_string().contains("frames a second"), "{error}");
+    }
+}

@@ -81,18 +81,57 @@ fn what_is_no_file_or_too_long_is_not_read() {
     }
 }
 
-/// What is written beside the file goes to where no byte fits.
+/// A rig whose JSON cannot be replaced leaves its mesh and its weights as they were.
+#[test]
+fn files_of_one_rig_are_replaced_together() {
+    let folder = Folder::new("written-rig");
+    let mut rig = support::small_rig::SmallRig::with_json(support::small_rig::JSON)
+        .parse()
+        .unwrap();
+    rig.write(folder.path("rig.json")).unwrap();
+    assert_eq!(folder.names(), ["rig.dmat", "rig.json", "rig.ply"]);
+    let bytes = |file: &str| std::fs::read(folder.path(file)).unwrap();
+    let before = ["rig.dmat", "rig.ply"].map(bytes);
+    std::fs::remove_file(folder.path("rig.json")).unwrap();
+    std::fs::create_dir(folder.path("rig.json")).unwrap();
+    (rig.mesh, rig.weights) = (None, None);
+    let other = support::small_rig::PLY.replace("1 0 0", "9 0 0");
+    rig.mesh = Some(ply::from_bytes(other.as_bytes(), "other.ply").unwrap());
+    let error = rig.write(folder.path("rig.json")).unwrap_err();
+    assert_eq!(error.file, folder.path("rig.json").display().to_string());
+    assert_eq!(["rig.dmat", "rig.ply"].map(bytes), before);
+    assert_eq!(folder.names(), ["rig.dmat", "rig.json", "rig.ply"]);
+}
+
+/// Nobody who guesses the name of the temporary file can have it written elsewhere, and a new file appears when it is whole.
+#[cfg(unix)]
+#[test]
+fn temporary_file_follows_no_link() {
+    let folder = Folder::new("written-guessed");
+    let (path, victim) = (folder.path("mesh.ply"), folder.path("victim"));
+    std::fs::write(&victim, "kept").unwrap();
+    let first = format!(".part.{}-", std::process::id());
+    for number in 0..40 {
+        let guess = folder.path(&format!("{first}{number}"));
+        std::os::unix::fs::symlink(&victim, guess).unwrap();
+    }
+    let bytes = written(&path, PlyEncoding::Ascii);
+    assert_eq!(std::fs::read(&path).unwrap(), bytes);
+    assert_eq!(std::fs::read(&victim).unwrap(), b"kept");
+    assert!(!std::fs::symlink_metadata(&path).unwrap().is_symlink());
+}
+
+/// A link to a device is written through, and stays.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_leaves_the_file_that_was_there() {
+fn a_full_device_is_an_error() {
     let folder = Folder::new("written-full");
     let path = folder.path("mesh.ply");
-    let bytes = written(&path, PlyEncoding::Ascii);
-    let mesh = ply::read(&path).unwrap();
-    std::os::unix::fs::symlink("/dev/full", folder.path(".part.mesh.ply")).unwrap();
+    std::os::unix::fs::symlink("/dev/full", &path).unwrap();
+    let mesh = ply::from_bytes(support::small_rig::PLY.as_bytes(), "small.ply").unwrap();
     let error = ply::write(&mesh, PlyEncoding::BinaryBigEndian, &path).unwrap_err();
     assert_eq!(error.file, path.display().to_string());
-    assert_eq!(std::fs::read(&path).unwrap(), bytes);
+    assert!(std::fs::symlink_metadata(&path).unwrap().is_symlink());
     assert_eq!(folder.names(), ["mesh.ply"]);
 }
 

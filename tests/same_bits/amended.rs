@@ -79,7 +79,7 @@ fn moved(digest: &mut Digest, own: &SceneFile) {
         own.write(path(name)).unwrap();
         file(digest, &std::fs::read(path(name)).unwrap());
     }
-    std::fs::write(path("coat a.PNG"), b"fur").unwrap();
+    std::fs::write(path("coat a.PNG"), b"\x89PNG\r\n\x1a\nfur").unwrap();
     let there = SceneFile::read(path("a.gltf")).unwrap();
     for name in ["b.gltf", "else/b.gltf", "else/b.glb"] {
         there.write(path(name)).unwrap();

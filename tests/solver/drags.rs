@@ -455,3 +455,20 @@ fn where_a_body_settles_a_drag_of_its_frames_rests() {
         assert_eq!(body.settle(400).q, expected, "{seed}");
     }
 }
+
+/// A drag of no frames computes one, so that its solution is one.
+#[test]
+fn drag_of_no_frames_returns_a_solution() {
+    let model = support::planar_arm(&[1.0, 1.0], Some((-2.0, 2.0)));
+    let tip = model.frame("tip").unwrap();
+    for settles in [true, false] {
+        let mut builder = Problem::builder(&model);
+        builder.add(Point::new(tip, [1.0, 1.0, 0.0]));
+        let mut drag = Drag::new(builder.build().unwrap(), &[0.1, 0.5]).unwrap();
+        let solution = match settles {
+            true => drag.settle(0),
+            false => drag.follow(0),
+        };
+        assert_eq!(solution.q.len(), 2);
+    }
+}

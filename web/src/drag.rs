@@ -82,7 +82,7 @@ impl Drag {
     ) -> Result<Solution, JsError> {
         self.problem
             .aim(&mut Aimed::Drag(&mut self.inner), targets)?;
-        let frames = frames.unwrap_or(1000) as usize;
+        let frames = at_least_one(frames)?;
         Ok(self.inner.follow(frames).clone().into())
     }
 
@@ -94,7 +94,7 @@ impl Drag {
     ) -> Result<Solution, JsError> {
         self.problem
             .aim(&mut Aimed::Drag(&mut self.inner), targets)?;
-        let frames = frames.unwrap_or(1000) as usize;
+        let frames = at_least_one(frames)?;
         Ok(self.inner.settle(frames).clone().into())
     }
 
@@ -123,5 +123,12 @@ impl Drag {
     #[wasm_bindgen(getter)]
     pub fn rests(&self) -> bool {
         self.inner.rests()
+    }
+}
+
+fn at_least_one(frames: Option<u32>) -> Result<usize, JsError> {
+    match frames.unwrap_or(1000) {
+        0 => Err(JsError::new("frames is 0: at least 1")),
+        frames => Ok(frames as usize),
     }
 }

@@ -8,6 +8,7 @@ use kinopt::motion::retarget::{BodyMap, BodyPart, KnownSkeleton, MapGuess, Retar
 
 use super::source::Source;
 use crate::failure::Outcome;
+use crate::file_access;
 use crate::output;
 
 /// Where a map comes from.
@@ -54,8 +55,7 @@ impl MapOptions {
                 |error| usage!("--map {file}: no such file, and {error}"),
             )?));
         }
-        let text = std::fs::read_to_string(given);
-        let text = text.map_err(|error| failure!("{file}: {error}"))?;
+        let text = file_access::text(given)?;
         let robot = target.file_name().unwrap_or_default().to_string_lossy();
         let map = BodyMap::from_json(&text, &robot);
         let map = map.map_err(|error| failure!("{file}: {error}"))?;
@@ -113,21 +113,9 @@ impl MapChoice {
     /// What of it is wrong, with where it is from.
     pub(super) fn failed(&self, file: &str, error: &RetargetError) -> crate::failure::Failure {
         match (self, error) {
-            (Self::Given(map, _), error) if is_of_map(error) => failure!("{map}: {error}"),
+            (Self::Given(map, _), error) if error.is_of_map() => failure!("{map}: {error}"),
             _ => failure!("{file}: {error}"),
         }
-    }
-}
-
-/// Whether it is what a map says that is wrong.
-fn is_of_map(error: &RetargetError) -> bool {
-    match error {
-        RetargetError::Name(_)
-        | RetargetError::NoDrives { .. }
-        | RetargetError::DrivenTwice { .. }
-        | RetargetError::NamedTwice { .. } => true,
-        RetargetError::Option(bad) => matches!(bad.option, "weight" | "scale"),
-        _ => false,
     }
 }
 

@@ -282,8 +282,7 @@ impl Arguments {
         }
         let text = map.to_json();
         if let Some(path) = &self.map.save_map {
-            let told = |error: std::io::Error| failure!("{}: {error}", path.display());
-            std::fs::write(path, &text).map_err(told)?;
+            output::write_file(path, &text)?;
         }
         match self.map.print_map {
             true => output::result(false, || (), || text),

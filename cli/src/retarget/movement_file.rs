@@ -7,7 +7,6 @@ use clap::ValueEnum;
 use kinopt::animation::Armature;
 use kinopt::io::bvh;
 use kinopt::io::gltf::{self, Scene, WriteOptions};
-use kinopt::motion::retarget::folder::unfinished;
 use kinopt::motion::retarget::{FigureTarget, Retargeted, UpAxis};
 use kinopt::skeleton::Skeleton;
 use kinopt::spatial::{Placement, Vector3};
@@ -18,6 +17,7 @@ use crate::animated_armature::extension;
 use crate::failure::Outcome;
 use crate::mesh_output::Skin;
 use crate::numpy_file::{self, Column};
+use crate::output;
 use crate::scene_output;
 
 /// What is written, by the ending of its name.
@@ -64,26 +64,8 @@ impl Format {
         }
     }
 
-    /// Writes a movement under another name first, so that none is there by halves.
+    /// Writes a movement; its file appears when it is whole.
     pub(super) fn write(
-        self,
-        target: &Target,
-        found: &Retargeted,
-        name: &str,
-        header: bool,
-        out: &Path,
-    ) -> Outcome<()> {
-        let unfinished = unfinished(out);
-        let written = self.write_to(target, found, name, header, &unfinished);
-        let told = |error: std::io::Error| failure!("{}: {error}", out.display());
-        let moved = written.and_then(|()| std::fs::rename(&unfinished, out).map_err(told));
-        if moved.is_err() {
-            let _ = std::fs::remove_file(&unfinished);
-        }
-        moved
-    }
-
-    fn write_to(
         self,
         target: &Target,
         found: &Retargeted,
@@ -99,7 +81,7 @@ impl Format {
             Self::Csv => as_rows(found, names.len(), target.is_free()).into_bytes(),
             Self::Bvh | Self::Glb => return self.write_figure(target, found, name, to),
         };
-        std::fs::write(to, bytes).map_err(|error| failure!("{}: {error}", to.display()))
+        output::write_file(to, bytes)
     }
 
     fn write_figure(

@@ -15,6 +15,7 @@ mod command_page;
 mod derivatives;
 mod exit_codes_and_errors;
 mod figures_settle;
+mod file_access;
 mod held_joints;
 mod holds;
 mod json_output;

@@ -183,6 +183,7 @@ class Robot:
         lenient: bool = False,
         soft_limits: bool = False,
         mimic_limits: Literal["source", "both"] = "source",
+        confine: bool = False,
     ) -> Robot: ...
     @classmethod
     def from_urdf_text(
@@ -195,6 +196,7 @@ class Robot:
         lenient: bool = False,
         soft_limits: bool = False,
         mimic_limits: Literal["source", "both"] = "source",
+        confine: bool = False,
     ) -> Robot: ...
     @classmethod
     def from_mjcf(
@@ -204,7 +206,10 @@ class Robot:
         base_joint: BaseJoint | None = None,
         base_room: Mapping[str, tuple[float, float]] | None = None,
         mimic_limits: Literal["source", "both"] = "source",
+        confine: bool = False,
     ) -> Robot: ...
+    @property
+    def confined(self) -> bool: ...
     def with_joint_limits(self, path: str | PathLike[str]) -> Robot: ...
     def with_tool(self, name: str, link: str, link_from_tool: PlacementLike) -> Robot: ...
     @property
@@ -945,7 +950,9 @@ class Separation:
 class World:
     def __new__(cls) -> World: ...
     @classmethod
-    def read(cls, path: str | PathLike[str]) -> World: ...
+    def read(
+        cls, path: str | PathLike[str], *, folders: Sequence[str | PathLike[str]] = [], max_bytes: int = 1073741824
+    ) -> World: ...
     @classmethod
     def from_json(cls, text: str, name: str = "world.json") -> World: ...
     def to_json(self) -> str: ...
@@ -1167,7 +1174,9 @@ class Rig:
         constrained: Sequence[str] = ...,
     ) -> Rig: ...
     @classmethod
-    def read(cls, path: str | PathLike[str]) -> Rig: ...
+    def read(
+        cls, path: str | PathLike[str], *, folders: Sequence[str | PathLike[str]] = [], max_bytes: int = 1073741824
+    ) -> Rig: ...
     @classmethod
     def parse(
         cls,
@@ -1481,7 +1490,9 @@ class Scene:
         clips: Sequence[Clip] = ...,
     ) -> Scene: ...
     @classmethod
-    def read(cls, path: str | PathLike[str]) -> Scene: ...
+    def read(
+        cls, path: str | PathLike[str], *, folders: Sequence[str | PathLike[str]] = [], max_bytes: int = 1073741824
+    ) -> Scene: ...
     @classmethod
     def from_bytes(
         cls,
@@ -1517,7 +1528,9 @@ class Scene:
 @final
 class SceneFile:
     @classmethod
-    def read(cls, path: str | PathLike[str]) -> SceneFile: ...
+    def read(
+        cls, path: str | PathLike[str], *, folders: Sequence[str | PathLike[str]] = [], max_bytes: int = 1073741824
+    ) -> SceneFile: ...
     @classmethod
     def from_bytes(
         cls,

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from .._kinopt import World
 from .._kinopt.retargeting import Live
 from ..types import Floats
-from .maps import MapLike
+from .maps import MapLike, naming
 from .retarget import asked
 from .sources import Source
 from .targets import TargetLike
@@ -59,7 +59,8 @@ class RetargetFollower:
             world=world,
             margin=margin,
         )
-        self._live = Live(own.capture, own.target, json.dumps(own.map), own.options)
+        with naming(map):
+            self._live = Live(own.capture, own.target, json.dumps(own.map), own.options)
         self._map = own.map
 
     @property

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias, Union
 
-from .._kinopt.retargeting import Capture, map_completed, map_guessed, map_of_skeleton, skeleton_joints
+from .._kinopt.retargeting import Capture, map_completed, map_guessed, map_of_skeleton, skeleton_joints, unfinished
 from ..errors import FileError, InvalidFileError, InvalidValueError
 from .targets import Target
 
 MapLike: TypeAlias = Union[Mapping[str, Any], str, "os.PathLike[str]", None]
 """A map as a dict, the path of its file, the name of a skeleton, or None where it is to be guessed."""
+
+
+#: Size of the largest map that is read.
+MAX_BYTES = 1 << 28
 
 
 @dataclass(frozen=True)
@@ -36,7 +41,11 @@ class MapGuess:
         Raises ``FileError`` where it cannot be written.
         """
         try:
-            Path(path).write_text(json.dumps(self.map, indent=2) + "\n", encoding="utf-8")
+            # Beside the file that a link leads to, then renamed.
+            real = Path(os.path.realpath(path))
+            part = unfinished(real)
+            part.write_text(json.dumps(self.map, indent=2) + "\n", encoding="utf-8")
+            part.replace(real)
         except OSError as error:
             raise FileError(f"{path}: cannot be written: {error}") from None
 
@@ -64,6 +73,17 @@ def completed(map: dict[str, Any], capture: Capture, target: Target) -> tuple[di
     return map if text is None else json.loads(text), notes
 
 
+@contextmanager
+def naming(map: MapLike) -> Iterator[None]:
+    """Puts the name of a map's file before messages about the map."""
+    try:
+        yield
+    except InvalidValueError as error:
+        if isinstance(map, (str, os.PathLike)) and getattr(error, "_of_map", False):
+            raise type(error)(f"{os.fspath(map)}: {error}") from None
+        raise
+
+
 def is_skeleton(map: MapLike) -> bool:
     """Whether a map is the name of a skeleton: what ends as no file does."""
     if not isinstance(map, str) or Path(map).suffix or os.sep in map:
@@ -80,7 +100,12 @@ def read_map(map: MapLike) -> dict[str, Any] | None:
     if isinstance(map, Mapping):
         return dict(map)
     try:
-        read = json.loads(Path(map).read_text(encoding="utf-8"))
+        path = Path(map)
+        if path.stat().st_size > MAX_BYTES:
+            raise InvalidFileError(f"{map}: is longer than {MAX_BYTES} bytes")
+        read = json.loads(path.read_text(encoding="utf-8"))
+    except RecursionError:
+        raise InvalidFileError(f"{map}: is nested too deep") from None
     except OSError as error:
         raise FileError(f"{map}: cannot be read: {error}") from None
     except ValueError as error:

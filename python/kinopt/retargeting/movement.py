@@ -131,7 +131,9 @@ class Retargeted:
         path = Path(path)
         if path.suffix != ".npz":
             raise InvalidValueError(f"{path}: a .npz is written")
-        part = unfinished(path)
+        # Beside the file that a link leads to.
+        real = Path(os.path.realpath(path))
+        part = unfinished(real)
         try:
             with part.open("wb") as file:
                 np.savez(
@@ -143,7 +145,7 @@ class Retargeted:
                     standing=np.array(self.standing, dtype=str),
                     standing_at=self.standing_at,
                 )
-            part.replace(path)
+            part.replace(real)
         except OSError as error:
             raise FileError(f"{path}: cannot be written: {error}") from None
 

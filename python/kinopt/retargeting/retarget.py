@@ -11,7 +11,7 @@ from typing import Any, Literal
 from .. import progress as bars
 from .._kinopt import World
 from .._kinopt.retargeting import Capture, capture_retargeted
-from .maps import MapLike, completed, guess_map, is_skeleton, read_map
+from .maps import MapLike, completed, guess_map, is_skeleton, naming, read_map
 from .movement import GivenUp, LimitMet, Retargeted, Touching
 from .sources import Source, read_capture
 from .targets import Target, TargetLike, read_target
@@ -56,7 +56,8 @@ def asked(
         guess = guess_map(capture, target, skeleton)
         given, notes = guess.map, guess.notes
     else:
-        given, notes = completed(given, capture, target)
+        with naming(map):
+            given, notes = completed(given, capture, target)
     return Question(capture, target, given, notes, options)
 
 
@@ -118,14 +119,16 @@ def retarget(
         world=world,
         margin=margin,
     )
-    q, names, contacts, (standing, standing_at), errors, driven, measured, limits, touching, given_up, base = capture_retargeted(
-        own.capture,
-        own.target,
-        json.dumps(own.map),
-        whole,
-        own.options,
-        bars.bar() if progress is True else progress or None,
-    )
+    with naming(map):
+        parts = capture_retargeted(
+            own.capture,
+            own.target,
+            json.dumps(own.map),
+            whole,
+            own.options,
+            bars.bar() if progress is True else progress or None,
+        )
+    q, names, contacts, (standing, standing_at), errors, driven, measured, limits, touching, given_up, base = parts
     stands_along, has_fixed_base = base
     mean_error, slip, sunk, stride = measured
     notes = list(own.notes)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import os
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Literal, TypeAlias, Union
+from typing import Any, BinaryIO, Literal, TypeAlias, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,6 +23,8 @@ Source: TypeAlias = Union[Capture, MotionCapture, Clip, str, "os.PathLike[str]",
 # What is taken where nobody says it: of arrays, and of clips, whose keys stand anywhere.
 ARRAY_FPS = 120.0
 CLIP_FPS = 60.0
+#: Size of the largest array file that is read.
+MAX_BYTES = 1 << 30
 _FILES = ".npy, .bvh, .glb or .gltf"
 
 
@@ -84,12 +88,30 @@ def _clip(path: Path, name: str | None) -> Clip:
 
 def _array(path: Path) -> Any:
     try:
-        return np.load(path, allow_pickle=False)
+        size = path.stat().st_size
+        if size > MAX_BYTES:
+            raise InvalidFileError(f"{path}: is longer than {MAX_BYTES} bytes")
+        with path.open("rb") as file, warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return _numbers(file, size)
     except OSError as error:
         raise FileError(f"{path}: cannot be read: {error}") from None
-    except (ValueError, EOFError):
+    except InvalidFileError:
+        raise
+    except Exception:  # noqa: BLE001 - NumPy parses the header as Python, which raises what it likes of damaged text
         # NumPy's own words advise to unpickle it.
         raise InvalidFileError(f"{path}: no NumPy array, or a damaged one") from None
+
+
+def _numbers(file: BinaryIO, size: int) -> Any:
+    """The array of an open file, whose header announces no more than the file holds."""
+    version = np.lib.format.read_magic(file)
+    read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    shape, _, dtype = read(file)
+    if dtype.hasobject or math.prod(shape) * dtype.itemsize > size:
+        raise ValueError("no plain numbers, or fewer than announced")
+    file.seek(0)
+    return np.load(file, allow_pickle=False)
 
 
 def _joints_of(array: Any, skeleton: str | None) -> list[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Any
 from urllib.parse import unquote, urlparse
 
 from .solids import Solid
@@ -17,10 +18,17 @@ class MeshFiles:
     """Finds and reads mesh files: STL, OBJ, PLY, glTF, and COLLADA where pycollada is installed."""
 
     def __init__(
-        self, beside: Path | None = None, packages: Mapping[str, str | Path] | Iterable[str | Path] = ()
+        self,
+        beside: Path | None = None,
+        packages: Mapping[str, str | Path] | Iterable[str | Path] = (),
+        confine: bool = False,
     ) -> None:
-        """`beside` is the robot's own folder; `packages` folders of packages by name, or folders that hold them."""
+        """`beside` is the robot's own folder; `packages` folders of packages by name, or folders that hold them.
+
+        With `confine` no file outside of these folders is opened.
+        """
         self._beside = beside
+        self._confine = confine
         self._named: dict[str, Path] = {}
         self._folders: list[Path] = []
         if isinstance(packages, Mapping):
@@ -32,7 +40,14 @@ class MeshFiles:
 
     def find(self, file: str) -> Path | None:
         """The path of a mesh named `package://…`, `file://…`, or by a path; None where it is not at hand."""
-        return next((place for place in self._places(file) if place.is_file()), None)
+        return next((place for place in self._places(file) if self._is_allowed(place) and place.is_file()), None)
+
+    def _is_allowed(self, place: Path) -> bool:
+        if not self._confine:
+            return True
+        roots = [*self._named.values(), *self._folders, *([] if self._beside is None else [self._beside])]
+        real = place.resolve()
+        return any(real.is_relative_to(root.resolve()) for root in roots)
 
     def _places(self, file: str) -> Iterable[Path]:
         url = urlparse(file)
@@ -70,9 +85,13 @@ class MeshFiles:
             self.missing.append(f"{file}: not at hand")
             return None
         try:
-            loaded = trimesh.load_scene(path)
+            # Materials and buffers that the mesh names are opened only below its own folder.
+            with path.open("rb") as opened:
+                resolver = _below(path.parent)
+                loaded = trimesh.load_scene(opened, file_type=path.suffix.lower().lstrip("."), resolver=resolver)
         except Exception as error:  # noqa: BLE001 - readers of many formats raise what they like
-            self.missing.append(f"{path}: {_one_line(error)}")
+            # Their words may quote the file, which whoever wrote the robot's file chose.
+            self.missing.append(f"{path}: cannot be read ({type(error).__name__})")
             return None
         pieces = []
         for mesh in loaded.dump():
@@ -86,9 +105,18 @@ class MeshFiles:
         return pieces
 
 
-def _one_line(error: Exception) -> str:
-    text = str(error).strip().splitlines()
-    return text[0] if text else type(error).__name__
+def _below(folder: Path) -> Any:
+    """Opens the files that a mesh names, below a folder alone."""
+    from trimesh.resolvers import FilePathResolver
+
+    class Below(FilePathResolver):
+        def get(self, name: str) -> bytes:
+            path = (folder / name.strip()).resolve()
+            if not path.is_relative_to(folder.resolve()):
+                raise ValueError(f"{name}: outside of {folder}")
+            return path.read_bytes()
+
+    return Below(str(folder))
 
 
 def _color(mesh: object) -> tuple[int, int, int] | None:

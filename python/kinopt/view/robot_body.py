@@ -46,7 +46,8 @@ class RobotBody(Body):
     ) -> None:
         """As `Scene.add`."""
         super().__init__(scene, thing, name, at)
-        files = MeshFiles(None if beside is None else Path(beside), packages)
+        confine = bool(getattr(thing, "confined", False))
+        files = MeshFiles(None if beside is None else Path(beside), packages, confine)
         if style == "auto" and _says_how_links_lie(thing):
             style = "capsules"
         match style:

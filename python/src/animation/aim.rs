@@ -7,9 +7,10 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
 use super::bones_and_poses::{Armature, Pose};
+use crate::arrays;
 use crate::error::OrRaise;
 use crate::pickling;
-use crate::transforms::{shaped, vector};
+use crate::transforms::{finite_vector, shaped, vector};
 
 /// A bone that turns so that an axis of it points at a target: a head that looks, a hand that aims.
 ///
@@ -95,8 +96,7 @@ impl Aim {
 /// the bone's up axis goes as far as it can (None: the shortest arc); `twist` how far the bone turns about
 /// the way to the target besides, radians; `weight` the share of the angle, within [0, 1].
 ///
-/// A weight is taken into [0, 1]; a target that is not finite moves nothing. Raises `InvalidValueError` for
-/// other shapes.
+/// A weight is taken into [0, 1]. Raises `InvalidValueError` for other shapes and numbers that are not finite.
 #[pyclass(frozen, module = "kinopt.animation")]
 pub(crate) struct AimGoal {
     inner: Look,
@@ -113,10 +113,10 @@ impl AimGoal {
         weight: f32,
     ) -> PyResult<Self> {
         let inner = Look {
-            target: vector(target, "target")?,
-            up: up.map(|up| vector(up, "up")).transpose()?,
-            twist,
-            weight,
+            target: finite_vector(target, "target")?,
+            up: up.map(|up| finite_vector(up, "up")).transpose()?,
+            twist: arrays::finite(twist.into(), "twist").map(|_| twist)?,
+            weight: arrays::finite(weight.into(), "weight").map(|_| weight)?,
         };
         Ok(Self { inner })
     }

@@ -19,6 +19,7 @@ use crate::arrays::{self, Questions};
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
 use crate::pool::Pool;
+use crate::signals::interruptible;
 
 /// Samples that are taken between two looks at signals.
 const SAMPLES_AT_A_TIME: usize = 256;
@@ -172,12 +173,12 @@ impl Clip {
     ) -> PyResult<Vec<(String, f64)>> {
         let playback = playback::of(playback)?;
         let passage = passage.get().inner;
-        Ok(py.detach(|| {
+        interruptible(py, || {
             let fired = self.inner.fired(playback, passage).take(most);
             fired
                 .map(|fired| (fired.event.name.clone(), fired.elapsed))
                 .collect()
-        }))
+        })
     }
 
     /// What it moves and how: [(bone, property, curve), ...], by bone, with "translation", "rotation" or

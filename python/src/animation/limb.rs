@@ -7,9 +7,10 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
 use super::bones_and_poses::{Armature, Pose};
+use crate::arrays;
 use crate::error::{OrRaise, invalid};
 use crate::pickling;
-use crate::transforms::{given, quaternion, shaped, vector};
+use crate::transforms::{finite_quaternion, finite_vector, given, shaped, vector};
 
 /// A thigh and a shin, an upper arm and a forearm: two bones of an armature and the point that should go
 /// somewhere. Bones between the two turn with the upper one.
@@ -143,8 +144,8 @@ impl Limb {
 /// The bone at the end goes along, is held as it was by the share `hold`, or turned in the model as
 /// `rotation_xyzw` or `rotation_wxyz` says, shape (4,), by the share `rotation_weight`.
 ///
-/// Weights are taken into [0, 1]; a target that is not finite moves nothing. Raises `InvalidValueError` for
-/// other shapes, and for an end that is both held and turned.
+/// Weights are taken into [0, 1]. Raises `InvalidValueError` for other shapes, for numbers that are not finite, and for an end
+/// that is both held and turned.
 #[pyclass(frozen, module = "kinopt.animation")]
 #[derive(Clone)]
 pub(crate) struct LimbGoal {
@@ -169,6 +170,14 @@ impl LimbGoal {
         rotation_wxyz: Option<&Bound<'_, PyAny>>,
         rotation_weight: f32,
     ) -> PyResult<Self> {
+        for (value, what) in [
+            (weight, "weight"),
+            (twist, "twist"),
+            (hold.unwrap_or(0.0), "hold"),
+            (rotation_weight, "rotation_weight"),
+        ] {
+            arrays::finite(value.into(), what)?;
+        }
         let rotation = given(rotation_xyzw, rotation_wxyz, "rotations")?;
         let end = match (hold, rotation) {
             (Some(_), Some(_)) => {
@@ -176,14 +185,14 @@ impl LimbGoal {
             }
             (Some(weight), None) => EndRotation::Hold { weight },
             (None, Some((q, order))) => EndRotation::Goal {
-                rotation: quaternion(q, order)?,
+                rotation: finite_quaternion(q, order)?,
                 weight: rotation_weight,
             },
             (None, None) => EndRotation::Follow,
         };
-        let mut inner = Goal::at(vector(target, "target")?);
+        let mut inner = Goal::at(finite_vector(target, "target")?);
         inner.weight = weight;
-        inner.pole = pole.map(|pole| vector(pole, "pole")).transpose()?;
+        inner.pole = pole.map(|pole| finite_vector(pole, "pole")).transpose()?;
         inner.twist = twist;
         inner.end = end;
         Ok(Self { inner })

@@ -15,7 +15,7 @@ use super::bones_and_poses::{Armature, Pose};
 use super::clip::Clip;
 use crate::arrays;
 use crate::contents::text_or_bytes;
-use crate::error::{Kind, OrRaise, invalid, raise};
+use crate::error::{OrRaise, invalid};
 use crate::pickling;
 
 /// States, transitions and the clips they play, checked. It never changes; each character that runs it has a
@@ -85,8 +85,7 @@ impl StateMachine {
         clips: Vec<Bound<'_, Clip>>,
     ) -> PyResult<Self> {
         let file = path.display().to_string();
-        let json = std::fs::read(&path)
-            .map_err(|error| raise(Kind::File, format!("{file}: cannot be read: {error}")))?;
+        let json = kinopt::io::FileAccess::new().read(&path).or_raise()?;
         Self::make(class.py(), json, file, clips)
     }
 

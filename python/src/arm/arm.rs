@@ -22,6 +22,7 @@ use crate::model::Model;
 use crate::placement::{placement, placements, to_array, to_arrays};
 use crate::pool::Pool;
 use crate::robot::Robot;
+use crate::signals::interruptible;
 use crate::solution::{Collision, Solution};
 use crate::srdf::Srdf;
 use crate::world::World;
@@ -378,7 +379,7 @@ impl Arm {
             Some(start) => arrays::copied(start, "start")?,
             None => self.start(None)?,
         };
-        let solution = py.detach(|| self.inner.solve(target, &start));
+        let solution = interruptible(py, || self.inner.solve(target, &start))?;
         Ok(Solution::from(solution.or_raise()?))
     }
 
@@ -399,7 +400,7 @@ impl Arm {
         let target = placement(target, "target")?;
         let start = self.start(start)?;
         let arm = self.searching(Search::Distinct { k, distance })?;
-        let solutions = py.detach(|| arm.solve_all(target, &start)).or_raise()?;
+        let solutions = interruptible(py, || arm.solve_all(target, &start))?.or_raise()?;
         Ok(solutions.into_iter().map(Solution::from).collect())
     }
 

@@ -3,7 +3,7 @@
 use kinopt::Arm;
 use kinopt::arm::{PoseOutcome, QueryError};
 use kinopt::spatial::Placement;
-use numpy::ndarray::{Dimension, Ix2};
+use numpy::ndarray::{Dimension, Ix1, Ix2};
 use numpy::{PyArray, PyArray1, PyArray2, PyArrayMethods, PyReadwriteArray};
 use pyo3::prelude::*;
 use pyo3::types::{PyAny, PyType};
@@ -133,11 +133,11 @@ pub(super) fn solve<'py>(
         starts: starts.keep(),
         count,
         q: q.clone().unbind(),
-        reached: PyArray1::zeros(py, count, false).unbind(),
-        position_error: PyArray1::zeros(py, count, false).unbind(),
-        orientation_error: PyArray1::zeros(py, count, false).unbind(),
-        iterations: PyArray1::zeros(py, count, false).unbind(),
-        attempts: PyArray1::zeros(py, count, false).unbind(),
+        reached: arrays::zeros(py, Ix1(count))?.unbind(),
+        position_error: arrays::zeros(py, Ix1(count))?.unbind(),
+        orientation_error: arrays::zeros(py, Ix1(count))?.unbind(),
+        iterations: arrays::zeros(py, Ix1(count))?.unbind(),
+        attempts: arrays::zeros(py, Ix1(count))?.unbind(),
     };
     let busy = |_| invalid("out is in use by another call");
     let mut q = q.try_readwrite().map_err(busy)?;

@@ -13,6 +13,7 @@ use crate::error::{OrRaise, invalid};
 use crate::model::Model;
 use crate::pickling;
 use crate::rig::Rig;
+use crate::signals::interruptible;
 use crate::srdf::Srdf;
 use crate::world::Obstacle;
 
@@ -215,7 +216,7 @@ impl CollisionModel {
     #[pyo3(signature = (samples = 10_000, seed = 0))]
     fn with_pairs_sampled(&self, py: Python<'_>, samples: u64, seed: u64) -> PyResult<Self> {
         let model = collision::CollisionModel::clone(&self.inner);
-        let sampled = py.detach(|| model.with_pairs_sampled(samples, seed));
+        let sampled = interruptible(py, || model.with_pairs_sampled(samples, seed))?;
         Ok(self.changed(sampled.or_raise()?))
     }
 
@@ -249,7 +250,7 @@ impl CollisionModel {
             (None, Some(count)) => Fineness::PerLink(count),
             _ => return Err(invalid("spheres takes either overhang or per_link")),
         };
-        let spheres = py.detach(|| collision::SphereModel::of(&self.inner, fineness));
+        let spheres = interruptible(py, || collision::SphereModel::of(&self.inner, fineness))?;
         Ok(spheres.or_raise()?.into())
     }
 

@@ -6,7 +6,8 @@ mod parts;
 use std::sync::Arc;
 
 use kinopt::model::{JointId, JointKind};
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use numpy::ndarray::Ix2;
+use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
@@ -296,7 +297,7 @@ pub(crate) fn random_configurations<'py>(
     let Some(n) = n else {
         return Ok(arrays::list(py, &draw(0)).into_any());
     };
-    let array = PyArray2::<f64>::zeros(py, [n, nq], false);
+    let array = arrays::zeros::<f64, _>(py, Ix2(n, nq))?;
     {
         let mut array = array
             .try_readwrite()

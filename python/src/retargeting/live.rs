@@ -8,7 +8,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use super::capture::Capture;
-use super::question::{Options, Question};
+use super::question::{Options, Question, raised};
 use crate::arrays;
 use crate::error::OrRaise;
 
@@ -34,7 +34,7 @@ impl Live {
         let question = Question::read(capture, target, map, &options)?;
         let follower = py.detach(|| question.fitted()?.live());
         Ok(Self {
-            follower: Mutex::new(follower.or_raise()?),
+            follower: Mutex::new(follower.map_err(raised)?),
             names: question.names(),
         })
     }

@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 
 use super::axis_name;
 use super::capture::Capture;
-use super::question::{read_map, target_of};
+use super::question::{raised, read_map, target_of};
 use crate::error::OrRaise;
 
 /// A guessed map: JSON, the known skeleton, the known body, and notes.
@@ -65,7 +65,7 @@ pub(super) fn map_completed(
     let lacks = map.drives.is_empty();
     let guess = map
         .completed(&capture.get().inner, robot.model())
-        .or_raise()?;
+        .map_err(raised)?;
     let (map, .., notes) = guessed(guess, capture.get().up);
     Ok((lacks.then_some(map), notes))
 }

@@ -12,9 +12,9 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
 use super::capture::Capture;
-use super::question::{Options, Question};
+use super::question::{Options, Question, raised};
 use crate::arrays;
-use crate::error::{OrRaise, invalid};
+use crate::error::invalid;
 
 /// What `kinopt.Retargeted` is made of: numbers and names in the order of its fields.
 type MovementParts<'py> = (
@@ -75,7 +75,7 @@ fn while_listening<T: Send>(
                 match told.recv_timeout(INTERVAL) {
                     Ok(found) => {
                         Python::attach(&mut report)?;
-                        return found.or_raise();
+                        return found.map_err(raised);
                     }
                     Err(RecvTimeoutError::Timeout) => {
                         if let Err(error) = Python::attach(&mut report) {

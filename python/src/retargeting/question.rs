@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 
 use super::capture::Capture;
 use super::figure_target::FigureTarget;
-use crate::error::{OrRaise, invalid};
+use crate::error::{Fault, OrRaise, invalid, raise};
 use crate::has_model::model_of;
 use crate::model::Model;
 use crate::world::World;
@@ -103,7 +103,19 @@ pub(super) fn foot_shapes_of(target: &Bound<'_, PyAny>) -> Option<FootShapes> {
 pub(super) fn read_map(map: &str, robot: &Robot) -> PyResult<BodyMap> {
     let file = robot.file().and_then(std::path::Path::file_name);
     let file = file.map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    BodyMap::from_json(map, &file).or_raise()
+    BodyMap::from_json(map, &file).map_err(raised)
+}
+
+/// The exception of an error. One that is about the map says so by `_of_map`, for those who know the map's file.
+pub(super) fn raised(error: RetargetError) -> PyErr {
+    let raised = raise(error.kind(), error.to_string());
+    if error.is_of_map() {
+        Python::attach(|py| {
+            // Without it the message lacks the file's name.
+            let _ = raised.value(py).setattr("_of_map", true);
+        });
+    }
+    raised
 }
 
 /// A capture, a target, the map between them and how it is done.

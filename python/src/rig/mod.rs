@@ -13,6 +13,7 @@ pub(crate) use self::posing::RigPosing;
 use crate::animation::EulerClip;
 use crate::contents::{parsed, text_or_bytes};
 use crate::error::{OrRaise, invalid};
+use crate::file_access::access;
 use crate::masses::{DENSITY, centres};
 use crate::mesh::TriangleMesh;
 use crate::model::Model;
@@ -122,12 +123,25 @@ impl Rig {
 
     /// Reads a rig's JSON file and the mesh (PLY) and weights (DMAT) that it names.
     ///
+    /// The files that it names are opened only below its own folder and below `folders`, symbolic links followed. No file above
+    /// `max_bytes` is read.
+    ///
     /// Raises `FileError` where a file cannot be opened, `InvalidFileError` naming the file and the place
     /// in it for what it says.
     #[classmethod]
-    fn read(class: &Bound<'_, PyType>, path: PathBuf) -> PyResult<Self> {
-        let py = class.py();
-        let rig = py.detach(|| kinopt::io::rig::Rig::read(&path)).or_raise()?;
+    #[pyo3(
+        signature = (path, *, folders = Vec::new(), max_bytes = 1_073_741_824),
+        text_signature = "(path, *, folders=[], max_bytes=1073741824)"
+    )]
+    fn read(
+        class: &Bound<'_, PyType>,
+        path: PathBuf,
+        folders: Vec<PathBuf>,
+        max_bytes: u64,
+    ) -> PyResult<Self> {
+        let (py, access) = (class.py(), access(folders, max_bytes));
+        let read = || kinopt::io::rig::Rig::read_with(&path, &access);
+        let rig = py.detach(read).or_raise()?;
         Self::of(py, rig)
     }
 

@@ -17,9 +17,9 @@ use pyo3::types::{PyDict, PyType};
 
 use coordinate_order::CoordinateOrder;
 pub(crate) use shape::Shape;
+pub(crate) use source::text_of;
 use source::{
     Base, Loops, PickledBase, PickledLimits, PickledLoops, PickledTool, Source, restricts_sources,
-    text_of,
 };
 
 use crate::arrays;
@@ -122,7 +122,8 @@ impl Robot {
     ///
     /// With `lenient` what can be mended in one way only is mended, and listed in `repairs`. With
     /// `soft_limits` every joint also keeps within its safety controller's limits. Files of meshes are not
-    /// opened.
+    /// opened here. With `confine` they are opened only below the folder of `path` and below the `packages` of
+    /// `collision_model`, for files that are not trusted.
     ///
     /// `mimic_limits`: the limits that restrict a joint which mimic joints follow. "source": its own. If they move a mimic joint
     /// out of its range, `repairs` notes both joints, and the limits of the mimic joint contain the values. "both": also the
@@ -131,7 +132,10 @@ impl Robot {
     /// Raises `FileError` where it cannot be read, `InvalidFileError`, which names the element, for what is
     /// wrong in it.
     #[classmethod]
-    #[pyo3(signature = (path, *, base_joint = None, base_room = None, lenient = false, soft_limits = false, mimic_limits = "source"))]
+    #[pyo3(signature = (
+        path, *, base_joint = None, base_room = None, lenient = false, soft_limits = false, mimic_limits = "source", confine = false
+    ))]
+    #[allow(clippy::too_many_arguments, reason = "they are keywords")]
     fn from_urdf(
         _class: &Bound<'_, PyType>,
         path: PathBuf,
@@ -140,12 +144,14 @@ impl Robot {
         lenient: bool,
         soft_limits: bool,
         mimic_limits: &str,
+        confine: bool,
     ) -> PyResult<Self> {
         let (text, file) = text_of(&path)?;
         Self::build(Source {
             text: text.into(),
             file,
             lenient,
+            confine,
             soft_limits,
             mimic_limits: restricts_sources(mimic_limits)?,
             joint_limits: Vec::new(),
@@ -166,21 +172,31 @@ impl Robot {
     /// Raises `FileError` where it cannot be read, `InvalidFileError`, which names the element, for what is
     /// wrong in it.
     #[classmethod]
-    #[pyo3(signature = (path, *, base_joint = None, base_room = None, mimic_limits = "source"))]
+    #[pyo3(signature = (path, *, base_joint = None, base_room = None, mimic_limits = "source", confine = false))]
     fn from_mjcf(
         _class: &Bound<'_, PyType>,
         path: PathBuf,
         base_joint: Option<Bound<'_, PyAny>>,
         base_room: Option<Bound<'_, PyDict>>,
         mimic_limits: &str,
+        confine: bool,
     ) -> PyResult<Self> {
         // Faults are told by the lines of the file, which the text of all files together has not.
-        kinopt::robot::Robot::read_mjcf(&path).or_raise()?;
-        let text = kinopt::robot::mjcf_with_includes(&path).or_raise()?;
+        let text = match confine {
+            true => {
+                kinopt::robot::Robot::read_mjcf_confined(&path).or_raise()?;
+                kinopt::robot::mjcf_with_includes_confined(&path)
+            }
+            false => {
+                kinopt::robot::Robot::read_mjcf(&path).or_raise()?;
+                kinopt::robot::mjcf_with_includes(&path)
+            }
+        };
         Self::build(Source {
-            text: text.into(),
+            text: text.or_raise()?.into(),
             file: path.display().to_string(),
             lenient: false,
+            confine,
             soft_limits: false,
             mimic_limits: restricts_sources(mimic_limits)?,
             joint_limits: Vec::new(),
@@ -196,8 +212,9 @@ impl Robot {
     #[classmethod]
     #[pyo3(signature = (
         text, name = "robot.urdf", *, base_joint = None, base_room = None, lenient = false, soft_limits = false,
-        mimic_limits = "source"
+        mimic_limits = "source", confine = false
     ))]
+    #[allow(clippy::too_many_arguments, reason = "they are keywords")]
     fn from_urdf_text(
         _class: &Bound<'_, PyType>,
         text: &str,
@@ -207,11 +224,13 @@ impl Robot {
         lenient: bool,
         soft_limits: bool,
         mimic_limits: &str,
+        confine: bool,
     ) -> PyResult<Self> {
         Self::build(Source {
             text: text.into(),
             file: name.to_owned(),
             lenient,
+            confine,
             soft_limits,
             mimic_limits: restricts_sources(mimic_limits)?,
             joint_limits: Vec::new(),
@@ -219,6 +238,12 @@ impl Robot {
             tools: Vec::new(),
             loops: Loops::default(),
         })
+    }
+
+    /// Whether meshes are opened only below the folder of the robot's file: see `confine` of `from_urdf`.
+    #[getter]
+    fn confined(&self) -> bool {
+        self.inner.is_confined()
     }
 
     /// The same robot with the limits of MoveIt's joint_limits.yaml: `max_velocity`, `max_acceleration`, `max_jerk`, and `min_position` and
@@ -706,14 +731,14 @@ impl Robot {
         _class: &Bound<'_, PyType>,
         text: &str,
         file: String,
-        lenient: bool,
+        reading: (bool, bool),
         limits: PickledLimits,
         base: PickledBase<'_>,
         tools: Vec<PickledTool<'_>>,
         loops: PickledLoops<'_>,
     ) -> PyResult<Self> {
         Self::build(Source::unpickled(
-            text, file, lenient, limits, base, tools, loops,
+            text, file, reading, limits, base, tools, loops,
         )?)
     }
 

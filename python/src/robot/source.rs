@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use kinopt::io::FileAccess;
 use kinopt::model::{Limits, UnknownName};
 use kinopt::robot::{BaseJoint, Robot};
 use kinopt::spatial::Placement;
@@ -21,6 +22,8 @@ pub(super) struct Source {
     pub(super) text: Arc<str>,
     pub(super) file: String,
     pub(super) lenient: bool,
+    /// Whether the files it names are opened only below its folder.
+    pub(super) confine: bool,
     pub(super) soft_limits: bool,
     /// Whether mimic joints restrict their source joints.
     pub(super) mimic_limits: bool,
@@ -77,6 +80,10 @@ impl Source {
         let reader = match self.lenient {
             true => Robot::reader().lenient(),
             false => Robot::reader(),
+        };
+        let reader = match self.confine {
+            true => reader.confined(),
+            false => reader,
         };
         let robot = reader.parse(&self.text, &self.file).or_raise()?;
         // Whose folder meshes are looked for in.
@@ -146,7 +153,7 @@ impl Source {
         Ok((
             self.text.to_string(),
             self.file.clone(),
-            self.lenient,
+            (self.lenient, self.confine),
             (self.soft_limits, self.mimic_limits, limits),
             (self.base.joint.clone(), room),
             tools,
@@ -158,7 +165,7 @@ impl Source {
     pub(super) fn unpickled(
         text: &str,
         file: String,
-        lenient: bool,
+        (lenient, confine): (bool, bool),
         (soft_limits, mimic_limits, limits): PickledLimits,
         (joint, room): PickledBase<'_>,
         tools: Vec<PickledTool<'_>>,
@@ -174,6 +181,7 @@ impl Source {
             text: text.into(),
             file,
             lenient,
+            confine,
             soft_limits,
             mimic_limits,
             joint_limits: (limits.into_iter())
@@ -225,10 +233,9 @@ impl Base {
 }
 
 /// What a file holds, and its name in messages.
-pub(super) fn text_of(path: &Path) -> PyResult<(String, String)> {
+pub(crate) fn text_of(path: &Path) -> PyResult<(String, String)> {
     let file = path.display().to_string();
-    let bytes = std::fs::read(path)
-        .map_err(|error| raise(Kind::File, format!("{file}: cannot be read: {error}")))?;
+    let bytes = FileAccess::new().read(path).or_raise()?;
     let text = String::from_utf8(bytes)
         .map_err(|_| raise(Kind::InvalidFile, format!("{file}: is not UTF-8 text")))?;
     Ok((text, file))

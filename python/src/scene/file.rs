@@ -10,6 +10,7 @@ use super::{Scene, options};
 use crate::animation::{Clip, Pose};
 use crate::contents::{parsed, text_or_bytes};
 use crate::error::OrRaise;
+use crate::file_access::access;
 
 /// A .glb or .gltf file as it was read, with the scene in it.
 ///
@@ -22,15 +23,26 @@ pub(crate) struct SceneFile {
 
 #[pymethods]
 impl SceneFile {
-    /// Reads a .glb or .gltf file and the buffers beside it.
+    /// Reads a .glb or .gltf file and its buffers. `write` opens images by the same `folders`.
+    ///
+    /// The files that it names are opened only below its own folder and below `folders`, symbolic links followed. No file above
+    /// `max_bytes` is read.
     ///
     /// Raises as `Scene.read`.
     #[classmethod]
-    fn read(class: &Bound<'_, PyType>, path: PathBuf) -> PyResult<Self> {
-        let inner = class
-            .py()
-            .detach(|| gltf::SceneFile::read(&path))
-            .or_raise()?;
+    #[pyo3(
+        signature = (path, *, folders = Vec::new(), max_bytes = 1_073_741_824),
+        text_signature = "(path, *, folders=[], max_bytes=1073741824)"
+    )]
+    fn read(
+        class: &Bound<'_, PyType>,
+        path: PathBuf,
+        folders: Vec<PathBuf>,
+        max_bytes: u64,
+    ) -> PyResult<Self> {
+        let access = access(folders, max_bytes);
+        let read = || gltf::SceneFile::read_with(&path, &access);
+        let inner = class.py().detach(read).or_raise()?;
         Ok(Self { inner })
     }
 

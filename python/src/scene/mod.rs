@@ -18,6 +18,7 @@ pub(crate) use self::posing::ScenePosing;
 use crate::animation::{Armature, Clip};
 use crate::contents::{parsed, text_or_bytes};
 use crate::error::{OrRaise, invalid};
+use crate::file_access::access;
 use crate::mesh::TriangleMesh;
 use crate::pickling;
 use crate::skeleton::Skeleton;
@@ -76,21 +77,34 @@ impl Scene {
         scene.into()
     }
 
-    /// Reads a .glb or .gltf file and the buffers beside it.
+    /// Reads a .glb or .gltf file and its buffers.
+    ///
+    /// The files that it names are opened only below its own folder and below `folders`, symbolic links followed. No file above
+    /// `max_bytes` is read.
     ///
     /// Raises `FileError` where a file cannot be opened, `InvalidFileError` naming the file, a path in it such
     /// as `animations[1].samplers[0]`, and the node, mesh or animation.
     #[classmethod]
-    fn read(class: &Bound<'_, PyType>, path: PathBuf) -> PyResult<Self> {
-        let scene = class.py().detach(|| gltf::read(&path));
+    #[pyo3(
+        signature = (path, *, folders = Vec::new(), max_bytes = 1_073_741_824),
+        text_signature = "(path, *, folders=[], max_bytes=1073741824)"
+    )]
+    fn read(
+        class: &Bound<'_, PyType>,
+        path: PathBuf,
+        folders: Vec<PathBuf>,
+        max_bytes: u64,
+    ) -> PyResult<Self> {
+        let access = access(folders, max_bytes);
+        let scene = class.py().detach(|| gltf::read_with(&path, &access));
         scene.or_raise().map(Self::from)
     }
 
     /// Reads a scene from the bytes of a .glb or .gltf file, or from the text of a .gltf; `name` is what
     /// messages call it.
     ///
-    /// `open` is called with the names of buffers beside the file and gives their bytes:
-    /// `dict.__getitem__` of a dictionary will do.
+    /// `open` is called with the names of buffers below the file's folder and gives their bytes:
+    /// `dict.__getitem__` of a dictionary will do. Names that lead elsewhere raise `InvalidFileError`.
     ///
     /// Raises `InvalidFileError`, and whatever `open` raises; a `FileNotFoundError` or `KeyError` of it is a
     /// file that does not exist.

@@ -266,11 +266,11 @@ pub(super) fn solve(
     let py = problem.py();
     let given = problem.get();
     let problem = &*given.stated()?;
-    let threads = threads::count(threads)?;
     let questions = Questions::read((given, problem), asked)?;
+    let threads = threads::count(threads, questions.count)?;
     let progress = Progress::new(py, progress, questions.count)?;
     let asked = (engine, problem);
-    let inner = py.detach(|| match threads.min(questions.count) {
+    let inner = py.detach(|| match threads {
         0 | 1 => one_by_one(&questions, asked, &progress),
         threads => on_threads(&questions, asked, threads, &progress),
     })?;

@@ -169,6 +169,7 @@ impl Drag {
         targets: Option<&Bound<'_, PyAny>>,
         #[pyo3(from_py_with = crate::arrays::whole)] frames: usize,
     ) -> PyResult<Solution> {
+        at_least_one(frames)?;
         self.go(py, targets, |drag| {
             drag.follow(frames);
         })
@@ -185,6 +186,7 @@ impl Drag {
         targets: Option<&Bound<'_, PyAny>>,
         #[pyo3(from_py_with = crate::arrays::whole)] frames: usize,
     ) -> PyResult<Solution> {
+        at_least_one(frames)?;
         self.go(py, targets, |drag| {
             drag.settle(frames);
         })
@@ -279,5 +281,12 @@ pub(crate) struct Leap {
 impl Leap {
     fn __repr__(&self) -> String {
         format!("Leap({:?}, {})", self.joint, self.distance)
+    }
+}
+
+fn at_least_one(frames: usize) -> PyResult<()> {
+    match frames {
+        0 => Err(invalid("frames is 0: at least 1")),
+        _ => Ok(()),
     }
 }

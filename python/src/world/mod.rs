@@ -16,6 +16,7 @@ pub(crate) use obstacle::{Obstacle, Separation};
 
 use crate::arrays;
 use crate::error::{OrRaise, invalid};
+use crate::file_access::access;
 use crate::pickling;
 use crate::placement;
 
@@ -78,10 +79,25 @@ impl World {
 
     /// Reads a world from a file: our JSON (`.json`), or a planning scene of MoveIt's (`.yaml`, `.yml`).
     ///
+    /// The files that it names are opened only below its own folder and below `folders`, symbolic links followed. No file above
+    /// `max_bytes` is read.
+    ///
     /// Raises `FileError` where it cannot be read, `InvalidFileError`, which names the place, for what is wrong in it.
     #[classmethod]
-    fn read(_class: &Bound<'_, PyType>, py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        let world = py.detach(|| collision::World::read(&path)).or_raise()?;
+    #[pyo3(
+        signature = (path, *, folders = Vec::new(), max_bytes = 1_073_741_824),
+        text_signature = "(path, *, folders=[], max_bytes=1073741824)"
+    )]
+    fn read(
+        _class: &Bound<'_, PyType>,
+        py: Python<'_>,
+        path: PathBuf,
+        folders: Vec<PathBuf>,
+        max_bytes: u64,
+    ) -> PyResult<Self> {
+        let access = access(folders, max_bytes);
+        let read = || collision::World::read_with(&path, &access);
+        let world = py.detach(read).or_raise()?;
         Ok(world.into())
     }
 

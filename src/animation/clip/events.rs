@@ -4,6 +4,7 @@ use std::iter::successors;
 
 use super::{Clip, Passage};
 use crate::animation::Playback;
+use crate::interruption::is_stopped;
 
 /// Something that happens at a time of a clip: a foot lands, a sound starts.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,6 +71,9 @@ impl Clip {
             // Beyond 2^53 cycles the next one is the same number.
             (next != *k && (first..=last).contains(&next)).then_some(next)
         });
+        // Without events in the span no cycle has any.
+        let cycles = cycles.take(if cycle.is_empty() { 0 } else { usize::MAX });
+        let cycles = cycles.take_while(|_| !is_stopped());
         cycles.flat_map(move |k| {
             // The same expression for the same event and cycle always, so that passages which meet
             // at a time agree on which side of it an event is.

@@ -46,7 +46,7 @@ impl Arm {
             let mut better = false;
             'directions: for joint in 0..n {
                 for by in [step, -step] {
-                    if query.is_late() || spent.attempts >= most.min(TRIES) {
+                    if kept.is_late(query, 2) || spent.attempts >= most.min(TRIES) {
                         return Ok((false, spent));
                     }
                     if !self.stand_beside(workspace, &at, joint, by)

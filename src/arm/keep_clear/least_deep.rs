@@ -19,7 +19,7 @@ impl Arm {
     ) -> Reply<f64> {
         let mut best = kept.worst(self, room, &workspace.x)?;
         for turn in 0..workspace.order.len().min(LOOKED_AT) {
-            if query.is_late() {
+            if kept.is_late(query, 2) {
                 break;
             }
             let place = workspace.order[turn].1;

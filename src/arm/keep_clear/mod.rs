@@ -2,6 +2,7 @@
 
 mod along_freedom;
 mod by_spheres;
+mod check_time;
 mod least_deep;
 mod many_configurations;
 mod path_steps;
@@ -9,6 +10,7 @@ mod search;
 
 use std::sync::Arc;
 
+use self::check_time::CheckTime;
 use super::arm::Arm;
 use super::workspace::ArmWorkspace;
 use super::{ArmError, QueryError, Reply};
@@ -37,6 +39,7 @@ pub(super) struct KeepClear {
     lanes: Option<InLanes>,
     /// Pairs of links that lanes leave out, by their places in the checker's model: they are too close for spheres to tell.
     close_pairs: Vec<[usize; 2]>,
+    check_time: CheckTime,
 }
 
 /// Spheres and solids in the base's frame.
@@ -147,6 +150,7 @@ impl Arm {
     /// The same; nothing where there is nothing to keep clear of.
     pub(crate) fn touching(&self, q: &[f64]) -> Result<Vec<Collision>, QueryError> {
         self.check_length("q", q.len(), self.joint_count())?;
+        self.check_finite(q)?;
         match &self.collisions {
             Some(kept) => kept.collisions(self, &mut kept.room(), q),
             None => Ok(Vec::new()),
@@ -198,6 +202,8 @@ impl KeepClear {
             base: arm.coordinates.base,
         };
         let at_rest = checker.collisions(&rest)?;
+        let check_time = CheckTime::default();
+        check_time.measured(arm, || checker.collisions(&rest))?;
         let never_free = at_rest.iter().any(|pair| own.is_fixed(pair, checker));
         let chain = arm.serial.chain.as_ref();
         let changed = before.and_then(|before| before.lanes_in(checker, &rest));
@@ -215,6 +221,7 @@ impl KeepClear {
             rest,
             never_free,
             lanes,
+            check_time,
         })
     }
 
@@ -254,9 +261,8 @@ impl KeepClear {
         q: &[f64],
     ) -> Reply<Vec<Collision>> {
         arm.configuration(q, &mut room.q_model)?;
-        Ok(self
-            .checker
-            .collisions_with(&mut room.exact, &room.q_model)?)
+        let check = || self.checker.collisions_with(&mut room.exact, &room.q_model);
+        Ok(self.check_time.measured(arm, check)?)
     }
 
     /// How far the two are apart that are worst at a configuration of the arm, metres; infinite where all pairs are free.
@@ -268,7 +274,8 @@ impl KeepClear {
     /// Whether all pairs are far enough apart, by the exact check.
     fn is_free(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Reply<bool> {
         arm.configuration(q, &mut room.q_model)?;
-        Ok(self.checker.is_free(&mut room.exact, &room.q_model)?)
+        let check = || self.checker.is_free(&mut room.exact, &room.q_model);
+        Ok(self.check_time.measured(arm, check)?)
     }
 
     /// Whether one that is not surely free by its spheres is so by its shapes: never where spheres are all there is to know.
@@ -309,7 +316,8 @@ impl KeepClear {
             }
             return Ok(free);
         };
-        let near = in_lanes::near(&lanes.bodies, &lanes.solids, q, &mut room.rooms);
+        let check = || in_lanes::near(&lanes.bodies, &lanes.solids, q, &mut room.rooms);
+        let near = self.check_time.measured(arm, check);
         Ok(!near & ((1 << (q.len() / n)) - 1))
     }
 

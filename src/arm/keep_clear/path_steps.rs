@@ -5,7 +5,7 @@ use crate::arm::Reply;
 use crate::arm::arm::Arm;
 use crate::arm::follower::LONG_STEP;
 use crate::arm::workspace::ArmWorkspace;
-use crate::clock::Instant;
+use crate::clock::is_past;
 use crate::collision::Way;
 use crate::ik::Solution;
 use crate::search::{Collision, Found};
@@ -79,7 +79,7 @@ impl Arm {
         let mut best = f64::INFINITY;
         for joint in 0..n {
             for by in DODGES {
-                if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+                if is_past(deadline) {
                     return Ok(best.is_finite());
                 }
                 if !self.stand_beside(workspace, from, joint, by) {

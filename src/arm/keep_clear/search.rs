@@ -28,7 +28,8 @@ impl Arm {
         query: &Query<'_>,
         solution: &mut Solution,
     ) -> Reply<(Found, Errors)> {
-        let (mut found, mut errors) = self.answer_anywhere(query, solution)?;
+        let plain = kept.with_time_to_check(query);
+        let (mut found, mut errors) = self.answer_anywhere(&plain, solution)?;
         self.with_room(kept, |workspace, room| {
             let free = found.reached && kept.is_clear(self, room, &solution.q)?;
             if found.reached && !free {
@@ -120,7 +121,7 @@ impl Arm {
         loop {
             let begun = workspace.outcomes.len();
             let made = begun as u32;
-            if made >= wanted || spent(&workspace.outcomes) >= budget || query.is_late() {
+            if made >= wanted || spent(&workspace.outcomes) >= budget || kept.is_late(query, 1) {
                 break;
             }
             match cells.filter(|_| made < about) {
@@ -180,6 +181,10 @@ impl Arm {
                 break;
             }
             for first in gathered.clone().step_by(CHECKED) {
+                if kept.is_late(query, 2) {
+                    next = None;
+                    break;
+                }
                 let group = first..(first + CHECKED).min(gathered.end);
                 let bits =
                     kept.free_by_spheres(self, room, &seeds[group.start * n..group.end * n])?;
@@ -191,6 +196,9 @@ impl Arm {
                 }
             }
             seeds.truncate(free * n);
+            if kept.is_late(query, 2) {
+                break;
+            }
         }
         let free = free.min(most);
         seeds.truncate(free * n);
@@ -228,6 +236,9 @@ impl Arm {
         let mut several = std::mem::take(&mut room.several);
         let mut first = None;
         for group in workspace.order[from..].chunks(CHECKED) {
+            if kept.is_late(query, 2) {
+                break;
+            }
             several.clear();
             for (_, place) in group {
                 several.extend_from_slice(workspace.found_at(*place));
@@ -237,7 +248,7 @@ impl Arm {
                 let q = workspace.found_at(*place);
                 let free = if by_spheres >> lane & 1 != 0 {
                     kept.close_are_apart(self, room, q)?
-                } else if room.by_shapes > 0 && !query.is_late() {
+                } else if room.by_shapes > 0 && !kept.is_late(query, 2) {
                     room.by_shapes -= 1;
                     kept.is_free_by_shapes(self, room, q)?
                 } else {
@@ -256,22 +267,32 @@ impl Arm {
         Ok(first)
     }
 
-    /// Takes the solutions out of the workspace's order that touch something.
-    pub(in crate::arm) fn drop_touching(&self, workspace: &mut ArmWorkspace) -> Reply<()> {
+    /// Takes the solutions out of the workspace's order that touch something, and those for whose check there is no time. Whether all
+    /// were checked.
+    pub(in crate::arm) fn drop_touching(
+        &self,
+        workspace: &mut ArmWorkspace,
+        query: &Query<'_>,
+    ) -> Reply<bool> {
         let Some(kept) = &self.collisions else {
-            return Ok(());
+            return Ok(true);
         };
         let mut taken = workspace.clear_room.take();
         let room = taken.get_or_insert_with(|| kept.room());
         let mut order = std::mem::take(&mut workspace.order);
         let mut free = Vec::with_capacity(order.len());
+        let mut all = true;
         for (distance, place) in order.drain(..) {
+            if kept.is_late(query, 1) {
+                all = false;
+                break;
+            }
             if kept.is_clear(self, room, workspace.found_at(place))? {
                 free.push((distance, place));
             }
         }
         workspace.order = free;
         workspace.clear_room = taken;
-        Ok(())
+        Ok(all)
     }
 }

@@ -1,7 +1,7 @@
 //! COLLADA: the triangles of the scene, each part where its nodes put it, in metres. `<up_axis>` is not applied, as
 //! in RViz and MoveIt: robots' files are written for that.
 
-use roxmltree::{Document, Node, ParsingOptions};
+use roxmltree::{Document, Node};
 
 use super::dae_document::{Collada, children, named};
 use super::dae_nodes::Instances;
@@ -12,11 +12,8 @@ use crate::spatial::Vector3;
 pub(super) fn parse(bytes: &[u8], file: &str) -> FromFile<MeshFile> {
     let text = text::of(bytes, file)?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let options = ParsingOptions {
-        allow_dtd: true,
-        ..ParsingOptions::default()
-    };
-    let document = Document::parse_with_options(text, options).map_err(|error| {
+    // Without a document type, whose entities could stand for any amount of memory.
+    let document = Document::parse(text).map_err(|error| {
         let place = Place::Line(error.pos().row as usize);
         ReadError::malformed(file, place, error.to_string())
     })?;

@@ -8,6 +8,8 @@ use super::{CollisionModel, CollisionModelError, CollisionObject};
 use crate::bad_option::{AT_LEAST_ONE, BadOption};
 use crate::collision::Shape;
 use crate::collision::mesh_folders::MeshFolders;
+use crate::file::ReadError;
+use crate::file_access::AllowedFiles;
 use crate::robot::{self, Geometry, Robot};
 
 /// Makes a [`CollisionModel`] of a robot's shapes.
@@ -17,6 +19,7 @@ pub struct CollisionModelBuilder<'r> {
     folders: MeshFolders,
     meshes: MeshUse,
     leaves_out: bool,
+    confined: bool,
 }
 
 impl<'r> CollisionModelBuilder<'r> {
@@ -30,6 +33,7 @@ impl<'r> CollisionModelBuilder<'r> {
             },
             meshes: MeshUse::default(),
             leaves_out: false,
+            confined: robot.is_confined(),
         }
     }
 
@@ -46,6 +50,11 @@ impl<'r> CollisionModelBuilder<'r> {
         /// Leaves meshes out that are not found, with a note each, instead of failing.
         pub fn leaving_out_missing_meshes(mut self) {
             self.leaves_out = true;
+        }
+        /// Opens meshes only below the folder of the robot's file and below the package folders, as of a robot that is
+        /// [confined](Robot::confined).
+        pub fn confined(mut self) {
+            self.confined = true;
         }
     }
 
@@ -130,13 +139,24 @@ impl<'r> CollisionModelBuilder<'r> {
                     file: file.clone(),
                     looked_at,
                 })?;
+        let unreadable = |error: ReadError| CollisionModelError::Mesh {
+            link: link.to_owned(),
+            source: Box::new(error.without_contents()),
+        };
+        let path = match self.confined {
+            true => self.allowed().resolve(&path).map_err(unreadable)?,
+            false => path,
+        };
         match meshes.shapes(&path, *scale, self.meshes) {
             Ok(shapes) => Ok(shapes.to_vec()),
             Err(MeshFault::Shape(source)) => Err(fault(source)),
-            Err(MeshFault::File(source)) => Err(CollisionModelError::Mesh {
-                link: link.to_owned(),
-                source: Box::new(source),
-            }),
+            Err(MeshFault::File(source)) => Err(unreadable(source)),
         }
+    }
+
+    /// The files that a confined robot may name.
+    fn allowed(&self) -> AllowedFiles {
+        let folders = self.folders.beside.iter().chain(&self.folders.packages);
+        AllowedFiles::below(folders.map(PathBuf::as_path))
     }
 }

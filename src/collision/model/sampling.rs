@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::CollisionModel;
 use crate::collision::ROUNDING;
+use crate::interruption::is_stopped;
 use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::{FrameId, ModelError};
 use crate::spatial::Placement;
@@ -47,6 +48,9 @@ impl CollisionModel {
         let always = ALWAYS * samples as f64;
         let mut kept = Vec::new();
         for (pair, seen) in self.pairs.iter().zip(&seen) {
+            if is_stopped() {
+                break;
+            }
             let keep = match seen.touched {
                 0 => {
                     let own = pair.map(|link| Arc::clone(&shapes[self.place_of(link)]));
@@ -75,6 +79,9 @@ impl CollisionModel {
         let mut kinematics = ForwardKinematics::of_configurations(&self.model, &self.links);
         let mut x = vec![0.0; self.map.variables()];
         for sample in 0..samples {
+            if is_stopped() {
+                break;
+            }
             let mut q = self.draw(seed, sample, &mut x)?;
             self.map.expand_within_limits(&x, &mut q)?;
             if let Ok(placed) = kinematics.place(&q) {

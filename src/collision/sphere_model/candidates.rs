@@ -4,6 +4,7 @@ use super::cells::Cell;
 use super::solid::Solid;
 use crate::bisection::bisect;
 use crate::collision::Ball;
+use crate::interruption::is_stopped;
 use crate::spatial::Vector3;
 
 /// So many spheres are tried for a link.
@@ -22,6 +23,9 @@ pub(super) fn candidates(
     let largest = solid.bounds().half_diagonal();
     let mut balls = Vec::new();
     for cell in spread(surface, 3 * TRIED / 4) {
+        if is_stopped() {
+            return balls;
+        }
         let centre = medial(solid, cell, largest).unwrap_or(cell.heart);
         balls.push(grown(solid, centre, overhang));
     }

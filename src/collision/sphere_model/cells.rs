@@ -2,6 +2,7 @@
 
 use super::solid::Solid;
 use crate::collision::Ball;
+use crate::interruption::is_stopped;
 use crate::spatial::Vector3;
 
 /// The part of a solid in a cube.
@@ -106,7 +107,7 @@ pub(super) fn cells(solid: &Solid<'_>, finest: f64) -> Option<(Vec<Cell>, Vec<Ce
         } else {
             rest.extend(cell.split(solid));
         }
-        if surface.len() + inner.len() + rest.len() > MOST {
+        if surface.len() + inner.len() + rest.len() > MOST || is_stopped() {
             return None;
         }
     }

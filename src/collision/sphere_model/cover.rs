@@ -6,6 +6,7 @@ use super::candidates::grown;
 use super::cells::Cell;
 use super::solid::Solid;
 use crate::collision::Ball;
+use crate::interruption::is_stopped;
 
 /// Chosen balls, and the cells that each of them answers for.
 #[derive(Debug, Default)]
@@ -25,6 +26,9 @@ pub(super) fn cover(
 ) -> Cover {
     let mut chosen = greedy(&surface, candidates);
     for cell in &surface {
+        if is_stopped() {
+            return Cover::default();
+        }
         if !holds(&chosen, cell) {
             chosen.push(grown(solid, cell.heart, overhang));
         }
@@ -32,6 +36,9 @@ pub(super) fn cover(
     let mut cells = surface;
     let mut rest = inner;
     while let Some(cell) = rest.pop() {
+        if is_stopped() {
+            return Cover::default();
+        }
         // Balls that together hold a large cell may each hold a part of it.
         if holds(&chosen, &cell) {
             cells.push(cell);
@@ -51,6 +58,9 @@ pub(super) fn holds(balls: &[Ball], cell: &Cell) -> bool {
 
 fn greedy(cells: &[Cell], candidates: &[Ball]) -> Vec<Ball> {
     let held = |ball: &Ball| -> Vec<u32> {
+        if is_stopped() {
+            return Vec::new();
+        }
         let holds = |(index, cell): (usize, &Cell)| cell.is_in(ball).then_some(index as u32);
         cells.iter().enumerate().filter_map(holds).collect()
     };
@@ -97,6 +107,9 @@ fn greedy(cells: &[Cell], candidates: &[Ball]) -> Vec<Ball> {
 /// Gives each cell to one of the balls that hold it, such that those need to grow least.
 fn assign(balls: Vec<Ball>, mut cells: Vec<Cell>) -> Cover {
     let holders = |cell: &Cell| {
+        if is_stopped() {
+            return 0;
+        }
         let holding = |ball: &&Ball| cell.is_in(ball);
         balls.iter().filter(holding).count()
     };
@@ -105,6 +118,9 @@ fn assign(balls: Vec<Ball>, mut cells: Vec<Cell>) -> Cover {
     let mut needed = vec![0.0_f64; balls.len()];
     let mut own: Vec<Vec<Cell>> = vec![Vec::new(); balls.len()];
     for cell in cells {
+        if is_stopped() {
+            return Cover::default();
+        }
         let mut best: Option<(f64, usize, f64)> = None;
         for (k, ball) in balls.iter().enumerate() {
             if !cell.is_in(ball) {

@@ -5,6 +5,7 @@ use super::solid::Solid;
 use super::{Fineness, candidates, cover, rows, shrink};
 use crate::bad_option::BadOption;
 use crate::collision::{Ball, CollisionObject, ShapeKind};
+use crate::interruption::is_stopped;
 
 /// Cells are so much finer than the overhang.
 const FINER: f64 = 4.0;
@@ -86,6 +87,9 @@ fn within(objects: &[&CollisionObject], overhang: f64) -> Option<Covered> {
     let candidates = candidates::candidates(&solid, &surface, &inner, overhang);
     let covered = cover::cover(&solid, surface, inner, &candidates, overhang);
     for (ball, cells) in covered.balls.into_iter().zip(&covered.cells) {
+        if is_stopped() {
+            return None;
+        }
         let (ball, sticks) = shrink::shrunk(&solid, ball, cells, overhang);
         out = out.max(sticks);
         balls.push(ball);

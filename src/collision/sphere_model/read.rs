@@ -6,10 +6,11 @@ use std::path::Path;
 use super::NamedSpheres;
 use super::solid::Solid;
 use super::{SphereGroup, SphereModel, gap, yaml};
-use crate::collision::CollisionModel;
 #[cfg(feature = "urdf")]
 use crate::collision::ShapeKind;
 use crate::collision::model::pairs_apart;
+use crate::collision::shape::LARGEST;
+use crate::collision::{Ball, CollisionModel};
 use crate::file::{Place, ReadError, ReadProblem, read_with};
 use crate::model::FrameId;
 
@@ -53,6 +54,17 @@ impl SphereModel {
                 return Err(ReadError::of_file(file, problem));
             }
         };
+        for (name, spheres) in &named {
+            let fine = |ball: &Ball| {
+                let numbers = ball.centre.to_array().into_iter().chain([ball.radius]);
+                numbers.into_iter().all(|x| x.abs() <= LARGEST)
+            };
+            if let Some(index) = spheres.iter().position(|ball| !fine(ball)) {
+                let problem =
+                    format!("link `{name}`: sphere {index} has a number beyond {LARGEST:e} m");
+                return Err(ReadError::of_file(file, problem));
+            }
+        }
         let mut groups = Vec::new();
         let mut overhang: f64 = 0.0;
         for (name, spheres) in named {
@@ -110,11 +122,11 @@ fn pairs(model: &CollisionModel, groups: &[SphereGroup]) -> Vec<[usize; 2]> {
 /// The spheres of each link; other shapes than spheres are refused.
 #[cfg(feature = "urdf")]
 fn of_urdf(text: &str, file: &str) -> Result<NamedSpheres, ReadError> {
-    use crate::collision::Ball;
-
     let robot = crate::robot::Robot::reader().lenient().parse(text, file);
     let robot = robot.map_err(|error| invalid(file, error))?;
-    let model = CollisionModel::of(&robot).map_err(|error| invalid(file, error))?;
+    // Its shapes are spheres: no file of a mesh is opened.
+    let model = CollisionModel::builder(&robot).confined().build();
+    let model = model.map_err(|error| invalid(file, error))?;
     let mut named: NamedSpheres = Vec::new();
     for &link in model.links() {
         let name = model.name_of(link);

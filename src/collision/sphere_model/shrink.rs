@@ -6,6 +6,7 @@ use super::cells::Cell;
 use super::ranked::Ranked;
 use super::solid::Solid;
 use crate::collision::Ball;
+use crate::interruption::is_stopped;
 use crate::spatial::Vector3;
 
 /// Cells that ask for most are split so often to learn how much they truly need.
@@ -25,6 +26,9 @@ pub(super) fn shrunk(solid: &Solid<'_>, ball: Ball, cells: &[Cell], overhang: f6
     let (mut centre, mut least) = (ball.centre, out(ball.centre));
     let mut step = overhang / 2.0;
     for _ in 0..ROUNDS {
+        if is_stopped() {
+            break;
+        }
         let before = least;
         for axis in Vector3::UNITS {
             for way in [step, -step] {

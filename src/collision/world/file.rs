@@ -3,10 +3,9 @@
 use std::path::Path;
 
 use super::{World, json, moveit};
-use crate::file::{ReadError, WriteError, read_bytes, write_bytes};
-
-/// The longest file that is read.
-const LENGTH_LIMIT: u64 = 1 << 30;
+use crate::file::{ReadError, WriteError};
+use crate::file_access::FileAccess;
+use crate::file_replacement::write_file;
 
 impl World {
     /// Reads a world: our JSON from `.json`, a planning scene of MoveIt's from `.yaml` or `.yml`.
@@ -27,28 +26,32 @@ impl World {
     ///
     /// A `position` left out is the origin, a `quaternion` left out no turn; `attached` names a frame of the robot,
     /// in which the obstacle then stands, and `may_touch` lists the links and the obstacles that [may touch](Self::allow_touch) it;
-    /// a list `may_be_missing` beside those of obstacles has those names among them that neither robot nor world needs to have. A mesh is a file beside this one (OBJ, STL, DAE or PLY) or has `vertices`
+    /// a list `may_be_missing` beside those of obstacles has those names among them that neither robot nor world needs to have. A mesh is a file below this one's folder (OBJ, STL, DAE or PLY) or has `vertices`
     /// and `triangles`; `convex` has `points`, and `height_fields` have `heights`, `columns` and `spacing`.
     /// Obstacles come in this order of kinds, or in that of a list `order` of all names.
     ///
     /// # Errors
     /// A file that cannot be read, is of neither kind or damaged, and obstacles that cannot be, each with its place.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, ReadError> {
+        Self::read_with(path, &FileAccess::new())
+    }
+
+    /// Reads a world and the meshes it names, as far as `access` allows.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn read_with(path: impl AsRef<Path>, access: &FileAccess) -> Result<Self, ReadError> {
         let path = path.as_ref();
-        let bytes = read_bytes(path, LENGTH_LIMIT)?;
-        let name = path.display().to_string();
         let end = path.extension().and_then(|end| end.to_str());
-        match end.map(str::to_ascii_lowercase).as_deref() {
-            Some("json") => {
-                let folder = path.parent().unwrap_or_else(|| Path::new(""));
-                json::parse(&bytes, &name, Some(folder))
-            }
-            Some("yaml" | "yml") => moveit::parse(&bytes, &name),
+        let end = end.map(str::to_ascii_lowercase);
+        access.read_with(path, |bytes, name| match end.as_deref() {
+            Some("json") => json::parse(bytes, name, Some(&access.of_file(path))),
+            Some("yaml" | "yml") => moveit::parse(bytes, name),
             _ => Err(ReadError::of_file(
-                &name,
+                name,
                 "its name ends neither in .json nor in .yaml or .yml, so it is not known what it holds",
             )),
-        }
+        })
     }
 
     /// Reads a world from JSON's bytes; `name` stands for the file in errors. Meshes in files of their own are not
@@ -86,6 +89,6 @@ impl World {
             let problem = std::io::Error::new(std::io::ErrorKind::InvalidInput, told);
             return Err(WriteError::new(path, problem));
         }
-        write_bytes(path, self.to_json().as_bytes())
+        write_file(path, self.to_json().as_bytes())
     }
 }

@@ -2,7 +2,6 @@
 
 use std::collections::{BTreeSet, HashMap};
 use std::marker::PhantomData;
-use std::path::Path;
 
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, Visitor};
@@ -13,6 +12,7 @@ use super::{Obstacle, World, WorldError};
 use crate::collision::mesh_file::MeshFile;
 use crate::collision::shape::{Shape, ShapeError, ShapeKind};
 use crate::file::{FromFile, Place, ReadError, ReadProblem};
+use crate::file_access::AllowedFiles;
 use crate::spatial::Vector3;
 
 /// The kinds of obstacles, each with its own measures beside what all have; the file's lists of them.
@@ -142,8 +142,8 @@ where
 /// What is known while a file is read.
 struct Reader<'f> {
     file: &'f str,
-    /// Where meshes in files of their own are.
-    folder: Option<&'f Path>,
+    /// The files of meshes that may be opened; `None` opens none.
+    allowed: Option<&'f AllowedFiles>,
 }
 
 impl Reader<'_> {
@@ -198,15 +198,17 @@ impl Mesh {
                 return Err(reader.fail(place, problem.to_owned()));
             }
             (Some(file), true) => {
-                let Some(folder) = reader.folder else {
+                let Some(allowed) = reader.allowed else {
                     let problem = format!(
                         "names the file {file:?}, which is opened only where the world is read from a file of its own"
                     );
                     return Err(reader.fail(place, problem));
                 };
-                let path = folder.join(file);
-                MeshFile::read(path)
-                    .map_err(|error| ReadError::referred(reader.file, place, error))?
+                let parse = |bytes: Vec<u8>| MeshFile::parse(&bytes, &file);
+                let read = allowed
+                    .open(&file)
+                    .and_then(|bytes| parse(bytes).map_err(ReadError::without_contents));
+                read.map_err(|error| ReadError::referred(reader.file, place, error))?
             }
             (None, _) => MeshFile {
                 points: vectors(vertices),
@@ -219,9 +221,9 @@ impl Mesh {
 }
 
 /// A world of JSON's bytes.
-pub(super) fn parse(bytes: &[u8], file: &str, folder: Option<&Path>) -> FromFile<World> {
+pub(super) fn parse(bytes: &[u8], file: &str, allowed: Option<&AllowedFiles>) -> FromFile<World> {
     let Object(contents) = crate::io::json::parse(bytes, file)?;
-    read(contents, &Reader { file, folder })
+    read(contents, &Reader { file, allowed })
 }
 
 /// The same of what the file holds.
@@ -265,9 +267,9 @@ impl Serialize for World {
 #[cfg(feature = "serde")]
 impl<'de> Deserialize<'de> for World {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        let (file, folder) = ("a world", None);
+        let (file, allowed) = ("a world", None);
         let Object(contents) = Object::deserialize(from)?;
-        read(contents, &Reader { file, folder }).map_err(serde::de::Error::custom)
+        read(contents, &Reader { file, allowed }).map_err(serde::de::Error::custom)
     }
 }
 

@@ -48,12 +48,10 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use self::lexer::Lexer;
-use super::{ReadError, read_with};
+use super::{MAX_FILE_BYTES, ReadError, read_with};
 use crate::animation::{Armature, Clip};
 use crate::skeleton::BoneId;
 
-/// The longest BVH file that is read.
-const LENGTH_LIMIT: u64 = 1 << 30;
 /// The longest offset and position that is read and written: sums of as many as a file holds, and
 /// their squares in double precision, stay finite.
 const LONGEST: f64 = 1e30;
@@ -137,5 +135,5 @@ pub fn from_bytes(bytes: &[u8], name: &str) -> Result<MotionCapture, ReadError> 
 /// # Errors
 /// As [`from_bytes`], and when the file cannot be opened.
 pub fn read(path: impl AsRef<Path>) -> Result<MotionCapture, ReadError> {
-    read_with(path.as_ref(), LENGTH_LIMIT, from_bytes)
+    read_with(path.as_ref(), MAX_FILE_BYTES, from_bytes)
 }

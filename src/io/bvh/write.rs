@@ -9,7 +9,7 @@ use super::angles::{self, ORDER};
 use super::joint::{self, Joint, Kind};
 use super::{BvhChannel, BvhError};
 use crate::animation::{Armature, Clip, Cursor, Playback, Pose};
-use crate::io::write_bytes;
+use crate::io::write_file;
 
 /// The most frames: beyond as many, key times in single precision may meet.
 const MOST_FRAMES: f64 = 16_777_216.0;
@@ -89,7 +89,7 @@ pub fn write(
     path: impl AsRef<Path>,
 ) -> Result<(), BvhError> {
     let text = to_text(armature, clip, rate)?;
-    Ok(write_bytes(path.as_ref(), text.as_bytes())?)
+    Ok(write_file(path.as_ref(), text.as_bytes())?)
 }
 
 /// Writes [`poses_to_text`] to a file.
@@ -103,7 +103,7 @@ pub fn write_poses(
     path: impl AsRef<Path>,
 ) -> Result<(), BvhError> {
     let text = poses_to_text(armature, poses, rate)?;
-    Ok(write_bytes(path.as_ref(), text.as_bytes())?)
+    Ok(write_file(path.as_ref(), text.as_bytes())?)
 }
 
 fn frame_time(rate: f64) -> Result<f64, BvhError> {

@@ -71,9 +71,18 @@ fn data(uri: &str) -> Option<Result<Vec<u8>, String>> {
     Some(decoded.map_err(|error| format!("the data URI is not in base64: {error}")))
 }
 
+/// Whether a URI begins with a scheme or a drive: `https:`, `file:`, `C:`.
+fn has_scheme(uri: &str) -> bool {
+    let Some((scheme, _)) = uri.split_once(':') else {
+        return false;
+    };
+    let allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '+' | '-' | '.');
+    scheme.starts_with(|c: char| c.is_ascii_alphabetic()) && scheme.chars().all(allowed)
+}
+
 /// A relative URI as the path of a file, `%20` and the like decoded.
 pub(super) fn path(uri: &str) -> Result<String, String> {
-    if uri.contains("://") {
+    if has_scheme(uri) {
         return Err(format!(
             "`{uri}` is not beside the file; nothing is fetched"
         ));

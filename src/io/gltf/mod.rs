@@ -70,29 +70,34 @@ use std::path::Path;
 use gltf_json::Root;
 
 use self::source::Source;
-use super::{FromFile, ReadError, read_bytes, read_with};
+use super::{FileAccess, FromFile, ReadError};
 use crate::animation::{Armature, Clip, ClipNameError};
+use crate::file_access::below_folder;
 use crate::skeleton::BoneId;
 
-/// The longest file that is read, and the longest buffer beside it.
-const LENGTH_LIMIT: u64 = 1 << 31;
-
-/// Reads a `.glb` or `.gltf` file and the buffers beside it.
+/// Reads a `.glb` or `.gltf` file and its buffers, which must be below its folder.
 ///
 /// # Errors
 /// A [`ReadError`] naming the file, a path in it such as `animations[1].samplers[0]`, and the node,
 /// mesh or animation.
 pub fn read(path: impl AsRef<Path>) -> Result<Scene, ReadError> {
+    read_with(path, &FileAccess::new())
+}
+
+/// Reads a `.glb` or `.gltf` file and its buffers, as far as `access` allows.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_with(path: impl AsRef<Path>, access: &FileAccess) -> Result<Scene, ReadError> {
     let path = path.as_ref();
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let part = |file: &str| read_bytes(&folder.join(file), LENGTH_LIMIT);
-    read_with(path, LENGTH_LIMIT, |bytes, name| {
-        from_bytes(bytes, name, part)
+    let allowed = access.of_file(path);
+    access.read_with(path, |bytes, name| {
+        Ok(parse(bytes, name, |file| allowed.open(file))?.scene)
     })
 }
 
 /// Reads a scene from the bytes of a `.glb` or `.gltf` file; `name` is for messages. `open` gets the
-/// contents of a buffer by its path relative to the file; buffers within the file do not ask for it.
+/// contents of a buffer by its path relative to the file, if that leads below the file's folder.
 ///
 /// # Errors
 /// As [`read`], and whatever `open` fails with.
@@ -101,7 +106,7 @@ pub fn from_bytes(
     name: &str,
     open: impl FnMut(&str) -> Result<Vec<u8>, ReadError>,
 ) -> Result<Scene, ReadError> {
-    Ok(parse(bytes, name, open)?.scene)
+    Ok(parse(bytes, name, below_folder(open))?.scene)
 }
 
 /// A scene, and which nodes of the file its bones are.

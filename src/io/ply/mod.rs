@@ -17,11 +17,8 @@ use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyAccess};
 
 use self::elements::{Face, Skipped, Vertex};
-use super::{FromFile, Place, ReadError, WriteError, read_with, write_bytes};
+use super::{FromFile, MAX_FILE_BYTES, Place, ReadError, WriteError, read_with, write_file};
 use crate::mesh::TriangleMesh;
-
-/// The longest PLY file that is read.
-const LENGTH_LIMIT: u64 = 1 << 31;
 
 /// How the numbers of a PLY file are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,7 +69,7 @@ pub fn from_bytes(bytes: &[u8], name: &str) -> Result<TriangleMesh, ReadError> {
 /// # Errors
 /// As [`from_bytes`], and when the file cannot be opened.
 pub fn read(path: impl AsRef<Path>) -> Result<TriangleMesh, ReadError> {
-    read_with(path.as_ref(), LENGTH_LIMIT, from_bytes)
+    read_with(path.as_ref(), MAX_FILE_BYTES, from_bytes)
 }
 
 /// The mesh as a PLY file: `float` coordinates, normals where there are any, `uint` indices.
@@ -138,7 +135,7 @@ pub fn write(
     encoding: PlyEncoding,
     path: impl AsRef<Path>,
 ) -> Result<(), WriteError> {
-    write_bytes(path.as_ref(), &to_bytes(mesh, encoding))
+    write_file(path.as_ref(), &to_bytes(mesh, encoding))
 }
 
 fn put_entry<T: Copy + std::fmt::Display>(

@@ -39,16 +39,12 @@ pub use posing::{RigPosing, RigPosingError};
 
 use std::path::Path;
 
-use super::{Place, ReadError, dmat, ply, read_bytes, read_with};
+use super::{FileAccess, Place, ReadError, dmat, ply};
 use crate::animation::EulerClip;
+use crate::file_access::below_folder;
 use crate::mesh::TriangleMesh;
 use crate::skeleton::{BoneId, Skeleton};
 use crate::skinning::SkinWeights;
-
-/// The longest rig JSON that is read.
-const JSON_LIMIT: u64 = 1 << 28;
-/// The longest mesh or weights file of a rig that is read.
-const PART_LIMIT: u64 = 1 << 31;
 
 /// A skeleton with the mesh it moves, its keyframes and its pinned tips.
 #[derive(Clone, Debug)]
@@ -68,23 +64,41 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// Reads a rig and the files it names.
+    /// Reads a rig and the files it names, which must be below its folder.
     ///
     /// # Errors
     /// A [`ReadError`] naming the file and a path in it such as `bones[3].rest_T`.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, ReadError> {
+        Self::read_with(path, &FileAccess::new())
+    }
+
+    /// Reads a rig and the files it names, as far as `access` allows.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn read_with(path: impl AsRef<Path>, access: &FileAccess) -> Result<Self, ReadError> {
         let path = path.as_ref();
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let part = |file: &str| read_bytes(&folder.join(file), PART_LIMIT);
-        read_with(path, JSON_LIMIT, |json, name| Self::parse(json, name, part))
+        let allowed = access.of_file(path);
+        access.read_with(path, |json, name| {
+            Self::parse_any(json, name, |file| allowed.open(file))
+        })
     }
 
     /// Reads a rig from the bytes of its JSON file; `name` is for messages. `open` gets the
-    /// contents of `model.file` and `weights.file`.
+    /// contents of `model.file` and `weights.file`, if those lead below the JSON file's folder.
     ///
     /// # Errors
     /// As [`read`](Self::read), and whatever `open` fails with.
     pub fn parse(
+        json: &[u8],
+        name: &str,
+        open: impl FnMut(&str) -> Result<Vec<u8>, ReadError>,
+    ) -> Result<Self, ReadError> {
+        Self::parse_any(json, name, below_folder(open))
+    }
+
+    /// As [`parse`](Self::parse), with any reference given to `open`.
+    fn parse_any(
         json: &[u8],
         name: &str,
         mut open: impl FnMut(&str) -> Result<Vec<u8>, ReadError>,
@@ -98,8 +112,9 @@ impl Rig {
             |place: &str, error| ReadError::referred(name, Place::Json(place.into()), error);
         let mut mesh = None;
         if let Some(part) = &file.model {
-            let bytes = open(&part.file);
-            let read = bytes.and_then(|bytes| ply::from_bytes(&bytes, &part.file));
+            let parse = |bytes: Vec<u8>| ply::from_bytes(&bytes, &part.file);
+            let read = open(&part.file)
+                .and_then(|bytes| parse(bytes).map_err(ReadError::without_contents));
             mesh = Some(read.map_err(|error| referred("model.file", error))?);
         }
         let (mut weights, mut notes) = (None, Vec::new());
@@ -110,7 +125,9 @@ impl Rig {
                     notes.push(RigNote::NoWeightsFile { file });
                 }
                 bytes => {
-                    let read = bytes.and_then(|bytes| dmat::from_bytes(&bytes, &part.file));
+                    let parse = |bytes: Vec<u8>| dmat::from_bytes(&bytes, &part.file);
+                    let read =
+                        bytes.and_then(|bytes| parse(bytes).map_err(ReadError::without_contents));
                     let table = read.map_err(|error| referred("weights.file", error))?;
                     weights = Some(columns::weights(&file, &table, mesh.as_ref(), name)?);
                 }

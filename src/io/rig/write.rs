@@ -12,14 +12,14 @@ use super::names;
 use super::{degrees, interpolation};
 use crate::io::dmat::{self, DmatEncoding};
 use crate::io::ply::{self, PlyEncoding};
-use crate::io::{WriteError, write_bytes};
+use crate::io::{WriteError, write_files};
 use crate::model::Limits;
 use crate::skeleton::Bone;
 use crate::skinning::SkinWeights;
 
 impl Rig {
     /// Writes the rig to `path`, its mesh and weights beside it under the same name with the
-    /// extensions `ply` and `dmat` (both binary).
+    /// extensions `ply` and `dmat` (both binary). All files are whole before the first is replaced.
     ///
     /// Reading it again gives the same rig to the bit, except for angles that no number of degrees
     /// converts to; they are off by rounding.
@@ -58,13 +58,19 @@ impl Rig {
         else {
             return refuse("its name is not Unicode");
         };
-        if let Some(mesh) = &self.mesh {
-            ply::write(mesh, PlyEncoding::BinaryLittleEndian, &mesh_path)?;
-        }
-        if let Some(weights) = &self.weights {
-            dmat::write(&columns(weights).1, DmatEncoding::Binary, &weights_path)?;
-        }
-        write_bytes(path, self.to_json(&mesh_name, &weights_name).as_bytes())
+        let json = self.to_json(&mesh_name, &weights_name);
+        let mesh =
+            (self.mesh.as_ref()).map(|mesh| ply::to_bytes(mesh, PlyEncoding::BinaryLittleEndian));
+        let weights = (self.weights.as_ref())
+            .map(|weights| dmat::to_bytes(&columns(weights).1, DmatEncoding::Binary));
+        let mesh = mesh.as_deref().map(|bytes| (mesh_path.as_path(), bytes));
+        let weights = weights
+            .as_deref()
+            .map(|bytes| (weights_path.as_path(), bytes));
+        // The JSON comes last: it names the others.
+        let files = mesh.into_iter().chain(weights);
+        let files: Vec<_> = files.chain([(path, json.as_bytes())]).collect();
+        write_files(&files)
     }
 
     /// The rig's JSON, a bone or track a line. The mesh and the weights, where there are any, are

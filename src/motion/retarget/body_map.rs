@@ -11,8 +11,14 @@ use serde_json::Value;
 
 use super::RetargetError;
 use super::capture::check_named_once;
-use crate::bad_option::{BadOption, POSITIVE};
+use crate::bad_option::{BadOption, Range};
 use crate::spatial::{Matrix3, Vector3};
+
+/// Weights whose squares, and scales and offsets whose products with places, stay finite.
+const WEIGHT: Range = (|v| (0.0..=1e6).contains(&v), "within [0, 1e6]");
+const SCALE: Range = (|v| (1e-6..=1e6).contains(&v), "within [1e-6, 1e6]");
+const OFFSET: Range = (|v| v.abs() <= 1e6, "within [-1e6, 1e6] m");
+const FRAME_RATE: Range = (|v| (1e-6..=1e6).contains(&v), "within [1e-6, 1e6]");
 
 /// What a captured joint drives.
 #[derive(Clone, Debug, PartialEq)]
@@ -221,7 +227,7 @@ impl BodyMap {
             });
         }
         if let Some(rate) = file.fps {
-            BadOption::check("frames a second", rate, POSITIVE)?;
+            BadOption::check("frames a second", rate, FRAME_RATE)?;
         }
         check_named_once(&file.joints)?;
         let drives = file.drives.unwrap_or_default();
@@ -236,7 +242,9 @@ impl BodyMap {
         let drives = drives.into_iter().map(|(joint, value)| {
             let told = |error| RetargetError::Map(format!("drives: {joint}: {error}"));
             let drive: DriveText = serde_json::from_value(value).map_err(told)?;
-            Ok(drive.into_drive(joint))
+            let drive = drive.into_drive(joint);
+            drive.check()?;
+            Ok(drive)
         });
         Ok(Self {
             drives: drives.collect::<Result<_, RetargetError>>()?,
@@ -296,6 +304,19 @@ impl Drive {
             weight: 1.0,
             scale: None,
         }
+    }
+
+    /// Checks its numbers.
+    ///
+    /// # Errors
+    /// A weight, a scale or an offset out of its range.
+    pub(super) fn check(&self) -> Result<(), BadOption> {
+        BadOption::check("weight", self.weight, WEIGHT)?;
+        for offset in self.offset.to_array() {
+            BadOption::check("offset", offset, OFFSET)?;
+        }
+        self.scale
+            .map_or(Ok(()), |scale| BadOption::check("scale", scale, SCALE))
     }
 
     /// Whether its name tells of a foot.

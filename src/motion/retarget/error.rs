@@ -134,6 +134,22 @@ pub enum RetargetError {
     Map(String),
 }
 
+impl RetargetError {
+    /// Whether a map is wrong: its text, its numbers, or a name in it.
+    #[must_use]
+    pub fn is_of_map(&self) -> bool {
+        match self {
+            Self::Map(_)
+            | Self::Name(_)
+            | Self::NoDrives { .. }
+            | Self::DrivenTwice { .. }
+            | Self::NamedTwice { .. } => true,
+            Self::Option(bad) => matches!(bad.option, "weight" | "scale" | "offset"),
+            _ => false,
+        }
+    }
+}
+
 impl From<crate::problem::ProblemError> for RetargetError {
     fn from(error: crate::problem::ProblemError) -> Self {
         Self::Motion(error.into())

@@ -6,7 +6,6 @@ use super::limb_tree::{hips, leg_limbs, moving_joint, order};
 use super::map_guess::upward;
 use super::sole::{Sole, soles};
 use super::{BodyMap, Capture, FootShapes, RetargetError, UpAxis};
-use crate::bad_option::{BadOption, NOT_NEGATIVE, POSITIVE};
 use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::{FrameId, Model, UnknownName};
 use crate::motion::contact_detection::mean_place;
@@ -243,10 +242,7 @@ fn put_heels_on_feet(model: &Model, all: &mut [Limb], placed: &[Placement<f64>])
 fn of_map(model: &Model, map: &BodyMap, capture: &Capture) -> Result<Vec<Limb>, RetargetError> {
     let mut all: Vec<Limb> = Vec::with_capacity(map.drives.len());
     for drive in &map.drives {
-        BadOption::check("weight", drive.weight, NOT_NEGATIVE)?;
-        if let Some(scale) = drive.scale {
-            BadOption::check("scale", scale, POSITIVE)?;
-        }
+        drive.check()?;
         let frame = model.frame(&drive.frame)?;
         if let Some(other) = all
             .iter()

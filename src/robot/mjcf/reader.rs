@@ -59,7 +59,17 @@ impl Robot {
     /// What is wrong with the file, with line and name: see [`RobotFileError`] and [`Fault`].
     pub fn read_mjcf(path: impl AsRef<Path>) -> Result<Self, RobotFileError> {
         let path = path.as_ref();
-        Ok(robot(&Tree::read(path)?)?.with_file(path))
+        Ok(robot(&Tree::read(path, false)?)?.with_file(path))
+    }
+
+    /// Reads an MJCF file that is not trusted: it includes only files below its folder, and the robot is
+    /// [confined](Self::confined).
+    ///
+    /// # Errors
+    /// As [`read_mjcf`](Self::read_mjcf), and an included file that is elsewhere.
+    pub fn read_mjcf_confined(path: impl AsRef<Path>) -> Result<Self, RobotFileError> {
+        let path = path.as_ref();
+        Ok(robot(&Tree::read(path, true)?)?.with_file(path).confined())
     }
 
     /// Reads an MJCF document from memory; `file` is the name that errors give it, beside which files that it
@@ -68,7 +78,16 @@ impl Robot {
     /// # Errors
     /// As [`read_mjcf`](Self::read_mjcf).
     pub fn parse_mjcf(text: &str, file: &str) -> Result<Self, RobotFileError> {
-        robot(&Tree::parse(text, file)?)
+        Self::parse_mjcf_as(text, file, false)
+    }
+
+    /// As [`parse_mjcf`](Self::parse_mjcf), confined or not.
+    pub(crate) fn parse_mjcf_as(text: &str, file: &str, confined: bool) -> Read<Self> {
+        let robot = robot(&Tree::parse(text, file, confined)?)?;
+        Ok(match confined {
+            true => robot.confined(),
+            false => robot,
+        })
     }
 }
 
@@ -78,7 +97,15 @@ impl Robot {
 /// # Errors
 /// A file that cannot be read, is no XML, or includes itself.
 pub fn mjcf_with_includes(path: impl AsRef<Path>) -> Result<String, RobotFileError> {
-    Tree::text_with_includes(path.as_ref())
+    Tree::text_with_includes(path.as_ref(), false)
+}
+
+/// As [`mjcf_with_includes`], with files below the folder of the file alone.
+///
+/// # Errors
+/// As [`mjcf_with_includes`], and an included file that is elsewhere.
+pub fn mjcf_with_includes_confined(path: impl AsRef<Path>) -> Result<String, RobotFileError> {
+    Tree::text_with_includes(path.as_ref(), true)
 }
 
 fn robot(tree: &Tree) -> Read<Robot> {

@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use roxmltree::Node;
+use roxmltree::{Document, Node};
 
-use crate::file::{Place, ReadError, read_bytes};
+use crate::file::{Place, ReadError, ReadProblem, read_bytes};
+use crate::file_access::AllowedFiles;
 use crate::robot::xml::{Fault, Read, RobotFileError, parse};
 
 /// The longest file that is read; real robots stay below 1 MB.
@@ -19,8 +20,20 @@ const MOST_NESTED: usize = 32;
 pub(super) struct Tree {
     /// The first is the root; children come after their parents.
     nodes: Vec<Stored>,
-    /// Names of the files, the main one first.
-    files: Vec<String>,
+    /// The files, the main one first.
+    files: Vec<Source>,
+    /// The files below the main one's folder.
+    allowed: AllowedFiles,
+    /// Whether those alone may be included.
+    confined: bool,
+}
+
+/// A file of a document.
+#[derive(Clone, Debug)]
+struct Source {
+    name: String,
+    /// Whether it is outside of the main file's folder, so that errors must not quote it.
+    outside: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -40,19 +53,25 @@ pub(super) struct Tag<'a> {
 }
 
 impl Tree {
-    /// Reads a file and what it includes.
-    pub(super) fn read(path: &Path) -> Read<Self> {
-        Self::parse(&text_of(path)?, &path.display().to_string())
+    /// Reads a file and what it includes; `confined` to files below its folder or not.
+    pub(super) fn read(path: &Path, confined: bool) -> Read<Self> {
+        Self::parse(&text_of(path)?, &path.display().to_string(), confined)
     }
 
-    /// Reads a document; what it includes is looked for beside `file`.
-    pub(super) fn parse(text: &str, file: &str) -> Read<Self> {
+    /// Reads a document; what it includes is looked for beside `file`, `confined` to files below its folder or not.
+    pub(super) fn parse(text: &str, file: &str, confined: bool) -> Read<Self> {
+        let folder = Path::new(file).parent().unwrap_or(Path::new(""));
         let mut tree = Self {
             nodes: Vec::new(),
             files: Vec::new(),
+            allowed: AllowedFiles::below([folder]),
+            confined,
         };
-        let folder = Path::new(file).parent().unwrap_or(Path::new(""));
-        tree.add(text, file.to_owned(), None, (folder, 0))?;
+        let main = Source {
+            name: file.to_owned(),
+            outside: false,
+        };
+        tree.add(text, main, None, (folder, 0))?;
         Ok(tree)
     }
 
@@ -65,9 +84,9 @@ impl Tree {
     }
 
     /// A file as one document: as it is where it includes nothing.
-    pub(super) fn text_with_includes(path: &Path) -> Read<String> {
+    pub(super) fn text_with_includes(path: &Path, confined: bool) -> Read<String> {
         let text = text_of(path)?;
-        let tree = Self::parse(&text, &path.display().to_string())?;
+        let tree = Self::parse(&text, &path.display().to_string(), confined)?;
         Ok(match tree.files.len() {
             1 => text,
             _ => tree.text(),
@@ -101,21 +120,28 @@ impl Tree {
 
     /// The name of the main file.
     pub(super) fn file(&self) -> &str {
-        self.files.first().map_or("", String::as_str)
+        self.files.first().map_or("", |source| &source.name)
     }
 
     /// Adds the elements of a file: all of them, or those within its root to an element that is there.
     fn add(
         &mut self,
         text: &str,
-        name: String,
+        source: Source,
         within: Option<usize>,
         (folder, nested): (&Path, usize),
     ) -> Read<()> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let document = parse(&name, text)?;
+        let document = match within {
+            None => parse(&source.name, text)?,
+            // The parser's message quotes the file.
+            Some(_) => Document::parse(text).map_err(|error| {
+                let line = Place::Line(error.pos().row as usize);
+                ReadError::new(&source.name, line, ReadProblem::InvalidReferenced)
+            })?,
+        };
         let file = self.files.len();
-        self.files.push(name);
+        self.files.push(source);
         let mut lines = Lines {
             text,
             at: 0,
@@ -165,7 +191,7 @@ impl Tree {
         (folder, nested): (&Path, usize),
     ) -> Read<()> {
         let fault = |fault| RobotFileError::Element {
-            file: self.files[include.file].clone(),
+            file: self.files[include.file].name.clone(),
             line: include.line,
             element: "<include>".to_owned(),
             fault,
@@ -177,17 +203,24 @@ impl Tree {
         let path: PathBuf = folder.join(named);
         let name = path.display().to_string();
         // As MuJoCo has it; and so no file can include itself.
-        if self.files.contains(&name) {
+        if self.files.iter().any(|source| source.name == name) {
             return Err(fault(Fault::IncludedTwice { file: name }));
         }
         if nested >= MOST_NESTED {
             return Err(fault(Fault::TooDeep { limit: MOST_NESTED }));
         }
-        let text = text_of(&path).map_err(|error| {
+        let referred = |error: ReadError| {
             let at = Place::Line(include.line as usize);
-            ReadError::referred(&self.files[include.file], at, error)
-        })?;
-        self.add(&text, name, Some(parent), (folder, nested + 1))
+            ReadError::referred(&self.files[include.file].name, at, error.without_contents())
+        };
+        let real = self.allowed.resolve(&path);
+        let outside = real.is_err();
+        if self.confined {
+            real.map_err(referred)?;
+        }
+        let text = text_of(&path).map_err(referred)?;
+        let source = Source { name, outside };
+        self.add(&text, source, Some(parent), (folder, nested + 1))
     }
 
     fn tag(&self, index: usize) -> Tag<'_> {
@@ -231,8 +264,13 @@ impl<'a> Tag<'a> {
 
     /// What is wrong with it.
     pub(super) fn fault(&self, fault: Fault) -> RobotFileError {
+        let source = &self.tree.files[self.stored().file];
+        if source.outside {
+            let line = Place::Line(self.line() as usize);
+            return ReadError::new(&source.name, line, ReadProblem::InvalidReferenced).into();
+        }
         RobotFileError::Element {
-            file: self.tree.files[self.stored().file].clone(),
+            file: source.name.clone(),
             line: self.line(),
             element: self.called(),
             fault,

@@ -19,6 +19,7 @@ const LENGTH_LIMIT: u64 = 64 << 20;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct UrdfReader {
     lenient: bool,
+    confined: bool,
 }
 
 impl UrdfReader {
@@ -47,6 +48,8 @@ impl UrdfReader {
         /// # Ok::<(), kinopt::robot::RobotFileError>(())
         /// ```
         pub fn lenient(mut self) { self.lenient = true }
+        /// Confines the robot to the folder of its file: see [`Robot::confined`]. An MJCF file includes only files below that folder.
+        pub fn confined(mut self) { self.confined = true }
     }
 
     /// Reads a file.
@@ -73,7 +76,7 @@ impl UrdfReader {
     pub fn parse(&self, text: &str, file: &str) -> Result<Robot, RobotFileError> {
         #[cfg(feature = "mjcf")]
         if crate::robot::xml::root_name(text) == Some("mujoco") {
-            return Robot::parse_mjcf(text, file);
+            return Robot::parse_mjcf_as(text, file, self.confined);
         }
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut repairs: Vec<Repair> = Vec::new();
@@ -104,6 +107,7 @@ impl UrdfReader {
         }
         robot.repairs = reading.repairs.into_inner();
         robot.repairs.sort_by_key(|repair| repair.line);
+        robot.confined = self.confined;
         Ok(robot)
     }
 }
@@ -171,7 +175,7 @@ fn robot(document: Document, topology: &Topology) -> Result<Robot, ModelError> {
 }
 
 impl Robot {
-    /// How URDF is read: [`UrdfReader::lenient`] is the one choice.
+    /// How URDF is read, with choices.
     #[must_use]
     pub fn reader() -> UrdfReader {
         UrdfReader::default()

@@ -32,7 +32,10 @@ fn answer<'b>(
     backend: &'b impl QueryBackend,
     queries: &[Query],
 ) -> Outcome<Outcomes<'b>> {
-    let threads = arguments.threads.map(usize::from);
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    // More threads than targets or cores would have nothing to do.
+    let most = cores.min(queries.len()).max(1);
+    let threads = arguments.threads.map(|threads| most.min(threads.into()));
     let pool = threads.map(|threads| {
         let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
         builder.build()

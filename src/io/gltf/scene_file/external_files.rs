@@ -1,24 +1,15 @@
-//! Files that a document names: taken into it where it goes to another folder.
+//! Embedding of the files that a document names, for a document that is written to another folder.
 
 use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
+use super::image_type::media_type;
 use super::json_edit::Members;
 use super::text;
-use crate::io::gltf::LENGTH_LIMIT;
+use crate::file_access::AllowedFiles;
 use crate::io::gltf::buffers::{is_data, path};
-use crate::io::read_bytes;
-
-/// What files of images are, by the end of their names.
-const IMAGES: [(&str, &str); 5] = [
-    ("png", "image/png"),
-    ("jpg", "image/jpeg"),
-    ("jpeg", "image/jpeg"),
-    ("webp", "image/webp"),
-    ("ktx2", "image/ktx2"),
-];
 
 pub(super) fn is_same_folder(one: &Path, other: &Path) -> bool {
     let here = |folder: &Path| match folder.as_os_str().is_empty() {
@@ -28,31 +19,21 @@ pub(super) fn is_same_folder(one: &Path, other: &Path) -> bool {
     one == other || here(one).is_some_and(|own| here(other) == Some(own))
 }
 
-/// Puts the buffers and images that are files of a folder into the document.
-pub(super) fn take_in(document: &mut Members, folder: &Path) -> Result<(), String> {
+/// Puts the buffers and images that are allowed files into the document.
+///
+/// Files that do not exist and URLs stay named.
+pub(super) fn take_in(document: &mut Members, allowed: &AllowedFiles) -> Result<(), String> {
     let mut problem = None;
     for list in ["buffers", "images"] {
         let taken = document.change_each(list, |index, members| {
-            let Some(uri) = text(members, "uri").filter(|uri| !is_data(uri)) else {
-                return Ok(false);
-            };
-            // What is elsewhere stays there.
-            let Ok(file) = path(&uri) else {
-                return Ok(false);
-            };
-            match read_bytes(&folder.join(&file), LENGTH_LIMIT) {
-                Ok(bytes) => {
-                    let data = format!(
-                        "data:{};base64,{}",
-                        kind(list, &file),
-                        STANDARD.encode(bytes)
-                    );
-                    members.set("uri", &data).map(|()| true)
-                }
-                // It was not there before either: its name is all there is to keep.
-                Err(error) if error.is_missing() => Ok(false),
+            let embedded = text(members, "uri").map_or(Ok(None), |uri| {
+                embedded(list, &uri, text(members, "mimeType"), allowed)
+            });
+            match embedded {
+                Ok(Some(data)) => members.set("uri", &data).map(|()| true),
+                Ok(None) => Ok(false),
                 Err(error) => {
-                    problem = Some(format!("{list}[{index}].uri: {error}"));
+                    problem.get_or_insert(format!("{list}[{index}].uri: {error}"));
                     Ok(false)
                 }
             }
@@ -62,11 +43,30 @@ pub(super) fn take_in(document: &mut Members, folder: &Path) -> Result<(), Strin
     problem.map_or(Ok(()), Err)
 }
 
-/// The media type of a file.
-fn kind(list: &str, file: &str) -> &'static str {
-    let ending = file.rsplit('.').next().unwrap_or("").to_ascii_lowercase();
-    let known = IMAGES
-        .iter()
-        .find(|(own, _)| list == "images" && *own == ending);
-    known.map_or("application/octet-stream", |(_, kind)| kind)
+/// A named file as a data URI; `None` for what stays as it is.
+fn embedded(
+    list: &str,
+    uri: &str,
+    declared: Option<String>,
+    allowed: &AllowedFiles,
+) -> Result<Option<String>, String> {
+    let Some(file) = path(uri).ok().filter(|_| !is_data(uri)) else {
+        return Ok(None);
+    };
+    let bytes = match allowed.open(&file) {
+        Ok(bytes) => bytes,
+        Err(error) if error.is_missing() => return Ok(None),
+        Err(error) => return Err(error.to_string()),
+    };
+    let kind = match list {
+        "images" => {
+            let kind = media_type(&bytes, declared.as_deref());
+            kind.map_err(|problem| format!("{file}: {problem}"))?
+        }
+        _ => "application/octet-stream",
+    };
+    Ok(Some(format!(
+        "data:{kind};base64,{}",
+        STANDARD.encode(bytes)
+    )))
 }

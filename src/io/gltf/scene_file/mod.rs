@@ -2,20 +2,22 @@
 
 mod appended_clip;
 mod external_files;
+mod image_type;
 mod json_edit;
 
 use std::io::{Error, ErrorKind};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::value::RawValue;
 
 use self::json_edit::Members;
 use super::glb;
 use super::write::{UnwritableScene, WriteOptions, clip_document};
-use super::{LENGTH_LIMIT, Parsed, Scene, parse};
+use super::{Parsed, Scene, parse};
 use crate::animation::{Armature, Clip, LocalTransform, Pose};
+use crate::file_access::{AllowedFiles, below_folder};
 use crate::io::json::parse_by;
-use crate::io::{ReadError, WriteError, read_bytes, read_with, write_bytes};
+use crate::io::{FileAccess, FromFile, ReadError, WriteError, write_file};
 use crate::skeleton::BoneId;
 
 /// A `.glb` or `.gltf` file as it was read, with the scene in it. Clips are added to it and its nodes posed; everything else, also
@@ -38,8 +40,8 @@ pub struct SceneFile {
     bone_of: Vec<BoneId>,
     document: Members,
     container: Container,
-    /// Where the files are that it names.
-    folder: PathBuf,
+    /// The files that it may name; `None` for a document from memory, which opens no file.
+    allowed: Option<AllowedFiles>,
 }
 
 /// What the document stands in.
@@ -55,23 +57,30 @@ enum Container {
 }
 
 impl SceneFile {
-    /// Reads a `.glb` or `.gltf` file and the buffers beside it.
+    /// Reads a `.glb` or `.gltf` file and its buffers, which must be below its folder.
     ///
     /// # Errors
     /// As [`read`](super::read).
     pub fn read(path: impl AsRef<Path>) -> Result<Self, ReadError> {
+        Self::read_with(path, &FileAccess::new())
+    }
+
+    /// Reads a `.glb` or `.gltf` file and its buffers, as far as `access` allows. [`write`](Self::write) opens images by it too.
+    ///
+    /// # Errors
+    /// As [`read`](super::read).
+    pub fn read_with(path: impl AsRef<Path>, access: &FileAccess) -> Result<Self, ReadError> {
         let path = path.as_ref();
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let part = |file: &str| read_bytes(&folder.join(file), LENGTH_LIMIT);
-        let mut read = read_with(path, LENGTH_LIMIT, |bytes, name| {
-            Self::from_bytes(bytes, name, part)
+        let allowed = access.of_file(path);
+        let mut read = access.read_with(path, |bytes, name| {
+            Self::parsed(bytes, name, |file| allowed.open(file))
         })?;
-        read.folder = folder.to_owned();
+        read.allowed = Some(allowed);
         Ok(read)
     }
 
     /// Reads the bytes of a `.glb` or `.gltf` file; `name` is for messages. `open` gets the contents of a buffer by its path relative
-    /// to the file.
+    /// to the file, if that leads below the file's folder. [`write`](Self::write) opens no file then.
     ///
     /// # Errors
     /// As [`from_bytes`](super::from_bytes).
@@ -80,6 +89,14 @@ impl SceneFile {
         name: &str,
         open: impl FnMut(&str) -> Result<Vec<u8>, ReadError>,
     ) -> Result<Self, ReadError> {
+        Self::parsed(bytes, name, below_folder(open))
+    }
+
+    fn parsed(
+        bytes: &[u8],
+        name: &str,
+        open: impl FnMut(&str) -> FromFile<Vec<u8>>,
+    ) -> FromFile<Self> {
         let Parsed { scene, bone_of } = parse(bytes, name, open)?;
         let chunks = glb::split(bytes, name)?;
         let document = parse_by(|json| serde_json::from_slice(json), chunks.json, name)?;
@@ -96,7 +113,7 @@ impl SceneFile {
             bone_of,
             document,
             container,
-            folder: PathBuf::new(),
+            allowed: None,
         })
     }
 
@@ -177,12 +194,12 @@ impl SceneFile {
         bytes_of(&self.document, &self.container)
     }
 
-    /// Writes it to a `.glb` or `.gltf` file. In another folder than it was read from, the files beside it that it names
-    /// (images, buffers) are put into it, as it would not find them there; one that does not exist stays named.
+    /// Writes it to a `.glb` or `.gltf` file. In another folder than it was read from, the images and buffers that it names by
+    /// relative paths are put into it. One that does not exist stays named, and all of a document from memory.
     ///
     /// # Errors
-    /// A [`WriteError`] naming the file: it cannot be written, its name ends otherwise, or a file beside the old one cannot be
-    /// read.
+    /// A [`WriteError`] naming the file. The file cannot be written, or its name ends otherwise. A named file is outside of the
+    /// allowed folders, or cannot be read. An image does not begin as files of its type do.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), WriteError> {
         let path = path.as_ref();
         let fail =
@@ -205,11 +222,13 @@ impl SceneFile {
             _ => return Err(fail("scenes are written as .glb or .gltf".into())),
         }
         let folder = path.parent().unwrap_or(Path::new(""));
-        if !external_files::is_same_folder(folder, &self.folder) {
-            external_files::take_in(&mut document, &self.folder).map_err(&fail)?;
+        if let Some(allowed) = &self.allowed {
+            if !external_files::is_same_folder(folder, allowed.folder()) {
+                external_files::take_in(&mut document, allowed).map_err(&fail)?;
+            }
         }
         let bytes = bytes_of(&document, &container).map_err(|error| fail(error.to_string()))?;
-        write_bytes(path, &bytes)
+        write_file(path, &bytes)
     }
 }
 

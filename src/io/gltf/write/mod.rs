@@ -27,7 +27,7 @@ pub use error::UnwritableScene;
 use self::buffer::Document;
 use super::scene::{Scene, SceneMesh};
 use crate::animation::{Armature, ArmatureBone, Clip, LocalTransform};
-use crate::io::{WriteError, write_bytes};
+use crate::io::{WriteError, write_file};
 use crate::mesh::TriangleMesh;
 use crate::skeleton::BoneId;
 use crate::skinning::MorphTargets;
@@ -184,5 +184,5 @@ pub fn write_mesh(mesh: &TriangleMesh, path: impl AsRef<Path>) -> Result<(), Wri
 
 fn written(bytes: Result<Vec<u8>, UnwritableScene>, path: &Path) -> Result<(), WriteError> {
     let refused = |error| WriteError::new(path, Error::new(ErrorKind::InvalidInput, error));
-    write_bytes(path, &bytes.map_err(refused)?)
+    write_file(path, &bytes.map_err(refused)?)
 }

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::{FolderError, FolderQuestion, QUESTION};
+use crate::file_replacement::write_file;
 
 /// Files of movements, by their endings.
 const KINDS: [&str; 4] = ["npy", "bvh", "glb", "gltf"];
@@ -115,10 +116,10 @@ impl MovementFolder {
                 });
             }
         } else {
-            let part = unfinished(&noted);
-            fs::write(&part, text)
-                .and_then(|()| fs::rename(&part, &noted))
-                .map_err(|error| FolderError::writing(&noted, error))?;
+            write_file(&noted, text.as_bytes()).map_err(|error| {
+                let problem = std::io::Error::new(error.problem.kind(), error.problem.to_string());
+                FolderError::writing(&noted, problem)
+            })?;
         }
         let mut last: Option<&Path> = None;
         for folder in self.pairs.iter().filter_map(|(_, out)| out.parent()) {

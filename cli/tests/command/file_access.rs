@@ -1,0 +1,46 @@
+//! Promise: the command opens the files that a file names only below its folder and the listed ones, and none above the largest size.
+
+use crate::forked_rig::*;
+
+const OBJ: &str = "# SECRET\nv 5 5 5\nv 6 5 5\nv 5 6 6\nf 1 2 3\n";
+const ROBOT: &str = r#"<robot name="r"><link name="a"><collision><geometry><mesh filename="../file_access_outside/mesh.obj"/>
+</geometry></collision></link><link name="b"/><joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint></robot>"#;
+
+#[test]
+fn files_outside_the_folder_are_opened_when_listed() {
+    let (inside, outside) = (
+        Folder::new("file_access"),
+        Folder::new("file_access_outside"),
+    );
+    let mesh = outside.text("mesh.obj", OBJ);
+    let listed = std::path::Path::new(&mesh)
+        .parent()
+        .unwrap()
+        .display()
+        .to_string();
+    let world = inside.text(
+        "world.json",
+        &format!(
+            r#"{{"meshes":[{{"name":"m","file":{},"position":[3,0,0]}}]}}"#,
+            serde_json::to_string(&mesh).unwrap()
+        ),
+    );
+    let robot = inside.text(
+        "robot.urdf",
+        &ROBOT.replace("../file_access_outside/mesh.obj", &mesh),
+    );
+    let plain = inside.text(
+        "plain.urdf",
+        &ROBOT.replace(
+            &ROBOT[ROBOT.find("<collision").unwrap()..ROBOT.find("</link>").unwrap()],
+            "",
+        ),
+    );
+    refused!("check {robot} --q 0 --world {world}" => 1, "meshes[0] | outside of the folders");
+    answer!("check {robot} --q 0 --world {world} --allow-folder {listed}");
+    refused!("check {robot} --q 0 --confine" => 1, "outside of the folders");
+    answer!("check {robot} --q 0 --confine --package {listed}");
+    refused!("info {plain} --max-file-bytes x" => 2, "--max-file-bytes");
+    let capture = inside.text("rig.json", "{}");
+    refused!("info {capture} --max-file-bytes 1" => 1, "1 bytes");
+}

@@ -1,0 +1,45 @@
+//! Ctrl-C during long computations of the library.
+
+use std::cell::Cell;
+use std::time::{Duration, Instant};
+
+use kinopt::interruption;
+use pyo3::prelude::*;
+
+use crate::problem::{is_raised, raise_later, raised};
+
+/// Time between two looks at signals.
+const PERIOD: Duration = Duration::from_millis(5);
+/// Calls between two looks at the clock, which costs more than the rest.
+const CALLS: u32 = 16;
+
+thread_local! {
+    static CALLED: Cell<u32> = const { Cell::new(0) };
+    static NEXT: Cell<Option<Instant>> = const { Cell::new(None) };
+}
+
+/// Runs `work` without the GIL. A signal whose handler raises ends it, and its exception is raised.
+pub(crate) fn interruptible<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce() -> T + Send,
+) -> PyResult<T> {
+    let done = py.detach(|| interruption::interruptible(is_stopped, work));
+    raised()?;
+    Ok(done)
+}
+
+fn is_stopped() -> bool {
+    let called = CALLED.get().wrapping_add(1);
+    CALLED.set(called);
+    if !called.is_multiple_of(CALLS) {
+        return is_raised();
+    }
+    let now = Instant::now();
+    if NEXT.get().is_none_or(|next| now >= next) {
+        if let Err(error) = Python::attach(|py| py.check_signals()) {
+            raise_later(error);
+        }
+        NEXT.set(Some(now + PERIOD));
+    }
+    is_raised()
+}

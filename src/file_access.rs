@@ -1,0 +1,211 @@
+//! Access to the files that a file names: only below allowed folders, up to a size.
+//!
+//! A scene, a rig or a world may come from anyone, so a reference in it must not open any file of the machine. A reference is
+//! resolved against the folder of the file that holds it, its symbolic links are followed, and the result must lie below that
+//! folder or below a folder that the caller lists.
+
+use std::path::{Component, Path, PathBuf};
+
+use crate::file::{FromFile, MAX_FILE_BYTES, Place, ReadError, ReadProblem, read_bytes};
+
+/// Files that a reader may open: the folders below which a file's references may lead, and the largest size.
+///
+/// References always may lead below the folder of the file that holds them. Symbolic links are followed first.
+///
+/// ```
+/// use kinopt::io::FileAccess;
+///
+/// let access = FileAccess::new().with_folder("textures").with_max_bytes(1 << 20);
+/// assert_eq!(access.max_bytes(), 1 << 20);
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileAccess {
+    folders: Vec<PathBuf>,
+    max_bytes: u64,
+}
+
+impl Default for FileAccess {
+    fn default() -> Self {
+        Self {
+            folders: Vec::new(),
+            max_bytes: MAX_FILE_BYTES,
+        }
+    }
+}
+
+impl FileAccess {
+    /// Access to the folder of the file that is read alone, to files of at most 1 GiB.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    setters! {
+        /// Allows references below this folder too.
+        pub fn with_folder(mut self, folder: impl Into<PathBuf>) { self.folders.push(folder.into()) }
+        /// Sets the largest file that is read, in bytes.
+        pub fn with_max_bytes(mut self, bytes: u64) { self.max_bytes = bytes }
+    }
+
+    getters! {
+        /// The folders that are allowed beside the file's own.
+        pub fn folders(&self) -> &[PathBuf] = &self.folders;
+        /// The largest file that is read, in bytes.
+        pub fn max_bytes(&self) -> u64 = self.max_bytes;
+    }
+
+    /// Reads a whole regular file. Its size is checked before anything is read.
+    ///
+    /// # Errors
+    /// A [`ReadError`] naming the file: it cannot be opened, is a device or a pipe, or is larger than [`max_bytes`](Self::max_bytes).
+    pub fn read(&self, path: impl AsRef<Path>) -> Result<Vec<u8>, ReadError> {
+        read_bytes(path.as_ref(), self.max_bytes)
+    }
+
+    /// Parses a whole file by its bytes and its name.
+    pub(crate) fn read_with<T>(
+        &self,
+        path: &Path,
+        parse: impl FnOnce(&[u8], &str) -> FromFile<T>,
+    ) -> FromFile<T> {
+        crate::file::read_with(path, self.max_bytes, parse)
+    }
+
+    /// The files that a file may name.
+    pub(crate) fn of_file(&self, file: &Path) -> AllowedFiles {
+        let folder = file.parent().unwrap_or(Path::new(""));
+        AllowedFiles::new(folder, &self.folders, self.max_bytes)
+    }
+}
+
+/// The files that one file may name.
+#[derive(Clone, Debug)]
+pub(crate) struct AllowedFiles {
+    /// The folder from which relative references count.
+    folder: PathBuf,
+    /// The allowed folders.
+    roots: Vec<PathBuf>,
+    max_bytes: u64,
+}
+
+impl AllowedFiles {
+    pub(crate) fn new(folder: &Path, others: &[PathBuf], max_bytes: u64) -> Self {
+        let own = std::iter::once(folder).chain(others.iter().map(PathBuf::as_path));
+        Self {
+            folder: folder.to_owned(),
+            roots: own.map(named).collect(),
+            max_bytes,
+        }
+    }
+
+    /// The files below these folders, named by whole paths or from the working directory.
+    #[cfg(any(feature = "collision", feature = "mjcf"))]
+    pub(crate) fn below<'f>(folders: impl IntoIterator<Item = &'f Path>) -> Self {
+        Self {
+            folder: PathBuf::new(),
+            roots: folders.into_iter().map(named).collect(),
+            max_bytes: MAX_FILE_BYTES,
+        }
+    }
+
+    /// The folder from which relative references count.
+    #[cfg(feature = "gltf")]
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The contents of a referenced file.
+    pub(crate) fn open(&self, reference: &str) -> FromFile<Vec<u8>> {
+        let path = self.folder.join(reference);
+        let renamed = |error: ReadError| ReadError {
+            file: path.display().to_string(),
+            ..error
+        };
+        // Read under its real path, so that no link is followed once more.
+        read_bytes(&self.resolve(&path)?, self.max_bytes).map_err(renamed)
+    }
+
+    /// The real path of a file below the allowed folders. Nothing outside of them is looked at, as far as the path's text shows.
+    pub(crate) fn resolve(&self, path: &Path) -> FromFile<PathBuf> {
+        let file = path.display().to_string();
+        let fail = |problem: ReadProblem| ReadError::new(&file, Place::File, problem);
+        let outside = || {
+            let folders = self.roots.iter().map(|root| root.display().to_string());
+            fail(ReadProblem::Outside {
+                folders: folders.collect(),
+            })
+        };
+        let real_roots: Vec<PathBuf> = (self.roots.iter())
+            .filter_map(|root| root.canonicalize().ok())
+            .collect();
+        let whole = without_dots(path).ok_or_else(outside)?;
+        let wholes = self.roots.iter().filter_map(|root| without_dots(root));
+        let mut all = wholes.chain(real_roots.iter().cloned());
+        if !all.any(|root| whole.starts_with(root)) {
+            return Err(outside());
+        }
+        let real = path.canonicalize().map_err(|error| fail(error.into()))?;
+        match real_roots.iter().any(|root| real.starts_with(root)) {
+            true => Ok(real),
+            false => Err(outside()),
+        }
+    }
+}
+
+/// A folder as paths can be joined to it: the folder of a file without one is the working directory.
+fn named(folder: &Path) -> PathBuf {
+    match folder.as_os_str().is_empty() {
+        true => PathBuf::from("."),
+        false => folder.to_owned(),
+    }
+}
+
+/// An absolute path without `.` and `..`, by its text alone; `None` where `..` leaves the root.
+fn without_dots(path: &Path) -> Option<PathBuf> {
+    let mut whole = PathBuf::new();
+    for part in std::path::absolute(path).ok()?.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir if !whole.pop() => return None,
+            Component::ParentDir => {}
+            part => whole.push(part),
+        }
+    }
+    Some(whole)
+}
+
+/// Opens by a caller's function only references below the folder of the file that holds them, on whatever system the function opens.
+pub(crate) fn below_folder(
+    mut open: impl FnMut(&str) -> FromFile<Vec<u8>>,
+) -> impl FnMut(&str) -> FromFile<Vec<u8>> {
+    move |reference| match is_below_folder(reference) {
+        true => open(reference),
+        false => {
+            let folders = Vec::new();
+            Err(ReadError::new(
+                reference,
+                Place::File,
+                ReadProblem::Outside { folders },
+            ))
+        }
+    }
+}
+
+/// Whether a reference leads below the folder that it counts from, by its text alone: it is relative, names no drive, and no `..`
+/// leaves the folder. Both slashes separate.
+fn is_below_folder(reference: &str) -> bool {
+    let absolute = reference.starts_with(['/', '\\']);
+    let drive = reference.as_bytes().get(1) == Some(&b':');
+    let mut depth = 0_usize;
+    for part in reference.split(['/', '\\']) {
+        depth = match part {
+            "" | "." => depth,
+            ".." => match depth.checked_sub(1) {
+                Some(depth) => depth,
+                None => return false,
+            },
+            _ => depth + 1,
+        };
+    }
+    !absolute && !drive && !reference.contains('\0')
+}

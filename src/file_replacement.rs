@@ -1,0 +1,131 @@
+//! Replacement of files as a whole: each is written beside its place and renamed.
+//!
+//! Whoever reads a file sees the old contents or the new ones. If anything fails before the first rename, all files stay as
+//! they were.
+
+use std::fs::File;
+use std::io::{Error, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use crate::file::WriteError;
+
+/// Largest number of symbolic links that lead to a file, as in Linux.
+const MAX_LINKS: usize = 40;
+/// Largest number of names that are tried for a temporary file.
+const MAX_NAMES: usize = 100;
+
+/// Writes a whole file: beside its place, then renamed. Symbolic links are followed, and stay.
+///
+/// # Errors
+/// A [`WriteError`] naming the file, which is as it was.
+pub fn write_file(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), WriteError> {
+    write_files(&[(path.as_ref(), bytes)])
+}
+
+/// Writes files that belong together: all are written beside their places before the first is renamed.
+pub(crate) fn write_files(files: &[(&Path, &[u8])]) -> Result<(), WriteError> {
+    let mut staged = Vec::with_capacity(files.len());
+    for (path, bytes) in files {
+        let one = Staged::new(path, bytes).map_err(|problem| WriteError::new(path, problem))?;
+        staged.push(one);
+    }
+    for (one, (path, bytes)) in staged.iter_mut().zip(files) {
+        let placed = one.place(bytes);
+        placed.map_err(|problem| WriteError::new(path, problem))?;
+    }
+    Ok(())
+}
+
+/// Contents that wait for their place.
+struct Staged {
+    target: PathBuf,
+    /// The file that holds the contents; `None` where they are written to the target itself.
+    temporary: Option<PathBuf>,
+}
+
+impl Staged {
+    fn new(path: &Path, bytes: &[u8]) -> std::io::Result<Self> {
+        let target = without_links(path)?;
+        let direct = |target: PathBuf| Self {
+            target,
+            temporary: None,
+        };
+        let permissions = match std::fs::metadata(&target) {
+            Ok(old) if old.is_dir() => return Err(Error::from(ErrorKind::IsADirectory)),
+            // A file that may not be written is not replaced either.
+            Ok(old) if old.is_file() => {
+                File::options().write(true).open(&target)?;
+                Some(old.permissions())
+            }
+            // A device or a pipe.
+            Ok(_) => return Ok(direct(target)),
+            Err(error) if error.kind() == ErrorKind::NotFound => None,
+            Err(error) => return Err(error),
+        };
+        let (mut file, temporary) = match temporary_beside(&target) {
+            Ok(made) => made,
+            // A folder in which no file can be made may hold one that can be written.
+            Err(_) if permissions.is_some() => return Ok(direct(target)),
+            Err(error) => return Err(error),
+        };
+        let staged = Self {
+            target,
+            temporary: Some(temporary),
+        };
+        file.write_all(bytes)?;
+        if let Some(permissions) = permissions {
+            file.set_permissions(permissions)?;
+        }
+        Ok(staged)
+    }
+
+    fn place(&mut self, bytes: &[u8]) -> std::io::Result<()> {
+        match &self.temporary {
+            None => std::fs::write(&self.target, bytes),
+            Some(temporary) => {
+                std::fs::rename(temporary, &self.target)?;
+                self.temporary = None;
+                Ok(())
+            }
+        }
+    }
+}
+
+impl Drop for Staged {
+    fn drop(&mut self) {
+        if let Some(temporary) = &self.temporary {
+            let _ = std::fs::remove_file(temporary);
+        }
+    }
+}
+
+/// A new file in the folder of another one.
+fn temporary_beside(target: &Path) -> std::io::Result<(File, PathBuf)> {
+    static NEXT: AtomicU64 = AtomicU64::new(0);
+    let mut taken = Error::from(ErrorKind::AlreadyExists);
+    for _ in 0..MAX_NAMES {
+        let number = NEXT.fetch_add(1, Ordering::Relaxed);
+        // Folders of movements are swept of files that are called so.
+        let name = format!(".part.{}-{number}", std::process::id());
+        let path = target.with_file_name(name);
+        match File::options().write(true).create_new(true).open(&path) {
+            Ok(file) => return Ok((file, path)),
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => taken = error,
+            Err(error) => return Err(error),
+        }
+    }
+    Err(taken)
+}
+
+/// The path to which a chain of symbolic links leads. Nothing needs to be there.
+fn without_links(path: &Path) -> std::io::Result<PathBuf> {
+    let mut path = path.to_owned();
+    for _ in 0..MAX_LINKS {
+        let Ok(link) = std::fs::read_link(&path) else {
+            return Ok(path);
+        };
+        path = path.parent().unwrap_or(Path::new("")).join(link);
+    }
+    Err(Error::other("too many symbolic links lead to it"))
+}

@@ -1,0 +1,39 @@
+//! Early end of long computations, for programs that react to signals.
+
+use std::cell::Cell;
+
+thread_local! {
+    static IS_STOPPED: Cell<Option<fn() -> bool>> = const { Cell::new(None) };
+}
+
+/// Runs `work` on this thread, and ends its searches, samplings and covers early once `is_stopped` returns true.
+///
+/// `is_stopped` is called often, at least every few milliseconds, and must keep returning true until `work` returns. What `work` returns
+/// is incomplete then: discard it. Nothing else changes a result. Threads that `work` starts do not call it.
+///
+/// ```
+/// use std::sync::atomic::{AtomicBool, Ordering};
+///
+/// static STOPPED: AtomicBool = AtomicBool::new(false);
+/// let sum = kinopt::interruption::interruptible(|| STOPPED.load(Ordering::Relaxed), || 1 + 1);
+/// assert_eq!(sum, 2);
+/// ```
+pub fn interruptible<T>(is_stopped: fn() -> bool, work: impl FnOnce() -> T) -> T {
+    let _restored = Restored(IS_STOPPED.replace(Some(is_stopped)));
+    work()
+}
+
+/// Whether the computation of this thread is to end.
+#[inline]
+pub(crate) fn is_stopped() -> bool {
+    IS_STOPPED.get().is_some_and(|is_stopped| is_stopped())
+}
+
+/// Puts the function back that was there before, also after a panic.
+struct Restored(Option<fn() -> bool>);
+
+impl Drop for Restored {
+    fn drop(&mut self) {
+        IS_STOPPED.set(self.0);
+    }
+}
