@@ -43,6 +43,7 @@ impl Attempts {
         self.x.resize(variables, 0.0);
         self.local.resize(variables, true);
         self.hops.fit(variables);
+        self.limbs.fit(variables);
         self.keeper.fit(variables, question.problem.rows_of(share));
     }
 }

@@ -19,6 +19,17 @@ pub(super) struct IndependentLimbs {
 }
 
 impl IndependentLimbs {
+    /// Reserves memory for a search over this number of variables.
+    pub(super) fn fit(&mut self, variables: usize) {
+        self.several = false;
+        self.limbs.clear();
+        self.limbs.reserve(variables);
+        self.x.clear();
+        self.x.reserve(variables);
+        self.solved.clear();
+        self.solved.reserve(variables);
+    }
+
     /// Begins a search.
     pub(super) fn begin(&mut self, question: Question<'_>, share: Share) {
         let problem = question.problem;

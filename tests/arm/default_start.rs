@@ -1,4 +1,5 @@
 //! An arm's default start is a state of its SRDF file or the middle of its limits, from which near targets have near solutions.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::arm::{Arm, Goal};
 use kinopt::robot::{Robot, Srdf};

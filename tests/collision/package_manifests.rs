@@ -1,4 +1,5 @@
 //! A mesh at `package://NAME/…` lies in the package whose `package.xml` states the name, whatever its folder is called.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fs;
 use std::path::Path;

@@ -27,7 +27,7 @@ fn endless_computations_end_when_stopped() {
     let arm = builder.with_attempts(u32::MAX).build().unwrap();
     let start = vec![0.1; 7];
     let mut far = arm.base_from_tool(&start).unwrap();
-    far.translation = far.translation + Vector3::new(5.0, 0.0, 0.0);
+    far.translation += Vector3::new(5.0, 0.0, 0.0);
     let solution = interruptible(stopped, || arm.solve(far, &start)).unwrap();
     assert!(!solution.reached);
     CALLS.set(0);

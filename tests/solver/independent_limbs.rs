@@ -1,4 +1,5 @@
 //! Limbs that share no variable are restarted separately: a reachable target for each is reached as often as for one alone.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::ik::Restarts;
 use kinopt::kinematics::ForwardKinematics;

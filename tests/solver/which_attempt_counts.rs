@@ -65,7 +65,7 @@ fn a_success_counts_though_a_failure_costs_less() {
 
 /// Two arms at one place: one where it should be, one that cannot come there.
 #[test]
-fn two_attempts_leave_alone_what_is_reached() {
+fn later_attempts_keep_a_reached_limb() {
     let mut builder = Model::builder("two arms");
     let (z, limits) = (Vector3::new(0.0, 0.0, 1.0), Limits::new(-2.0, 2.0));
     let link = Placement::translation([1.0, 0.0, 0.0].into());
@@ -97,11 +97,8 @@ fn two_attempts_leave_alone_what_is_reached() {
         .unwrap();
     let moved = |start: &Vec<f64>| [&start[..2], &start[2..]].map(|arm| *arm != [0.0; 2]);
     let moved: Vec<[bool; 2]> = starts[..6].iter().map(moved).collect();
-    let near = [false, true];
-    assert_eq!(
-        moved,
-        [[false; 2], near, near, [true; 2], [true; 2], [true; 2]]
-    );
+    assert_eq!(moved[0], [false; 2]);
+    assert_eq!(moved[1..], [[false, true]; 5]);
 }
 
 /// A row of many minima, which differ by next to nothing.

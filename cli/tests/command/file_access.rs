@@ -2,7 +2,8 @@
 
 use crate::forked_rig::*;
 
-const OBJ: &str = "# SECRET\nv 5 5 5\nv 6 5 5\nv 5 6 6\nf 1 2 3\n";
+const OBJ: &str =
+    "# SECRET\nv 5 5 5\nv 6 5 5\nv 5 6 6\nv 5 5 6\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
 const ROBOT: &str = r#"<robot name="r"><link name="a"><collision><geometry><mesh filename="../file_access_outside/mesh.obj"/>
 </geometry></collision></link><link name="b"/><joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint></robot>"#;
 
@@ -20,18 +21,18 @@ fn files_outside_the_folder_are_opened_when_listed() {
         .to_string();
     let world = inside.text(
         "world.json",
-        &format!(
+        format!(
             r#"{{"meshes":[{{"name":"m","file":{},"position":[3,0,0]}}]}}"#,
             serde_json::to_string(&mesh).unwrap()
         ),
     );
     let robot = inside.text(
         "robot.urdf",
-        &ROBOT.replace("../file_access_outside/mesh.obj", &mesh),
+        ROBOT.replace("../file_access_outside/mesh.obj", &mesh),
     );
     let plain = inside.text(
         "plain.urdf",
-        &ROBOT.replace(
+        ROBOT.replace(
             &ROBOT[ROBOT.find("<collision").unwrap()..ROBOT.find("</link>").unwrap()],
             "",
         ),

@@ -642,6 +642,10 @@ impl Robot {
     /// from -pi to pi.
     ///
     /// Raises `InvalidValueError` as `to_pinocchio`.
+    #[allow(
+        clippy::wrong_self_convention,
+        reason = "the name in Python, beside `to_`"
+    )]
     fn from_pinocchio<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let order = self.pinocchio_order()?;
         let nq = self.model.configuration_len();
@@ -668,6 +672,10 @@ impl Robot {
     /// The configuration of MuJoCo's `qpos`, shape (nq,) or (N, nq): the inverse of `to_mujoco`.
     ///
     /// Raises `InvalidValueError` as `to_mujoco`.
+    #[allow(
+        clippy::wrong_self_convention,
+        reason = "the name in Python, beside `to_`"
+    )]
     fn from_mujoco<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let order = self.mujoco_order();
         let nq = self.model.configuration_len();

@@ -68,22 +68,24 @@ impl fmt::Display for Note {
                 unweighted,
             } => {
                 let (negative, rescaled) = (repair.negative, repair.rescaled);
-                write!(
-                    f,
-                    "mesh `{mesh}`: {negative} negative weights set to 0, {merged} added to another \
-                     of their joint, those of {rescaled} vertices scaled to sum to 1"
-                )?;
-                match repair.worst {
-                    Some((vertex, sum)) => write!(f, " (vertex {vertex} had {sum})")?,
-                    None => (),
+                let mut changes = Vec::new();
+                if negative > 0 {
+                    changes.push(format!("{negative} negative weights set to 0"));
                 }
-                match unweighted {
-                    0 => Ok(()),
-                    count => write!(
-                        f,
-                        "; {count} vertices without weights follow their first joint"
-                    ),
+                if *merged > 0 {
+                    changes.push(format!("{merged} added to another of their joint"));
                 }
+                if let Some((vertex, sum)) = repair.worst {
+                    changes.push(format!(
+                        "those of {rescaled} vertices scaled to sum to 1 (vertex {vertex} had {sum})"
+                    ));
+                }
+                if *unweighted > 0 {
+                    changes.push(format!(
+                        "{unweighted} vertices without weights follow their first joint"
+                    ));
+                }
+                write!(f, "mesh `{mesh}`: {}", changes.join(", "))
             }
             Self::Repaired { place, what } => write!(f, "{place}{what}"),
             Self::LeftOut { place, what } => write!(f, "{place}{what}: left out"),

@@ -81,10 +81,7 @@ fn bound(
                 |problem| source.fail(path.as_str(), format!("{user}: joint {joint}: {problem}"));
             let (_, repair) = affine(matrix).map_err(problem)?;
             if let Some(repair) = repair {
-                notes.push(Note::repaired(
-                    format!("{path}[{joint}]"),
-                    format!(": {repair}"),
-                ));
+                notes.push(Note::repaired(format!("{path}[{joint}]"), repair));
             }
             let column = |at: usize| Vec3A::new(matrix[at], matrix[at + 1], matrix[at + 2]);
             Ok(Affine3A {
