@@ -155,9 +155,21 @@ pub enum QueryError {
         /// The joint's limit.
         limit: f64,
     },
+    /// A servo's start state whose acceleration cannot end before the velocity limit.
+    #[error(
+        "joint `{joint}`: its acceleration cannot end before its velocity is {velocity:.6}, beyond its limit {limit}"
+    )]
+    CannotCoast {
+        /// The joint.
+        joint: String,
+        /// Velocity when the acceleration has ended, rad/s or m/s.
+        velocity: f64,
+        /// The velocity limit, rad/s or m/s.
+        limit: f64,
+    },
     /// A servo's start state from which a joint cannot brake before a position limit.
     #[error(
-        "joint `{joint}` cannot brake before its limit {limit}: it would pass it by {distance:.6}"
+        "joint `{joint}` cannot brake before its position limit {limit}: it would pass it by {distance:.6} rad or m"
     )]
     CannotBrake {
         /// The joint.

@@ -195,6 +195,12 @@ impl JointMotion {
         stop
     }
 
+    /// The step when the change has ended as fast as the jerk limit allows.
+    pub(crate) fn coasting_step(&self, limits: &CycleLimits) -> f64 {
+        let later = later_decrements(self.change.abs(), limits.change_rate);
+        self.step + later.copysign(self.change)
+    }
+
     /// The least and the largest change of the next cycle from which the joint still stops within its limits.
     pub(crate) fn viable_changes(&self, limits: &CycleLimits) -> (f64, f64) {
         let braking = self.braking_change(limits);

@@ -4,10 +4,11 @@
 
 use kinopt::arm::{Arm, HeldBy, Servo, ServoStatus};
 use kinopt::ik::Side;
-use kinopt::spatial::{Placement, Vector3};
+use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::{robot, within_limits};
 use support::courses::{course, reference, reversals, unexcused};
 use support::lines::{ROBOTS, robots};
+use support::random::Random;
 use support::sample::{cases, few};
 
 const RATES: [f64; 3] = [125.0, 250.0, 1000.0];
@@ -326,6 +327,60 @@ fn straight_lines_are_kept_to_targets_that_jump() {
     }
 }
 
+/// The Panda at a start from which targets some 30 cm away lead it beside singular configurations.
+const BESIDE: [f64; 7] = [0.0, -0.8, 0.0, -2.4, 0.0, 1.6, 0.8];
+
+#[test]
+fn straight_line_servo_stays_at_a_reached_target() {
+    let arm = panda_with_limits();
+    let first = arm.base_from_tool(&BESIDE).unwrap();
+    let mut random = Random::new(17);
+    let mut reached = 0;
+    for case in 0..cases(100, 12) {
+        let mut vector = |size: f64| {
+            let v = Vector3::from([(); 3].map(|()| random.within(-1.0, 1.0)));
+            v * (size / v.norm())
+        };
+        let (by, turn) = (vector(0.3), vector(0.8));
+        // The first is a target that the tool left by 5 mm.
+        let (by, turn) = match case {
+            0 => (Vector3::new(0.1, -0.2, 0.2), Vector3::new(0.8, 0.0, 0.0)),
+            _ => (by, turn),
+        };
+        let target = Placement::new(first.rotation * rotation_exp(turn), first.translation + by);
+        let servo = arm.servo(&BESIDE, 1e-3).unwrap();
+        let mut servo = servo.with_straight_line(true);
+        let (mut arrived, mut worst) = (false, 0.0_f64);
+        for _ in 0..2500 {
+            let step = servo.step(target).unwrap();
+            if arrived {
+                worst = worst.max(step.position_error);
+            }
+            arrived |= step.reached();
+        }
+        reached += usize::from(arrived);
+        assert!(worst < 1e-4, "case {case}: {worst} m");
+    }
+    assert!(reached * 2 > cases(100, 12), "{reached}");
+}
+
+/// A circle of 0.1 m that speeds up to 0.5 m/s, within the limits of the joints.
+#[test]
+fn straight_line_servo_follows_a_circle_within_limits() {
+    let arm = panda_with_limits();
+    let first = arm.base_from_tool(&BESIDE).unwrap();
+    let servo = arm.servo(&BESIDE, 1e-3).unwrap();
+    let mut servo = servo.with_straight_line(true);
+    let (mut phase, mut worst) = (0.0_f64, 0.0_f64);
+    for cycle in 0..6000 {
+        phase += 5.0 * (f64::from(cycle) / 2000.0).min(1.0) * 1e-3;
+        let by = Vector3::new(0.0, 0.1 * phase.sin(), 0.1 * (1.0 - phase.cos()));
+        let target = Placement::new(first.rotation, first.translation + by);
+        worst = worst.max(servo.step(target).unwrap().position_error);
+    }
+    assert!(worst < 1e-3, "{worst} m");
+}
+
 #[test]
 fn limits_of_files_hold_by_default() {
     let arm = panda_with_limits();
@@ -414,6 +469,28 @@ fn a_start_that_cannot_brake_is_named() {
     );
     velocity[2] = -1.0;
     assert!(servo().with_motion(&velocity, &[0.0; 7]).is_ok());
+}
+
+/// 15 rad/s² end at 7 500 rad/s³ in two cycles of 1 ms, after 0.0075 rad/s more.
+#[test]
+fn a_start_whose_velocity_will_pass_its_limit_is_named() {
+    let arm = panda_with_limits();
+    let start = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
+    let servo = || arm.servo(&start, 1e-3).unwrap();
+    let [mut velocity, mut acceleration] = [[0.0; 7]; 2];
+    (velocity[0], acceleration[0]) = (2.17, 15.0);
+    let error = servo().with_motion(&velocity, &acceleration).unwrap_err();
+    let error = error.to_string();
+    assert!(
+        error.contains("`joint1`") && error.contains("2.1775") && error.contains("2.175"),
+        "{error}"
+    );
+    velocity[0] = 2.15;
+    assert!(servo().with_motion(&velocity, &acceleration).is_ok());
+    (velocity[0], acceleration[0]) = (-2.17, -15.0);
+    assert!(servo().with_motion(&velocity, &acceleration).is_err());
+    acceleration[0] = 15.0;
+    assert!(servo().with_motion(&velocity, &acceleration).is_ok());
 }
 
 #[test]

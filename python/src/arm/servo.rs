@@ -184,7 +184,7 @@ pub(crate) struct ServoStep {
     velocity: Vec<f64>,
     acceleration: Vec<f64>,
     /// "on_target", "speed_limited" (on the way, as fast as a velocity, acceleration or jerk limit allows), "settling" (on the way,
-    /// slowed by damping only), "nearest" (at rest at the closest pose), "blocked" (brakes before a collision),
+    /// no joint at a limit: slowed by damping or by the plan of a straight line), "nearest" (at rest at the closest pose), "blocked" (brakes before a collision),
     /// "touching" (a pair is still in contact that was where the servo began), "stopping" or "stopped" (by `Servo.stop`).
     #[pyo3(get)]
     status: &'static str,

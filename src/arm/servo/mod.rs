@@ -47,6 +47,10 @@ const FADING: f64 = 0.7;
 const NULL_SPACE_SPEED: f64 = 0.5;
 /// Time constant of null-space motion, seconds.
 const NULL_SPACE_TIME: f64 = 0.03;
+/// The same while the tool keeps to a straight line.
+const NULL_SPACE_TIME_ON_LINE: f64 = 0.15;
+/// Share of an acceleration limit with which null-space motion ends while the tool keeps to a straight line.
+const NULL_SPACE_SHARE_ON_LINE: f64 = 0.2;
 /// Share of an acceleration limit that null-space motion uses.
 const NULL_SPACE_ACCELERATION: f64 = 0.1;
 /// Time in which null-space motion gains its full speed without limits of acceleration, seconds.
@@ -60,6 +64,9 @@ const REVERSAL_SPEED: f64 = 0.1;
 
 /// Largest distance beyond a position limit at which a start state may come to rest, radians or metres: rounding.
 const BRAKING_TOLERANCE: f64 = 1e-9;
+
+/// Largest share by which a start state may exceed a velocity limit: rounding.
+const RATE_TOLERANCE: f64 = 1e-9;
 
 /// Follows targets that come at a fixed rate within all limits of the joints: see [`Arm::servo`].
 #[derive(Clone, Debug)]
@@ -232,11 +239,12 @@ impl Servo<'_> {
         Ok(self)
     }
 
-    /// Starts from a moving state: velocities (rad/s or m/s) and accelerations (rad/s² or m/s²) of the free joints at the start.
+    /// Starts from a moving state: velocities (rad/s or m/s) and accelerations (rad/s² or m/s²) of the free joints at the start. Set
+    /// the limits before: the state is compared with those that are set.
     ///
     /// # Errors
-    /// Slices of the wrong length or not finite; a joint whose state violates a velocity or acceleration limit, or which
-    /// cannot brake before a position limit: the error names the joint and the missing distance.
+    /// Slices of the wrong length or not finite; a joint whose state violates a velocity or acceleration limit, whose
+    /// acceleration cannot end before a velocity limit, or which cannot brake before a position limit: the error names the joint.
     pub fn with_motion(
         mut self,
         velocity: &[f64],
@@ -271,6 +279,14 @@ impl Servo<'_> {
                         limit,
                     });
                 }
+            }
+            let coasting = state.coasting_step(limits);
+            if coasting.abs() > limits.step.max(state.step.abs()) * (1.0 + RATE_TOLERANCE) {
+                return Err(QueryError::CannotCoast {
+                    joint: joint(),
+                    velocity: coasting / t,
+                    limit: self.velocity_limits[i],
+                });
             }
             let stop = state.stop(limits);
             let above = state.q + stop.highest - limits.upper;
@@ -523,6 +539,12 @@ impl Servo<'_> {
         if !rests {
             step *= NULL_SPACE_SPEED;
         }
+        let mut time = NULL_SPACE_TIME;
+        if self.line.is_some() {
+            // The motion ends within its time constant, with the acceleration that motion along the line leaves.
+            time = NULL_SPACE_TIME_ON_LINE;
+            step = step.min(NULL_SPACE_SHARE_ON_LINE * change * time / self.time_step);
+        }
         let rise = (self.time_step / NULL_SPACE_RISE).min(1.0);
         let gain = (NULL_SPACE_ACCELERATION * change).min(rise * step);
         // An arm that is still far from its goal does not show the goal's own motion.
@@ -530,7 +552,7 @@ impl Servo<'_> {
             true => (LONGEST_EASE, SHARE),
             false => (
                 step.min(self.null_space_step + gain),
-                self.time_step / (self.time_step + NULL_SPACE_TIME),
+                self.time_step / (self.time_step + time),
             ),
         };
         self.null_space_step =

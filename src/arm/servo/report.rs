@@ -11,7 +11,7 @@ pub enum ServoStatus {
     OnTarget,
     /// On the way to the target, as fast as a velocity, acceleration or jerk limit allows.
     SpeedLimited,
-    /// On the way to the target, slowed by damping only.
+    /// On the way to the target, with no joint at a limit: slowed by damping, or by the plan of a straight line.
     #[default]
     Settling,
     /// At rest at the closest pose of the current branch; the target is out of reach there.

@@ -23,6 +23,10 @@ const STOP_SHARE: f64 = 0.4;
 const SINGULAR: f64 = 0.02;
 /// A shorter line is the target itself, radians.
 const SHORTEST: f64 = 1e-9;
+/// Largest change of the target's motion in a cycle, as a share of it, with which a target that was met is followed directly.
+const STEADY: f64 = 0.5;
+/// Longest motion of such a target in a cycle, radians.
+const LONGEST_STEADY: f64 = 0.1;
 
 /// Motion along the line to the target, radians (metres by their weight).
 #[derive(Clone, Debug)]
@@ -31,6 +35,8 @@ pub(super) struct StraightLine {
     target: Option<Placement<f64>>,
     /// Last motion of the target, a cycle.
     target_step: Vector6<f64>,
+    /// Whether the last cycle met the target.
+    met: bool,
     /// Joint motion along the line in the last cycle.
     joints: Vec<f64>,
 }
@@ -41,6 +47,7 @@ impl StraightLine {
             motion: JointMotion::at_rest(0.0),
             target: None,
             target_step: Vector6::zeros(),
+            met: false,
             joints: vec![0.0; joint_count],
         }
     }
@@ -50,6 +57,7 @@ impl StraightLine {
         self.motion = JointMotion::at_rest(0.0);
         self.target = None;
         self.target_step.fill(0.0);
+        self.met = false;
         self.joints.fill(0.0);
     }
 
@@ -70,8 +78,15 @@ impl StraightLine {
         };
         let last = std::mem::replace(&mut self.target_step, step);
         self.target = Some(*target);
+        let met = std::mem::replace(&mut self.met, true);
         if length <= SHORTEST {
             self.motion = JointMotion::at_rest(0.0);
+            return 1.0;
+        }
+        let steady = (step - last).norm() <= STEADY * step.norm();
+        if met && steady && length <= LONGEST_STEADY {
+            self.motion.change = length - self.motion.step;
+            self.motion.step = length;
             return 1.0;
         }
         let along = line / length;
@@ -92,6 +107,8 @@ impl StraightLine {
         let (change, _) = self.motion.change_to_meet(length, range, goal, &stop);
         self.motion = self.motion.after(change);
         self.motion.step = self.motion.step.clamp(0.0, length);
+        // A lag of less than a cycle is made up for by following directly.
+        self.met = length - self.motion.step <= step.norm();
         self.motion.step / length
     }
 

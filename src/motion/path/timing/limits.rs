@@ -142,7 +142,7 @@ impl<'a> TimingLimits<'a> {
         BadOption::check("grid_points", self.grid_points as f64, GRID_POINTS)?;
         if self.tool != ToolLimits::NONE && self.arm.is_none() {
             return Err(PathError::Conflict(
-                "limits of the tool need the arm: `TimingLimits::with_arm`",
+                "limits of the tool need the arm (`TimingLimits::with_arm`; Python: `arm=`)",
             ));
         }
         Ok(())
