@@ -6,7 +6,7 @@ use crate::model::{JointId, Limits, Model, ModelBuilder, ModelError, ParameterMa
 use crate::robot::Mended;
 
 /// Largest distance of a mimic joint from its own range that counts as rounding of the file's numbers, radians or metres.
-#[cfg(feature = "xml")]
+#[cfg(any(feature = "urdf", feature = "mjcf"))]
 const MAX_ROUNDING: f64 = 1e-6;
 /// Largest distance of a mimic joint from the value that its source joint gives, radians or metres.
 const MAX_DEVIATION: f64 = 1e-9;
@@ -212,7 +212,7 @@ impl Robot {
 
     /// The mimic joints that their source joints move out of the range that the file states: the mimic joint, the source joint at the
     /// end of the chain, and the values that the mimic joint takes.
-    #[cfg(feature = "xml")]
+    #[cfg(any(feature = "urdf", feature = "mjcf"))]
     pub(super) fn mimics_beyond_range(&self) -> Vec<(JointId, Mended)> {
         let beyond = |(mimic, range): (&Mimic, &Limits)| {
             let values = values_of(&self.model, &self.map, mimic.joint)?;

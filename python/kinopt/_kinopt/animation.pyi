@@ -271,12 +271,12 @@ class Clip:
     def events(self) -> list[tuple[float, str]]: ...
     @overload
     def sample(
-        self, elapsed: float, playback: str = "hold", *, out: Pose | None = None
+        self, time: float, playback: str = "hold", *, out: Pose | None = None
     ) -> Pose: ...
     @overload
     def sample(
         self,
-        elapsed: Sequence[float] | NDArray[Any],
+        time: Sequence[float] | NDArray[Any],
         playback: str = "hold",
         *,
         out: None = None,
