@@ -1,5 +1,8 @@
 //! Default start of an arm's searches.
 
+#[cfg(feature = "xml")]
+use std::collections::HashMap;
+
 use super::Arm;
 use crate::model::Limits;
 
@@ -31,32 +34,21 @@ impl Arm {
     #[cfg(feature = "xml")]
     #[must_use]
     pub fn with_srdf(mut self, srdf: &crate::robot::Srdf) -> Self {
-        let middle: Vec<f64> = self.limits().map(middle_of).collect();
-        self.default_start = middle;
-        for wanted in STATES {
-            let named =
-                (srdf.states.iter()).filter(|state| state.name.eq_ignore_ascii_case(wanted));
-            let values: Vec<(usize, f64)> =
-                named.flat_map(|state| &state.values).copied().collect();
-            let mut found = false;
-            let bounds: Vec<Limits> = self.limits().collect();
-            for ((own, start), limits) in (self.coordinates.own.iter())
-                .zip(&mut self.default_start)
-                .zip(bounds)
-            {
-                if let Some((_, value)) = values
-                    .iter()
-                    .rev()
-                    .find(|(coordinate, _)| coordinate == own)
-                {
-                    *start = limits.clamp(*value);
-                    found = true;
-                }
-            }
-            if found {
-                break;
-            }
-        }
+        let own = &self.coordinates.own;
+        // Groups may share a state's name; the last value of a joint counts.
+        let values_of = |wanted: &str| -> HashMap<usize, f64> {
+            let states = srdf.states.iter();
+            let named = states.filter(|state| state.name.eq_ignore_ascii_case(wanted));
+            named.flat_map(|state| &state.values).copied().collect()
+        };
+        let mut states = STATES.into_iter().map(values_of);
+        let state = states.find(|values| own.iter().any(|at| values.contains_key(at)));
+        let state = state.unwrap_or_default();
+        let start = (own.iter().zip(self.limits())).map(|(at, limits)| match state.get(at) {
+            Some(value) => limits.clamp(*value),
+            None => middle_of(limits),
+        });
+        self.default_start = start.collect();
         self
     }
 }

@@ -42,10 +42,9 @@ impl BoneMotions {
             self.rigid.extend(motions);
             return Ok(());
         };
-        let shared = SharedScale::of(transforms, &mut self.scales);
-        if shared.is_none() {
+        let Some(shared) = SharedScale::of(transforms, &mut self.scales) else {
             return Err(SkinningError::NotRigid { bone });
-        }
+        };
         let mut remaining = transforms.iter().map(|t| shared.remaining(t));
         if let Some(bone) = remaining.position(|t| not_rigid(&t)) {
             return Err(SkinningError::NotRigid { bone });
@@ -121,11 +120,11 @@ impl BoneMotions {
 fn two_phases(
     transform: &Affine3A,
     pivot: Vec3,
-    shared: SharedScale,
+    shared: Option<SharedScale>,
 ) -> Result<(Affine3A, Affine3A), fn(usize) -> SkinningError> {
-    let (transform, pivot) = match shared.is_none() {
-        true => (*transform, pivot),
-        false => (
+    let (transform, pivot) = match shared {
+        None => (*transform, pivot),
+        Some(shared) => (
             shared.remaining(transform),
             shared.map().transform_point3(pivot),
         ),
@@ -145,10 +144,8 @@ fn two_phases(
         matrix3: stretch,
         translation: pivot - stretch * pivot,
     };
-    match shared.is_none() {
-        true => Ok((rigid, stretch)),
-        false => Ok((rigid, stretch * shared.map())),
-    }
+    let stretch = shared.map_or(stretch, |shared| stretch * shared.map());
+    Ok((rigid, stretch))
 }
 
 /// A smallest stretch below this share of the largest is none: the map is flat.

@@ -11,15 +11,13 @@ use super::bone_transform::ROTATION_WITHIN;
 ///
 /// Blends of dual quaternions do not depend on the axis of the mirror: another axis multiplies all motions by one rotation from the
 /// right.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct SharedScale(Vec3);
 
 impl SharedScale {
-    pub(super) const NONE: Self = Self(Vec3::ONE);
-
     /// The median scale of the bones, as a bone of its own size among many does not change it; of two middle ones that nearer to 1.
-    /// `scales` is scratch memory. A scale within 1e-4 of 1 counts as none, as in the test for rigid transforms.
-    pub(super) fn of(transforms: &[Affine3A], scales: &mut Vec<f32>) -> Self {
+    /// `scales` is scratch memory. `None` for a scale within 1e-4 of 1, as in the test for rigid transforms.
+    pub(super) fn of(transforms: &[Affine3A], scales: &mut Vec<f32>) -> Option<Self> {
         scales.clear();
         scales.extend(transforms.iter().map(|t| scale_of(&t.matrix3)));
         scales.sort_unstable_by(f32::total_cmp);
@@ -31,13 +29,9 @@ impl SharedScale {
             false => upper,
         };
         if from_1(median) <= ROTATION_WITHIN || !median.is_normal() {
-            return Self::NONE;
+            return None;
         }
-        Self(Vec3::new(median, median.abs(), median.abs()))
-    }
-
-    pub(super) fn is_none(self) -> bool {
-        self == Self::NONE
+        Some(Self(Vec3::new(median, median.abs(), median.abs())))
     }
 
     /// The map itself.

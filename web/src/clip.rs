@@ -53,7 +53,7 @@ impl Clip {
     /// Its first moment, seconds of the file.
     #[wasm_bindgen(getter)]
     pub fn start(&self) -> f64 {
-        self.inner.span()[0].into()
+        self.inner.start()
     }
 
     /// The pose at a time in seconds of the file; `playback` is "hold", "loop" or "ping-pong".

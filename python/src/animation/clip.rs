@@ -381,8 +381,7 @@ impl Clip {
         // Of one size, or an error.
         let mut pose = armature.rest().clone();
         let hold = kinopt::animation::Playback::Hold;
-        let start = f64::from(clip.span()[0]);
-        clip.sample(start, hold, &mut Cursor::new(), &mut pose)
+        clip.sample(clip.start(), hold, &mut Cursor::new(), &mut pose)
             .or_raise()?;
         Ok(Self::of(armature, Arc::new(clip)))
     }

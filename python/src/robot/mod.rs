@@ -166,8 +166,9 @@ impl Robot {
     /// Bodies and sites are frames under their names (unnamed ones: `body/ID`, `BODY/site`; the world's is
     /// `world`), and a configuration is MuJoCo's `qpos`: a free joint's x, y, z and quaternion w, x, y, z, a
     /// ball's quaternion, `ref` counted in. Joints that a linear `equality` couples follow; `connect` and `weld`
-    /// are `loops`. What is left out is in `repairs`. Files of meshes are not opened. `base_joint`,
-    /// `base_room` and `mimic_limits` are as of `from_urdf`.
+    /// are `loops`. What is left out is in `repairs`. Files of meshes are not opened here. `base_joint`,
+    /// `base_room` and `mimic_limits` are as of `from_urdf`. With `confine` files are included, and meshes opened later, only
+    /// below the folder of `path`, for files that are not trusted.
     ///
     /// Raises `FileError` where it cannot be read, `InvalidFileError`, which names the element, for what is
     /// wrong in it.

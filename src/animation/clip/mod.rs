@@ -107,11 +107,17 @@ impl Clip {
         self
     }
 
+    /// Its first moment, in seconds of the file.
+    #[must_use]
+    pub fn start(&self) -> f64 {
+        self.span()[0].into()
+    }
+
     /// How long it lasts, in seconds.
     #[must_use]
     pub fn duration(&self) -> f64 {
         // Single precision would round, and a loop's end would be its start.
-        f64::from(self.span()[1]) - f64::from(self.span()[0])
+        f64::from(self.span()[1]) - self.start()
     }
 
     setters! {

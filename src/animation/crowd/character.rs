@@ -47,7 +47,7 @@ impl PlayingClip {
     }
 
     fn sample(&mut self, pose: &mut Pose) -> Result<(), SizeMismatch> {
-        let time = f64::from(self.clip.span()[0]) + self.playhead.elapsed();
+        let time = self.clip.start() + self.playhead.elapsed();
         self.clip
             .sample(time, self.playback, &mut self.cursor, pose)
     }

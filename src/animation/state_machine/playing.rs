@@ -98,7 +98,7 @@ impl Playing {
     ) -> Result<(), SizeMismatch> {
         let mut sample = |index: usize, pose: &mut Pose| {
             let clip = state.motion.clip(index);
-            let time = f64::from(clip.span()[0]) + self.head.elapsed() * clip.duration();
+            let time = clip.start() + self.head.elapsed() * clip.duration();
             clip.sample(time, state.playback, &mut self.cursors[index], pose)
         };
         sample(mix.first, pose)?;

@@ -54,8 +54,12 @@ impl StateMachineRun {
         let machine = Arc::clone(&own.machine);
         for state in &machine.states {
             for clip in state.motion.clips() {
-                let start = f64::from(clip.span()[0]);
-                clip.sample(start, state.playback, &mut Cursor::new(), &mut own.pose)?;
+                clip.sample(
+                    clip.start(),
+                    state.playback,
+                    &mut Cursor::new(),
+                    &mut own.pose,
+                )?;
             }
         }
         own.show()?;

@@ -47,7 +47,7 @@ const FADING: f64 = 0.7;
 const NULL_SPACE_SPEED: f64 = 0.5;
 /// Time constant of null-space motion, seconds.
 const NULL_SPACE_TIME: f64 = 0.03;
-/// The same while the tool keeps to a straight line.
+/// Time constant of null-space motion while the tool keeps to a straight line, seconds.
 const NULL_SPACE_TIME_ON_LINE: f64 = 0.15;
 /// Share of an acceleration limit with which null-space motion ends while the tool keeps to a straight line.
 const NULL_SPACE_SHARE_ON_LINE: f64 = 0.2;

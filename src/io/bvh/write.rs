@@ -130,7 +130,7 @@ fn sample(armature: &Armature, clip: &Clip, rate: f64) -> Result<Vec<Pose>, BvhE
     let mut cursor = Cursor::new();
     let frames = (0..=last as usize).map(|frame| {
         let mut pose = armature.rest().clone();
-        let time = f64::from(clip.span()[0]) + frame as f64 * frame_time;
+        let time = clip.start() + frame as f64 * frame_time;
         clip.sample(time, Playback::Hold, &mut cursor, &mut pose)?;
         Ok(pose)
     });

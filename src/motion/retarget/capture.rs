@@ -91,7 +91,7 @@ impl Capture {
         let mut cursor = Cursor::new();
         let mut numbers = Vec::with_capacity(3 * frames * armature.bones());
         for frame in 0..frames {
-            let time = f64::from(clip.span()[0]) + frame as f64 / frame_rate;
+            let time = clip.start() + frame as f64 / frame_rate;
             let sampled = clip.sample(time, Playback::Hold, &mut cursor, &mut pose);
             let located = armature.local_to_model(&pose, &mut placed);
             if sampled.is_err() || located.is_err() {
