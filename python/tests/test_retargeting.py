@@ -460,6 +460,8 @@ def test_whole_movement_ends_by_an_exception_of_progress() -> None:
 
 def test_whole_movement_ends_by_ctrl_c() -> None:
     code = (
+        # A process that is started in the background ignores Ctrl-C otherwise.
+        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
         "import sys, kinopt; sys.path.insert(0, sys.argv[1]); from test_retargeting import NAO, MAP, sway; "
         "robot = kinopt.Robot.from_urdf(NAO, base_joint='free'); print('begun', flush=True); "
         "kinopt.retarget(sway(20000), robot, MAP, whole=True); print('done', flush=True)"
