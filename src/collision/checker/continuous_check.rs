@@ -25,7 +25,7 @@ const STEPS: usize = 10_000;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Way {
-    /// Share of the motion from its start that is proven collision-free, in [0, 1].
+    /// Share of the motion from its start that is proven collision-free, from 0 to 1.
     pub free: f64,
     /// The pair that ends the collision-free part, marked as [`on_the_way`](Collision::on_the_way).
     pub blocked_by: Option<Collision>,

@@ -12,7 +12,7 @@ mod link_shapes;
 mod meshes;
 mod pairs;
 mod pieces;
-#[cfg_attr(not(feature = "mjcf"), allow(dead_code))] // MJCF files alone have planes.
+#[cfg_attr(not(feature = "mjcf"), allow(dead_code))] // Only MJCF files have planes.
 mod planes;
 mod sampling;
 #[cfg(feature = "serde")]

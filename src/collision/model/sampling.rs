@@ -71,8 +71,8 @@ impl CollisionModel {
     ///
     /// The random configurations are within all limits and satisfy the mimic joints.
     ///
+    /// # Errors
     /// Returns an error if a sampled configuration is not finite.
-    /// The model's lengths are no numbers.
     pub(crate) fn visit_samples(
         &self,
         samples: u64,

@@ -83,7 +83,7 @@ impl Shape {
     /// A sphere.
     ///
     /// # Errors
-    /// [`ShapeError::Size`] if the radius is not in [1e-9, 1e9] m.
+    /// Returns [`ShapeError::Size`] if the radius is not between 1e-9 and 1e9 m.
     pub fn sphere(radius: f64) -> Result<Self, ShapeError> {
         let radius = size("radius of the sphere", radius)?;
         Ok(Self::of(ShapeKind::Sphere { radius }))
@@ -92,8 +92,8 @@ impl Shape {
     /// A capsule along z: all points at most `radius` from a segment of `length`.
     ///
     /// # Errors
-    /// [`ShapeError::Size`] if the radius or the length is not in [1e-9, 1e9] m. [`ShapeError::Slender`] if one is more
-    /// than 10¹² times the other.
+    /// Returns [`ShapeError::Size`] if the radius or the length is not between 1e-9 and 1e9 m. Returns
+    /// [`ShapeError::Slender`] if one is more than 10¹² times the other.
     pub fn capsule(radius: f64, length: f64) -> Result<Self, ShapeError> {
         let [radius, length] = sizes([
             ("radius of the capsule", radius),
@@ -105,8 +105,8 @@ impl Shape {
     /// A cylinder along z. `length` is the distance between its end faces.
     ///
     /// # Errors
-    /// [`ShapeError::Size`] if the radius or the length is not in [1e-9, 1e9] m. [`ShapeError::Slender`] if one is more
-    /// than 10¹² times the other.
+    /// Returns [`ShapeError::Size`] if the radius or the length is not between 1e-9 and 1e9 m. Returns
+    /// [`ShapeError::Slender`] if one is more than 10¹² times the other.
     pub fn cylinder(radius: f64, length: f64) -> Result<Self, ShapeError> {
         let [radius, length] = sizes([
             ("radius of the cylinder", radius),
@@ -118,8 +118,8 @@ impl Shape {
     /// A box with the given full lengths along x, y and z.
     ///
     /// # Errors
-    /// [`ShapeError::Size`] if a length is not in [1e-9, 1e9] m. [`ShapeError::Slender`] if one is more than 10¹² times
-    /// another.
+    /// Returns [`ShapeError::Size`] if a length is not between 1e-9 and 1e9 m. Returns [`ShapeError::Slender`] if one
+    /// is more than 10¹² times another.
     pub fn cuboid([x, y, z]: [f64; 3]) -> Result<Self, ShapeError> {
         let size = sizes([
             ("length of the box along x", x),
@@ -134,8 +134,8 @@ impl Shape {
     /// The hull protrudes from the ellipsoid by less than 2 % of a radius.
     ///
     /// # Errors
-    /// [`ShapeError::Size`] if a radius is not in [1e-9, 1e9] m. [`ShapeError::Slender`] if one is more than 10¹² times
-    /// another.
+    /// Returns [`ShapeError::Size`] if a radius is not between 1e-9 and 1e9 m. Returns [`ShapeError::Slender`] if one
+    /// is more than 10¹² times another.
     pub fn ellipsoid([x, y, z]: [f64; 3]) -> Result<Self, ShapeError> {
         let radii = Vector3::from(sizes([
             ("radius of the ellipsoid along x", x),
@@ -184,8 +184,8 @@ impl Shape {
     ///
     /// # Errors
     /// Returns an error if there are fewer than two rows or columns, or if the heights do not fill a whole number of
-    /// rows. [`ShapeError::Coordinate`] if a height is not finite or exceeds 10⁹. [`ShapeError::Size`] if a spacing is
-    /// not in [1e-9, 1e9] m.
+    /// rows. Returns [`ShapeError::Coordinate`] if a height is not finite or exceeds 10⁹ m. Returns
+    /// [`ShapeError::Size`] if a spacing is not between 1e-9 and 1e9 m.
     pub fn height_field(
         heights: Vec<f64>,
         columns: usize,
@@ -199,8 +199,8 @@ impl Shape {
     /// Spheres of one `radius` about `positions`, such as the point cloud of a depth camera.
     ///
     /// # Errors
-    /// Returns an error if there are no points, if a coordinate is not finite or exceeds 10⁹, or if the radius is not
-    /// in [1e-9, 1e9] m.
+    /// Returns an error if there are no points, or if a coordinate is not finite or exceeds 10⁹ m. Returns
+    /// [`ShapeError::Size`] if the radius is not between 1e-9 and 1e9 m.
     pub fn points(positions: Vec<Vector3<f64>>, radius: f64) -> Result<Self, ShapeError> {
         Ok(Self::of(ShapeKind::Points(Arc::new(PointCloud::new(
             positions, radius,
