@@ -19,8 +19,8 @@ const LARGE: f64 = 1e18;
 const DEEP: usize = 12;
 /// Value of `count` that marks a child node.
 const NODE: u8 = u8::MAX;
-/// Relative rounding bound: slightly more than half the spacing of single-precision numbers, and than the loss of the
-/// arithmetic.
+/// Relative rounding bound, slightly above half the spacing of single-precision numbers. It also covers the rounding of
+/// the arithmetic.
 const ROUNDING: f64 = 1.2e-7;
 
 /// Nodes over the items of a [`BoxTree`].

@@ -39,7 +39,7 @@ impl Simplex {
         }
     }
 
-    /// The face of this simplex extended by a vertex that holds the closest point to the origin.
+    /// The face that holds the closest point to the origin, among those of this simplex extended by a vertex.
     ///
     /// All faces are tried, those with the fewest vertices first, so that a degenerate face is never needed.
     pub(super) fn with(&self, corner: Corner) -> Self {

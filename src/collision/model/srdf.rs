@@ -38,7 +38,7 @@ impl CollisionModel {
                 let has_shapes = pair
                     .iter()
                     .all(|link| self.links.binary_search(link).is_ok());
-                // Pairs of links with shapes are listed above, or enabled, which SRDF cannot restrict to the shapes.
+                // Pairs of links with shapes are disabled above, or stay enabled: SRDF cannot disable the plane alone.
                 if !has_shapes && !passed.contains(&pair) {
                     passed.push(pair);
                     let [a, b] = pair.map(|link| escaped(self.name_of(link)));

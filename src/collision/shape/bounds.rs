@@ -5,7 +5,7 @@ use crate::collision::bounding_box::BoundingBox;
 use crate::scalar::elementary::hypot;
 use crate::spatial::Vector3;
 
-/// A ball: centre and radius in the frame of the shape, metres.
+/// A ball, for instance the bounding sphere of a shape. Lengths are in metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ball {
     /// Centre.

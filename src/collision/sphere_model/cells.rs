@@ -11,7 +11,7 @@ pub(super) struct Cell {
     pub(super) centre: Vector3<f64>,
     /// Half the length of a side, metres.
     pub(super) half: f64,
-    /// A point within the cube's half diagonal of all points of the part.
+    /// A point whose distance to all points of the part is at most the cube's half diagonal.
     pub(super) heart: Vector3<f64>,
     /// Depth of the centre in the solid, metres; negative outside.
     pub(super) depth: f64,

@@ -11,8 +11,8 @@ const ROUNDING: f64 = 1e-12;
 /// radius.
 ///
 /// n spheres, inset by e from both ends of a segment of length ℓ, are g = (ℓ − 2e) / (n − 1) apart. They cover the
-/// capsule of radius r if their radius is at least √(r² + g²/4) and r + e. Neighbours meet on the side at the first;
-/// the poles need the second.
+/// capsule of radius r if their radius is at least √(r² + g²/4) and at least r + e. The first bound covers the side,
+/// where neighbours meet. The second bound covers the poles.
 pub(super) fn row(
     radius: f64,
     length: f64,
@@ -45,7 +45,7 @@ pub(super) fn row(
     (0..=between as usize).map(sphere).collect()
 }
 
-/// True if balls cover a capsule in the manner of a [row]: by balls on its axis that each contain a section of it.
+/// True if the balls on a capsule's axis cover it as a [row] does: each contains a section of the capsule.
 pub(super) fn holds(
     balls: &[Ball],
     radius: f64,
