@@ -141,9 +141,9 @@ pub enum LaneError {
     Length {
         /// Name of the argument.
         what: &'static str,
-        /// Its length.
+        /// Length of the argument.
         found: usize,
-        /// The length it must have.
+        /// Length that it must have.
         expected: usize,
     },
     /// Joint values are not finite.
