@@ -13,7 +13,7 @@ use crate::spatial::{Placement, rotation_log};
 /// use kinopt::model::{Limits, Loop, Model};
 /// use kinopt::spatial::{Placement, Vector3};
 ///
-/// A crank, a coupler and a rocker: the end of the coupler is pinned to the end of the rocker.
+/// // A crank, a coupler and a rocker: the end of the coupler is pinned to the end of the rocker.
 /// let mut builder = Model::builder("four-bar");
 /// let (z, x) = (Vector3::new(0.0, 0.0, 1.0), |length| Placement::translation(Vector3::new(length, 0.0, 0.0)));
 /// let limits = Limits::new(-3.2, 3.2);
