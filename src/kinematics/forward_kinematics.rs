@@ -14,7 +14,7 @@ pub enum KinematicsError {
     /// A frame id that is not in the model.
     #[error("frame number {index} was asked for, but model `{model}` has {frames} frames")]
     ForeignFrame {
-        /// The model.
+        /// Name of the model.
         model: String,
         /// The index of the frame id.
         index: usize,
@@ -24,27 +24,27 @@ pub enum KinematicsError {
     /// A parameter map of another model, detected by its size.
     #[error("the parameter map has {map} coordinates, model `{model}` has {model_coordinates}")]
     ForeignMap {
-        /// Coordinates in the map.
+        /// Number of coordinates of the map.
         map: usize,
-        /// The model.
+        /// Name of the model.
         model: String,
-        /// Coordinates in the model.
+        /// Number of coordinates of the model.
         model_coordinates: usize,
     },
     /// A slice of wrong length.
     #[error("{given} numbers were given, placing the frames of `{model}` takes {expected}")]
     Length {
-        /// The model.
+        /// Name of the model.
         model: String,
-        /// Numbers given.
+        /// Given number of values.
         given: usize,
-        /// Numbers needed: the length of a configuration, or the number of the parameter map's variables.
+        /// Required number of values: the length of a configuration, or the number of the parameter map's variables.
         expected: usize,
     },
     /// A quaternion of length zero, or one whose length overflows or underflows.
     #[error("the quaternion from number {index} of a configuration of `{model}` is no rotation")]
     NoRotation {
-        /// The model.
+        /// Name of the model.
         model: String,
         /// Index of its first component, from 0.
         index: usize,
@@ -52,7 +52,7 @@ pub enum KinematicsError {
     /// A number that is NaN or infinite.
     #[error("number {index} of those that place the frames of `{model}` is not finite")]
     NotFinite {
-        /// The model.
+        /// Name of the model.
         model: String,
         /// Index of the number, from 0: a coordinate, or a variable of the parameter map.
         index: usize,

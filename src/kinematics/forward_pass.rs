@@ -10,9 +10,9 @@ use crate::spatial::{Placement, Vector3};
 /// Workspace of one tree over one scalar: the result of the last forward pass.
 #[derive(Clone, Debug)]
 pub(crate) struct TreeState<S> {
-    /// By node, in world axes, relative to the tree's origin.
+    /// Placement of each node, in world axes, relative to the tree's origin.
     pub(super) origin_from_node: Vec<Placement<S>>,
-    /// By slot.
+    /// Placement of each frame in the world, by slot.
     world_from_frame: Vec<Placement<S>>,
     /// Value of each node, radians or metres; its sine and cosine follow.
     values: Vec<S>,

@@ -30,7 +30,7 @@ use crate::spatial::{Placement, rotation_log};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Loop {
-    /// Unique within the model.
+    /// Name, unique within the model.
     pub name: String,
     /// The constrained degrees of freedom.
     pub kind: LoopKind,

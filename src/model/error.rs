@@ -11,9 +11,9 @@ pub enum ModelError {
     /// Two objects of one kind have the same name.
     #[error("{kind} name `{name}` is used twice")]
     DuplicateName {
-        /// "joint", "frame" or "loop".
+        /// Kind of the object: "joint", "frame" or "loop".
         kind: &'static str,
-        /// The name.
+        /// The common name.
         name: String,
     },
     /// An id that is not in the model, or a parent that comes after its child.
@@ -27,17 +27,17 @@ pub enum ModelError {
     /// Limits that are NaN, out of order or empty.
     #[error("joint `{joint}`: limits [{lower}, {upper}] are not an interval")]
     BadLimits {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// Lower end as given.
+        /// Lower end of the given limits.
         lower: f64,
-        /// Upper end as given.
+        /// Upper end of the given limits.
         upper: f64,
     },
     /// Empty limits of a ball joint, or ball limits on another kind of joint.
     #[error("joint `{joint}` has {problem}")]
     BadBallLimits {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
         /// The defect.
         problem: &'static str,
@@ -45,21 +45,21 @@ pub enum ModelError {
     /// A quaternion that is zero or not finite.
     #[error("joint `{joint}`: a quaternion without length is no rotation")]
     NoRotation {
-        /// The ball joint.
+        /// Name of the ball joint.
         joint: String,
     },
     /// A ball joint in a role for joints with one coordinate.
     #[error("joint `{joint}` is a ball and cannot be {role} by one number")]
     BallJoint {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// "coupled", "narrowed", …
+        /// The role: "coupled", "narrowed", …
         role: &'static str,
     },
     /// A joint that is not a ball joint, locked at a rotation.
     #[error("joint `{joint}` is no ball and cannot be locked at a rotation")]
     NoBallJoint {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
     },
     /// A free joint whose prismatic joints and ball joint are not consecutive.
@@ -75,7 +75,7 @@ pub enum ModelError {
     /// Builders normalise every other axis.
     #[error("joint `{joint}`: axis ({x}, {y}, {z}) has no direction")]
     BadAxis {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
         /// First component.
         x: f64,
@@ -87,7 +87,7 @@ pub enum ModelError {
     /// A placement that is not finite or whose rotation is not orthonormal with determinant +1.
     #[error("{kind} `{name}`: its placement is not a rigid motion ({problem})")]
     BadPlacement {
-        /// "joint", "frame" or "loop".
+        /// Kind of the object: "joint", "frame" or "loop".
         kind: &'static str,
         /// The name of the object.
         name: String,
@@ -97,15 +97,15 @@ pub enum ModelError {
     /// A loop with a frame that is not in the model.
     #[error("loop `{name}` joins a frame that is not in this model")]
     ForeignLoop {
-        /// The loop.
+        /// Name of the loop.
         name: String,
     },
     /// A loop of a frame with itself.
     #[error("loop `{name}` joins the frame `{frame}` to itself")]
     LoopOfOneFrame {
-        /// The loop.
+        /// Name of the loop.
         name: String,
-        /// The frame.
+        /// Name of the frame.
         frame: String,
     },
     /// A base joint for a robot whose own free joint already moves all of it.
@@ -115,7 +115,7 @@ pub enum ModelError {
     FreeAlready {
         /// The first prismatic joint of the free joint.
         joint: String,
-        /// The robot.
+        /// Name of the robot.
         model: String,
     },
     /// A loop that no configuration closes.
@@ -123,7 +123,7 @@ pub enum ModelError {
     /// One link is longer than all others together, or no joint moves the anchors relative to each other.
     #[error("loop `{name}` cannot close: its places stay at least {gap} {unit} apart")]
     LoopCannotClose {
-        /// The loop.
+        /// Name of the loop.
         name: String,
         /// Smallest closure error found possible.
         gap: f64,
@@ -143,25 +143,25 @@ pub enum ModelError {
     /// More joints or frames than an id can represent.
     #[error("a model holds at most {limit} {kind}s")]
     TooMany {
-        /// "joint" or "frame".
+        /// Kind of the objects: "joint" or "frame".
         kind: &'static str,
-        /// The limit.
+        /// The largest number.
         limit: usize,
     },
     /// A fixed joint in a role for moving joints.
     #[error("joint `{joint}` is fixed and cannot be {role}")]
     FixedJoint {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// "locked", "coupled", …
+        /// The role: "locked", "coupled", …
         role: &'static str,
     },
     /// A joint that is locked twice or coupled twice.
     #[error("joint `{joint}` is {role} twice")]
     RoleTwice {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// "locked" or "coupled".
+        /// The role: "locked" or "coupled".
         role: &'static str,
     },
     /// Mimic joints that form a cycle.
@@ -173,23 +173,23 @@ pub enum ModelError {
     /// A ratio, an offset or a locked value that is not finite.
     #[error("joint `{joint}`: {what} is {value}, which is not a finite number")]
     NotFinite {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
         /// The name of the number.
         what: &'static str,
-        /// The number.
+        /// The value.
         value: f64,
     },
     /// A locked value outside the joint's limits.
     #[error("joint `{joint}` cannot be locked at {value}: its limits are [{lower}, {upper}]")]
     LockedOutsideLimits {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
         /// The requested value, radians or metres.
         value: f64,
-        /// Lower limit.
+        /// Lower limit of the joint.
         lower: f64,
-        /// Upper limit.
+        /// Upper limit of the joint.
         upper: f64,
     },
     /// A slice of wrong length.
@@ -197,9 +197,9 @@ pub enum ModelError {
     Length {
         /// Name of the slice: "a configuration of this model", "the variables of this map", …
         what: &'static str,
-        /// Numbers given.
+        /// Given number of values.
         given: usize,
-        /// Numbers needed.
+        /// Required number of values.
         expected: usize,
     },
     /// An element of a slice that is not finite.
@@ -209,7 +209,7 @@ pub enum ModelError {
         what: &'static str,
         /// Index of the element, from 0.
         index: usize,
-        /// The number.
+        /// The value.
         value: f64,
     },
     /// An interpolation parameter that is not finite.

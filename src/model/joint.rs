@@ -106,7 +106,7 @@ impl JointKind {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Joint {
-    /// Unique within the model.
+    /// Name, unique within the model.
     pub name: String,
     /// The parent joint; `None` for the world.
     pub parent: Option<JointId>,

@@ -22,7 +22,7 @@ pub enum MassError {
     /// No mass on any body that joints move.
     #[error("`{model}` has no centre of mass: nothing that its joints move has mass")]
     NoMass {
-        /// The model.
+        /// Name of the model.
         model: String,
     },
     /// A mass is negative or not finite.
@@ -46,7 +46,7 @@ pub enum MassError {
     /// A frame id that is not in the model.
     #[error("a mass is on frame number {index}, but model `{model}` has {frames} frames")]
     ForeignFrame {
-        /// The model.
+        /// Name of the model.
         model: String,
         /// The index of the frame id.
         index: usize,

@@ -50,7 +50,7 @@ use crate::spatial::{Placement, Vector3};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Frame {
-    /// Unique within the model.
+    /// Name, unique within the model.
     pub name: String,
     /// The joint that carries it; `None` for a frame fixed in the world.
     pub joint: Option<JointId>,

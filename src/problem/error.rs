@@ -15,29 +15,29 @@ pub enum ProblemError {
     /// A model without free joints.
     #[error("model `{model}` has no free joint: everything is fixed or locked")]
     NoVariables {
-        /// The model.
+        /// Name of the model.
         model: String,
     },
     /// A problem without tasks.
     #[error("no task: say what the frames of `{model}` should do")]
     NoTasks {
-        /// The model.
+        /// Name of the model.
         model: String,
     },
     /// A frame or joint id that is not in the model, or a joint that does not move.
     #[error("task {task} refers to a {kind} that model `{model}` does not have")]
     ForeignId {
-        /// The task's name.
+        /// Name of the task.
         task: String,
-        /// "frame" or "moving joint".
+        /// Kind of the object: "frame" or "moving joint".
         kind: &'static str,
-        /// The model.
+        /// Name of the model.
         model: String,
     },
     /// Invalid parameters of a task.
     #[error("task {task}: {problem}")]
     BadTask {
-        /// The task's name.
+        /// Name of the task.
         task: String,
         /// The defect.
         problem: String,
@@ -45,7 +45,7 @@ pub enum ProblemError {
     /// A weight that is negative or not finite.
     #[error("task {task}: weight {weight} per {quantity} is not a finite number of at least 0")]
     BadWeight {
-        /// The task's name.
+        /// Name of the task.
         task: String,
         /// The quantity of the rows.
         quantity: Quantity,
@@ -73,13 +73,13 @@ pub enum ProblemError {
     /// New weights or joint origins for a problem with collision avoidance, which depends on them.
     #[error("a problem that keeps clear of something does not take other {what}: build it anew")]
     KeepsClear {
-        /// "weights" or "joint origins".
+        /// The rejected parameters: "weights" or "joint origins".
         what: &'static str,
     },
     /// A tolerance that is negative or NaN.
     #[error("task {task}: tolerance {tolerance} in {quantity} is not a number of at least 0")]
     BadTolerance {
-        /// The task's name.
+        /// Name of the task.
         task: String,
         /// The quantity of the rows.
         quantity: Quantity,
@@ -89,7 +89,7 @@ pub enum ProblemError {
     /// A weight or tolerance for rows that the task does not have.
     #[error("task {task} has no rows in {quantity}")]
     NoSuchQuantity {
-        /// The task's name.
+        /// Name of the task.
         task: String,
         /// The requested quantity.
         quantity: Quantity,
@@ -107,7 +107,7 @@ pub enum ProblemError {
     ForeignTargets {
         /// Number of tasks of the targets.
         given: usize,
-        /// The model.
+        /// Name of the model.
         model: String,
         /// Number of tasks of the problem.
         expected: usize,
@@ -115,11 +115,11 @@ pub enum ProblemError {
     /// A parameter map of another model, detected by its size.
     #[error("the parameter map has {map} coordinates, model `{model}` has {model_coordinates}")]
     ForeignMap {
-        /// Coordinates in the map.
+        /// Number of coordinates of the map.
         map: usize,
-        /// The model.
+        /// Name of the model.
         model: String,
-        /// Coordinates in the model.
+        /// Number of coordinates of the model.
         model_coordinates: usize,
     },
     /// A collision checker of another model, detected by its size.
@@ -129,7 +129,7 @@ pub enum ProblemError {
     ForeignChecker {
         /// Number of coordinates that the checker expects.
         given: usize,
-        /// The model.
+        /// Name of the model.
         model: String,
         /// Number of coordinates of the model.
         expected: usize,
@@ -137,7 +137,7 @@ pub enum ProblemError {
     /// Bounds on a joint that is not in the model.
     #[error("bounds are set on a joint that model `{model}` does not have")]
     ForeignBound {
-        /// The model.
+        /// Name of the model.
         model: String,
     },
     /// Extra bounds on a ball joint, which has several coordinates.
@@ -145,13 +145,13 @@ pub enum ProblemError {
         "joint `{joint}` is a ball, which bounds of one number do not limit: give it a cone, or limit its move"
     )]
     BoundOnBall {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
     },
     /// Extra bounds that leave a joint no value.
     #[error("joint `{joint}`: extra bounds [{lower}, {upper}] leave it no value")]
     EmptyRange {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
         /// Lower end of the remaining interval.
         lower: f64,

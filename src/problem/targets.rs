@@ -32,7 +32,7 @@ use crate::task::{ErasedResidual, Residual};
 /// ```
 #[derive(Clone, Debug)]
 pub struct Targets {
-    /// By task.
+    /// The residual of each task.
     pub(super) residuals: Vec<Box<dyn ErasedResidual>>,
 }
 

@@ -24,7 +24,7 @@ impl<S: Scalar> Matrix3<S> {
         Self { x, y, z }
     }
 
-    /// The identity.
+    /// The identity matrix.
     #[inline(always)]
     pub fn identity() -> Self {
         let (one, zero) = (S::one(), S::zero());

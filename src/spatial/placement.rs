@@ -27,7 +27,7 @@ impl<S: Scalar> Placement<S> {
         }
     }
 
-    /// The identity.
+    /// The identity placement.
     #[inline(always)]
     pub fn identity() -> Self {
         Self::new(Matrix3::identity(), Vector3::zero())
@@ -55,7 +55,7 @@ impl<S: Scalar> Placement<S> {
         Self::new(rotation, -(rotation * self.translation))
     }
 
-    /// Maps a point.
+    /// Maps a point: `rotation · point + translation`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn apply(&self, point: Vector3<S>) -> Vector3<S> {
         self.rotation.z.mul_add(

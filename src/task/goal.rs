@@ -7,11 +7,11 @@ use super::quantity::chord_of;
 /// An axis of the target frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Axis {
-    /// Its x axis.
+    /// The x axis.
     X,
-    /// Its y axis.
+    /// The y axis.
     Y,
-    /// Its z axis.
+    /// The z axis.
     Z,
 }
 
