@@ -10,8 +10,8 @@
 //!   choice of the elbow's side. All other joints must be locked.
 //! - [`Ccd`]: the most general method, with poses, several tips and prismatic joints. Its sweeps are cheap and never
 //!   increase its cost. It converges slowly near stretched chains, and it bends the outer joints most.
-//! - [`Fabrik`]: long chains and trees of ball joints (rigs). It needs few passes and bends evenly. With hinges or
-//!   tight limits, points and joints conflict, and it may stop early.
+//! - [`Fabrik`]: long chains and trees of bones, with three joint axes that meet at each bone's start (rigs). It needs
+//!   few passes and bends evenly. With hinges or tight limits, points and joints conflict, and it may stop early.
 //!
 //! These methods minimise only the error of their targets. Near limits, for unreachable targets and for other tasks the
 //! optimisers of [`ik`](crate::ik) are better.

@@ -28,7 +28,7 @@ pub enum Elbow {
     Negative,
     /// As far as possible towards this point (the pole, in world coordinates).
     ///
-    /// For limbs with a ball joint at the root, which leaves the plane of the bones free.
+    /// For limbs with three joint axes that meet at the root, which leave the plane of the bones free.
     Towards(Vector3<f64>),
 }
 
