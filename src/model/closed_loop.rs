@@ -45,7 +45,7 @@ pub struct Loop {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum LoopKind {
-    /// Position, as a ball joint.
+    /// Position, as by a ball joint.
     Connect,
     /// Position and orientation.
     Weld,

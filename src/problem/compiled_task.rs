@@ -80,7 +80,7 @@ pub(crate) struct CompiledTask {
     pub(crate) level: usize,
     /// Position in the priority order; tasks of equal rank are weighted against each other.
     pub(crate) rank: usize,
-    /// The same rows, numbered in the priority order.
+    /// All rows, numbered in the priority order.
     pub(crate) rows_by_rank: Range<usize>,
     /// The weight of each row.
     pub(crate) weights: Vec<f64>,

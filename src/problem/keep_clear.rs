@@ -94,22 +94,22 @@ pub(super) struct ClearanceRequest {
 /// The collision constraint of a problem.
 #[derive(Clone, Debug)]
 pub(crate) struct Fence {
-    /// The same tasks, followed by the clearance: solved only if a solution without it is in collision.
+    /// The tasks and then the clearance: solved only if a solution without clearance is in collision.
     leading: Problem,
-    /// The same tasks with a clearance that withstands required tasks inside obstacles.
+    /// The tasks and a clearance that withstands required tasks inside obstacles.
     holding: Problem,
-    /// The same tasks with the clearance in their null space: as few collisions as they allow.
+    /// The tasks and a clearance in the null space of the required ones: as few collisions as they allow.
     yielding: Problem,
     check: Box<dyn AnyClearanceCheck>,
 }
 
 impl Fence {
     getters! {
-        /// The same tasks, followed by the clearance. Accepts targets of the problem without it.
+        /// The tasks and then the clearance. Accepts targets of the problem without clearance.
         pub(crate) fn leading(&self) -> &Problem = &self.leading;
-        /// The same tasks with a clearance that withstands required tasks inside obstacles.
+        /// The tasks and a clearance that withstands required tasks inside obstacles.
         pub(crate) fn holding(&self) -> &Problem = &self.holding;
-        /// The same tasks with the clearance in their null space: as few collisions as they allow.
+        /// The tasks and a clearance in the null space of the required ones: as few collisions as they allow.
         pub(crate) fn yielding(&self) -> &Problem = &self.yielding;
         /// A check with its own workspace.
         pub(crate) fn check(&self) -> Box<dyn AnyClearanceCheck> = self.check.clone();
