@@ -49,7 +49,7 @@ pub(super) struct Linkage {
     roots: Vec<bool>,
     /// Positions before the pass.
     before: Vec<Vector3<f64>>,
-    /// Sum and number of the positions that the children of each point ask for.
+    /// Sum and number of the positions that the children of each point require of it.
     targets: Vec<(Vector3<f64>, f64)>,
 }
 

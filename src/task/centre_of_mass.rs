@@ -54,7 +54,7 @@ pub(super) struct Body {
 }
 
 impl CentreOfMass {
-    /// Asks for the centre of these masses at `target`, metres in the world.
+    /// A task that moves the centre of these masses to `target`, metres in the world.
     #[must_use]
     pub fn new(masses: &Masses, target: impl Into<Vector3<f64>>) -> Self {
         Self {

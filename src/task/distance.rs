@@ -14,7 +14,7 @@ pub struct Distance {
 }
 
 impl Distance {
-    /// Asks for the origins of two frames to be `distance` metres apart (not negative).
+    /// A task that keeps the origins of two frames `distance` metres apart (not negative).
     #[must_use]
     pub fn new(a: FrameId, b: FrameId, distance: f64) -> Self {
         Self {

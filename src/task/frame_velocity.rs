@@ -21,7 +21,7 @@ pub struct FrameVelocity {
 }
 
 impl FrameVelocity {
-    /// Asks for a frame to have moved at `linear`, m/s, and rotated at `angular`, rad/s, since `previous`.
+    /// A task for a frame to have moved at `linear`, m/s, and rotated at `angular`, rad/s, since `previous`.
     ///
     /// `previous` is world_from_frame `time_step_s` seconds ago.
     #[must_use]

@@ -49,7 +49,7 @@ enum Aim {
 }
 
 impl Gaze {
-    /// Asks for `axis` to be within `half_angle` of `direction`.
+    /// A task that keeps `axis` within `half_angle` of `direction`.
     ///
     /// `axis` is in frame coordinates, `direction` in world coordinates; both have any length except zero. `half_angle`
     /// is in radians, within (0, π).
@@ -68,7 +68,7 @@ impl Gaze {
         }
     }
 
-    /// Asks for `axis` to be within `half_angle` of the line of sight from the frame's origin to `target`.
+    /// A task that keeps `axis` within `half_angle` of the line of sight from the frame's origin to `target`.
     ///
     /// It models a camera's field of view. `axis` is in frame coordinates, of any length except zero. `target` is in
     /// the world, metres. `half_angle` is in radians, within (0, π).

@@ -43,7 +43,7 @@ pub struct JointCoupling {
 }
 
 impl JointCoupling {
-    /// Asks for the weighted sum of joints of `model` to be `offset`, radians or metres.
+    /// A task that keeps the weighted sum of joints of `model` at `offset`, radians or metres.
     ///
     /// Each joint has a coefficient, in the first joint's unit per unit of the joint. Ball joints are an error when the
     /// problem is built.

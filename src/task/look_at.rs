@@ -18,7 +18,7 @@ pub struct LookAt {
 }
 
 impl LookAt {
-    /// Asks for `axis` to point from the frame's origin to `target`.
+    /// A task that points `axis` from the frame's origin to `target`.
     ///
     /// `axis` is in frame coordinates, of any length except zero; `target` is in world coordinates. A target at the
     /// origin gives a residual of zero.

@@ -43,7 +43,7 @@ struct Hinge {
 }
 
 impl Manipulability {
-    /// Asks for a measure of at least `least`, above 0, for `frame` relative to `base` (`None`: the world).
+    /// A task for a measure of at least `least`, above 0, of `frame` relative to `base` (`None`: the world).
     ///
     /// The unit is metres³ for all six motions, the default. A frame id that is not in the model is an error when the
     /// problem is built, because no joint moves it.

@@ -17,7 +17,7 @@ pub struct Orientation {
 }
 
 impl Orientation {
-    /// Asks for the orientation `target` (world_from_frame).
+    /// A task that rotates the frame to the orientation `target` (world_from_frame).
     #[must_use]
     pub fn new(frame: FrameId, target: impl Into<Matrix3<f64>>) -> Self {
         Self {

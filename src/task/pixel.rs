@@ -54,8 +54,9 @@ impl Camera {
 
     /// The viewing ray through a pixel, as two points in world coordinates.
     ///
-    /// The first point is the eye e with P (e, 1) = 0. The second is the pixel unprojected to depth one, m with P (m,
-    /// 1) = (u, v, 1). Returns `None` for a camera without eye (a parallel projection), or if a number is not finite.
+    /// The first point is the eye e with `P (e, 1) = 0`. The second is the pixel unprojected to depth one: m with
+    /// `P (m, 1) = (u, v, 1)`. Returns `None` for a camera without eye (a parallel projection), or if a number is not
+    /// finite.
     #[must_use]
     pub fn viewing_ray(&self, [u, v]: [f64; 2]) -> Option<[Vector3<f64>; 2]> {
         let rows = self.pixel_from_world;
@@ -77,7 +78,7 @@ pub struct Pixel {
 }
 
 impl Pixel {
-    /// Asks for the image of the frame's origin at (u, v), pixels.
+    /// A task that moves the image of the frame's origin to (u, v), pixels.
     #[must_use]
     pub fn new(frame: FrameId, camera: Camera, target: [f64; 2]) -> Self {
         Self {

@@ -15,8 +15,9 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// Asks for the frame's origin in the plane through `point` with `normal` (any length except zero), in world
-    /// coordinates.
+    /// A task that moves the frame's origin to the plane through `point` with `normal`, in world coordinates.
+    ///
+    /// `normal` has any length except zero.
     #[must_use]
     pub fn new(
         frame: FrameId,

@@ -19,7 +19,7 @@ pub struct Point {
 }
 
 impl Point {
-    /// Asks for the frame's origin at `target`, metres in world coordinates.
+    /// A task that moves the frame's origin to `target`, metres in world coordinates.
     #[must_use]
     pub fn new(frame: FrameId, target: impl Into<Vector3<f64>>) -> Self {
         Self {

@@ -17,7 +17,7 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// Asks for the frame's origin on the line through the eye e and the point m, in world coordinates.
+    /// A task that moves the frame's origin to the line through the eye e and the point m, in world coordinates.
     ///
     /// m is, for example, the unprojected mouse position. [`Camera::viewing_ray`](super::Camera::viewing_ray) returns
     /// both points. They must be finite and distinct.

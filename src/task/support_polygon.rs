@@ -55,7 +55,7 @@ pub struct SupportPolygon {
     frames: Vec<FrameId>,
     margin: f64,
     up: Vector3<f64>,
-    /// The polygon without margin, if no support point is on a frame; `None` otherwise.
+    /// The polygon reduced by the margin, if no support point is on a frame; `None` otherwise.
     still: Option<ConvexPolygon<f64>>,
 }
 
