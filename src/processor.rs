@@ -1,7 +1,7 @@
 //! What this processor can do, asked in one place.
 
 /// Whether functions compiled for AVX2 and FMA may run here: the processor has both, and the
-/// environment did not set `KINOPT_PORTABLE` when this was first asked (see `docs/same-bits.md`).
+/// environment did not set `KINOPT_PORTABLE` when this was first asked (see `docs/internals/reproducibility.md`).
 #[cfg(target_arch = "x86_64")]
 #[inline]
 pub(crate) fn has_avx2_and_fma() -> bool {
