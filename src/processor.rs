@@ -3,7 +3,7 @@
 /// True if functions compiled for AVX2 and FMA may run on this machine.
 ///
 /// The processor must have both, and the environment variable `KINOPT_PORTABLE` must be unset at the first call, or
-/// empty or `0` (see `docs/same-bits.md`).
+/// empty or `0` (see `docs/internals/reproducibility.md`).
 #[cfg(target_arch = "x86_64")]
 #[inline]
 pub(crate) fn has_avx2_and_fma() -> bool {
