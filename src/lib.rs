@@ -132,49 +132,51 @@ pub use scalar::Scalar;
 pub use size_mismatch::SizeMismatch;
 pub use skeleton::Skeleton;
 
-/// The examples in the page on whole bodies, run as tests.
+/// Examples of the guide and the reference, run as tests.
 #[cfg(all(doctest, feature = "urdf"))]
-#[doc = include_str!("../docs/whole-bodies.md")]
-struct WholeBodies;
+#[doc = include_str!("../docs/guide/arms.md")]
+#[doc = include_str!("../docs/guide/balance.md")]
+#[doc = include_str!("../docs/guide/batches.md")]
+#[doc = include_str!("../docs/guide/characters.md")]
+#[doc = include_str!("../docs/guide/clip-ik.md")]
+#[doc = include_str!("../docs/guide/clips.md")]
+#[doc = include_str!("../docs/guide/dragging.md")]
+#[doc = include_str!("../docs/guide/followers.md")]
+#[doc = include_str!("../docs/guide/gaze.md")]
+#[doc = include_str!("../docs/guide/paths.md")]
+#[doc = include_str!("../docs/guide/postures.md")]
+#[doc = include_str!("../docs/guide/priorities.md")]
+#[doc = include_str!("../docs/guide/residuals.md")]
+#[doc = include_str!("../docs/guide/retargeting.md")]
+#[doc = include_str!("../docs/guide/servo.md")]
+#[doc = include_str!("../docs/guide/skinning.md")]
+#[doc = include_str!("../docs/guide/targets.md")]
+#[doc = include_str!("../docs/guide/trajectories.md")]
+#[doc = include_str!("../docs/guide/trajectory-optimisation.md")]
+#[doc = include_str!("../docs/guide/whole-bodies.md")]
+#[doc = include_str!("../docs/reference/file-access.md")]
+struct Guide;
 
-/// The examples in the page on obstacles, run as tests.
-#[cfg(all(doctest, feature = "collision"))]
-#[doc = include_str!("../docs/collisions.md")]
-struct Collisions;
-
-/// The examples in the page on motions, run as tests.
-#[cfg(all(doctest, feature = "urdf"))]
-#[doc = include_str!("../docs/motions.md")]
-struct Motions;
-
-/// The examples in the page on retargeting, run as tests.
-#[cfg(all(doctest, feature = "collision", feature = "urdf"))]
-#[doc = include_str!("../docs/retargeting.md")]
-struct Retargeting;
-
-/// The examples in the page on clips and scene files, run as tests.
-#[cfg(all(doctest, feature = "gltf"))]
-#[doc = include_str!("../docs/clips.md")]
-struct Clips;
-
-/// The examples in the page on paths, run as tests.
-#[cfg(all(doctest, feature = "urdf"))]
-#[doc = include_str!("../docs/paths.md")]
-struct Paths;
-
-/// The examples in the first steps and in the pages on single tasks, run as tests.
+/// Examples of the guide that read MJCF, run as tests.
 #[cfg(all(doctest, feature = "urdf", feature = "mjcf"))]
-#[doc = include_str!("../docs/first-steps.md")]
-#[doc = include_str!("../docs/file-access.md")]
-#[doc = include_str!("../docs/places-and-poses.md")]
-#[doc = include_str!("../docs/looking.md")]
-#[doc = include_str!("../docs/postures.md")]
-#[doc = include_str!("../docs/moves.md")]
-#[doc = include_str!("../docs/closed-loops.md")]
-struct Tasks;
+#[doc = include_str!("../docs/guide/closed-loops.md")]
+struct MjcfGuide;
 
-/// The README's examples, run as tests.
+/// Examples of the guide with obstacles, run as tests.
+#[cfg(all(doctest, feature = "collision", feature = "urdf"))]
+#[doc = include_str!("../docs/guide/body-collision-avoidance.md")]
+#[doc = include_str!("../docs/guide/collision-avoidance.md")]
+#[doc = include_str!("../docs/guide/collision-models.md")]
+#[doc = include_str!("../docs/guide/retargeting-collisions.md")]
+#[doc = include_str!("../docs/guide/worlds.md")]
+struct CollisionGuide;
+
+/// Examples of the guide that read and write glTF, run as tests.
+#[cfg(all(doctest, feature = "gltf"))]
+#[doc = include_str!("../docs/guide/file-formats.md")]
+struct GltfGuide;
+
+/// Examples of the README, run as tests.
 #[cfg(all(doctest, feature = "urdf"))]
 #[doc = include_str!("../README.md")]
-#[doc = include_str!("../docs/strict-levels.md")]
 struct Readme;
