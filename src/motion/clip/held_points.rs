@@ -175,7 +175,7 @@ impl<'a> HeldPoints<'a> {
         most
     }
 
-    /// Returns the largest distance of a contact point from its position at the begin of the contact, metres.
+    /// Returns the largest distance of a contact point from its position at the start of the contact, metres.
     pub(super) fn slip(&mut self, at: Stretch, x: &[f64]) -> f64 {
         let mut most = 0.0_f64;
         // A contact has one span.

@@ -109,7 +109,7 @@ pub(super) struct CompiledRateCost {
 }
 
 impl CompiledRateCost {
-    /// Returns one unweighted difference, from the `order` sample differences at the begin of `ways`.
+    /// Returns one unweighted difference, from the `order` sample differences at the start of `ways`.
     fn difference(&self, ways: &[f64], variable: usize) -> f64 {
         let n = self.weights.len();
         let parts = OF_WAYS[self.order - 1].iter().enumerate();

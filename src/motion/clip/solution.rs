@@ -129,7 +129,7 @@ impl MotionSolution {
         pub fn iterations(&self) -> usize = self.iterations;
         /// Numbers of evaluations and factorisations of all windows.
         pub fn counts(&self) -> MotionCounts = self.counts;
-        /// Largest distance of a contact point from its position at the begin of its contact, metres.
+        /// Largest distance of a contact point from its position at the start of its contact, metres.
         pub fn slip(&self) -> f64 = self.slip;
         /// Largest closure error of a loop at any sample, metres or radians.
         ///

@@ -243,7 +243,7 @@ impl Carrier {
     }
 }
 
-/// Configurations followed in parts of a step: their indices at its begin, and their current values.
+/// Configurations followed in parts of a step: their indices at its start, and their current values.
 #[derive(Debug, Default)]
 struct Followed {
     places: Vec<usize>,

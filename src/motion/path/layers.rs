@@ -52,7 +52,7 @@ pub(super) struct Growth<'a> {
     pub(super) most: usize,
     /// Number of continued configurations below which a station searches for more.
     pub(super) looked_for: usize,
-    /// Given configurations at the begin and end of the path.
+    /// Given configurations at the start and end of the path.
     pub(super) start: Option<&'a [f64]>,
     pub(super) end: Option<&'a [f64]>,
     /// For a cyclic path with a free start, joint displacement over one cycle. Both ends then move together.
