@@ -86,10 +86,10 @@ impl Solver {
     ///
     /// With [collision avoidance](crate::problem::ProblemBuilder::keep_clear), every attempt first solves the required
     /// tasks without it. If the result is in collision, the attempt continues from there with collision avoidance as a
-    /// required task. The best collision-free attempt is returned. Soft tasks then act in the null space of required
-    /// tasks and collision avoidance. If no attempt is collision-free, the result reaches the required tasks with the
-    /// least penetration, and [`Solution::collisions`] lists the pairs. The motion from `start` to the solution is not
-    /// checked. A [`Drag`](super::Drag) checks it.
+    /// required task. The collision-free attempt with the lowest index is used. Soft tasks then act in the null space
+    /// of required tasks and collision avoidance. If no attempt is collision-free, the result reaches the required
+    /// tasks with the least penetration, and [`Solution::collisions`] lists the pairs. The motion from `start` to the
+    /// solution is not checked. A [`Drag`](super::Drag) checks it.
     ///
     /// # Errors
     /// Returns an error if `start` has the wrong length or a number that is not finite, or if an option is out of its

@@ -1,8 +1,8 @@
 //! Constraint rows of unreached levels: derivatives of their cost gradients.
 //!
-//! An unreached level is at ∇L = 0 in the null space of the levels above, for L = ½‖r‖² + λᵀr↑ with the reached levels'
-//! residuals r↑ and their multipliers λ (Nocedal & Wright 2006, section 12.5). A step Δ keeps that to first order if P
-//! ∇²L Δ = 0. P is the projection onto the null space of the levels above.
+//! An unreached level is at ∇L = 0 in the null space of the levels above. Its Lagrangian is L = ½‖r‖² + λᵀr↑ with the
+//! reached levels' residuals r↑ and their multipliers λ (Nocedal & Wright 2006, section 12.5). A step Δ keeps ∇L = 0 to
+//! first order if P ∇²L Δ = 0. P is the projection onto the null space of the levels above.
 
 use nalgebra::DMatrix;
 

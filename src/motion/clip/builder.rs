@@ -208,8 +208,13 @@ impl<'m> MotionProblemBuilder<'m> {
     /// Checks all inputs and compiles the kinematics.
     ///
     /// # Errors
-    /// Returns the first error found: those of [`ProblemBuilder::build`], no samples, weights or settings out of range,
-    /// invalid spans, required tasks on several levels, or fixed samples beyond limits.
+    /// Returns the first error found:
+    ///
+    /// - those of [`ProblemBuilder::build`];
+    /// - no samples, or invalid spans;
+    /// - weights or settings out of range;
+    /// - required tasks on several levels;
+    /// - fixed samples beyond limits.
     pub fn build(self) -> Result<MotionProblem, MotionError> {
         let Self {
             model,

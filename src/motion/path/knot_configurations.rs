@@ -12,7 +12,7 @@ pub(super) struct Way {
     pub(super) q: Vec<f64>,
     /// For each knot, whether the step to it stays on its branch.
     pub(super) joined: Vec<bool>,
-    /// For each knot, the allowed joint displacement of the step to it, relative to the bound; more than 1 if a long
+    /// For each knot, the allowed joint displacement of the step to it, relative to the bound. It exceeds 1 if a long
     /// step was followed in parts.
     pub(super) allowance: Vec<f64>,
     /// For each knot, whether its target is reached (and collision-free, as far as checked).

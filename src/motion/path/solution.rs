@@ -94,8 +94,8 @@ pub struct PathSolution {
     pub entry: usize,
     /// Steps in which the arm changes to another branch.
     ///
-    /// In all other steps no joint moves further than [the limit](super::PathSolver::with_max_step), or small parts of
-    /// a long tool segment connect both ends.
+    /// In other steps no joint moves further than [the limit](super::PathSolver::with_max_step), or small parts of a
+    /// long tool segment connect both ends.
     pub reconfigurations: Vec<Reconfiguration>,
     /// Weighted joint length of all steps, including reconfigurations: the sum of the roots of Σ (weight ·
     /// difference)².

@@ -112,8 +112,9 @@ impl<'a> PathSolver<'a> {
     /// Solves a path: fewest unreached points first, then fewest reconfigurations, then the shortest joint path.
     ///
     /// # Errors
-    /// Returns an error if an option is out of its range, if a given start or end configuration does not reach its
-    /// point, or if a tool does not exist. An unreachable point is not an error: see [`PathSolution::missed`].
+    /// Returns an error if an option is out of its range, or if a tool does not exist. Returns an error if a given
+    /// start or end configuration does not reach its point. An unreachable point is not an error: see
+    /// [`PathSolution::missed`].
     pub fn solve(&self, path: &CartesianPath) -> Result<PathSolution, PathError> {
         self.check(path)?;
         match path.traversal {

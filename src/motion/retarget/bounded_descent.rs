@@ -1,8 +1,8 @@
 //! Bounded Gauss-Newton method for problems with a good start.
 //!
-//! A step minimises the damped model within the bounds by an active set: variables that would leave their bounds are
-//! fixed there, and the rest is solved again. Clamping the step instead would leave the end effectors of clamped joints
-//! off their targets, capture frame after capture frame.
+//! A step minimises the damped model within the bounds by an active set. Variables that would leave their bounds are
+//! fixed there, and the rest is solved again. Clamped steps would leave the end effectors of clamped joints off their
+//! targets at every sample.
 
 use nalgebra::DMatrix;
 
@@ -153,8 +153,8 @@ impl BoundedDescent {
     /// Returns the cost after a second step from the end of the rejected one, if it is lower than at x (a watchdog:
     /// Chamberlain, Powell, Lemarechal & Pedersen 1982).
     ///
-    /// The second step uses the model at its start. Residuals that act only there, such as the ground under a foot at
-    /// its edge, are missing in the model at x, which would repeat the rejected step.
+    /// The second step uses the model at its start. The model at x misses residuals that act only there, such as the
+    /// ground under a foot at its edge. It would repeat the rejected step.
     fn go_on(&mut self, problem: &mut Evaluation<'_>, x: &[f64], cost: f64) -> Option<f64> {
         self.trial.copy_from_slice(x);
         self.step_on(problem);

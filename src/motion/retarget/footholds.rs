@@ -41,8 +41,8 @@ impl Retargeting<'_> {
 
     /// Creates foot constraints from an online result. Feet stay above the ground.
     ///
-    /// Feet with all limbs in contact keep their tilt from the online result, because an ankle lock alone lets a leg at
-    /// its limits tip the foot.
+    /// Feet with all limbs in contact keep their tilt from the online result. With an ankle lock alone, a leg at its
+    /// limits would tip the foot.
     pub(super) fn footholds(&self, q: &[f64]) -> Result<Footholds, RetargetError> {
         let placed = self.placed_soles(q)?;
         let mut soles = Vec::with_capacity(self.limbs.soles.len());

@@ -101,8 +101,8 @@ impl<'r> Retargeting<'r> {
     /// Fits a capture to a robot by a map: scales limbs, and finds the ground and contacts.
     ///
     /// # Errors
-    /// Returns an error if the capture or the robot lacks a name of the map, a frame is driven twice, or a number is
-    /// out of range.
+    /// Returns an error if the capture or the robot lacks a name of the map, or if a frame is driven twice. Returns an
+    /// error if a number is out of range.
     pub fn new(
         robot: &'r Robot,
         map: &BodyMap,

@@ -1,9 +1,9 @@
 //! Cubic spline through rows, on as few knots as their tolerance allows.
 //!
 //! Second differences of dense rows amplify the error of each row: 1e-6 rad at rows 1e-3 rad apart are a curvature of 1
-//! per radian. Knots are therefore [`KNOT_DISTANCE`] apart. They are closer if the direction changes by more than
-//! [`KNOT_TURN`] between them, or if a row would be farther than [`ROW_TOLERANCE`] from the curve. Sparser rows are all
-//! knots.
+//! per radian. Knots are therefore [`KNOT_DISTANCE`] apart. They are closer where the direction changes by more than
+//! [`KNOT_TURN`]. They are also closer where a row would be farther than [`ROW_TOLERANCE`] from the curve. Sparser rows
+//! are all knots.
 
 use super::corners::{MIN_REACH, Rows};
 use super::cubic_curve::CubicCurve;

@@ -98,7 +98,7 @@ impl MovementFolder {
     /// Creates the output folder, stores the settings, and removes unfinished files. Returns all motions with their
     /// state.
     ///
-    /// If `again` is set, all motions are to be done, and stored settings are ignored.
+    /// If `again` is set, all motions are to be done, and stored settings are replaced.
     ///
     /// # Errors
     /// Returns an error if the folder has results of other settings, or cannot be written.
