@@ -327,9 +327,9 @@ class Posture(Task):
 
     The reference is a configuration, shape (dof,), or a dict of some joints' values, radians or metres.
     ``joint_weights`` are factors of the joints' rows, at least 0: one for each of ``joint_names``, or a dict of some
-    joints', the others 1; ``"by range"``, relative to half of each joint's range; or ``"upright"``: joints that carry
-    several limbs (a back, the rotation of a free base) weigh five times as much as limbs, and the position of a free
-    base weighs nothing, so that legs bend before the back does.
+    joints', the others 1. ``"by range"`` makes rows relative to half of each joint's range. With ``"upright"``, joints
+    that carry several limbs (a back, the rotation of a free base) weigh five times as much as limbs. The position of a
+    free base then weighs nothing, so that legs bend before the back does.
 
     Raises ``InvalidValueError`` for values that are not numbers.
     """

@@ -359,10 +359,10 @@ impl PathSolution {
 
 /// Solves a Cartesian path of an arm's tool with the fewest reconfigurations, then the shortest: a `PathSolution`.
 ///
-/// `path` is placements of shape (N, 4, 4) or a list of them, points of shape (N, 7) (x, y, z, then a quaternion w, x,
-/// y, z) or (N, 3), or the file of a table, whose header names the columns (`order`, "w-first" or "w-last", is that of
-/// unnamed quaternion columns). Between two points the tool moves straight and rotates at a constant rate. The arm
-/// defines the goal bounds and the obstacles.
+/// `path` has one of three forms. Placements: shape (N, 4, 4) or a list of them. Points: shape (N, 7) (x, y, z, then a
+/// quaternion w, x, y, z) or (N, 3). A table: the path of its file, whose header names the columns. `order`, "w-first"
+/// or "w-last", is that of unnamed quaternion columns. Between two points the tool moves straight and rotates at a
+/// constant rate. The arm defines the goal bounds and the obstacles.
 ///
 /// `times`: seconds, shape (N,). With `keep_times`, a step that is too fast for a joint also counts as a
 /// reconfiguration. `traversal`: "open", "cyclic" (repeatedly, ends in its first configuration) or "any-start" (once

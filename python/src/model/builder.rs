@@ -137,8 +137,8 @@ impl ModelBuilder {
 
     /// Adds a ball joint, which rotates about one point. Its part of a configuration is its unit quaternion w, x, y, z.
     ///
-    /// `swing` (radians, at most pi) limits the tilt of its `axis` to a cone of that half angle, or to an elliptic cone
-    /// of two half angles, about `about` and about the perpendicular of `about` and the axis. `twist` is the range,
+    /// `swing` (radians, at most pi) limits the tilt of its `axis` to a cone of that half angle. Two half angles make
+    /// an elliptic cone, about `about` and about the perpendicular of `about` and the axis. `twist` is the range,
     /// (lower, upper) in radians, of the rotation about its axis. `angle` limits the whole rotation, about any axis, in
     /// radians; pi and more is no limit. `parent` and `parent_from_joint` are as in `joint`.
     ///

@@ -16,10 +16,10 @@ use crate::robot::Robot;
 
 /// The map from solver variables x to configurations q: free, locked, coupled and narrowed joints.
 ///
-/// A robot's mimic joints follow its file. Arguments are by joint name: `lock={"finger": 0.04}` locks joints at values
-/// (radians or metres; of a ball joint a quaternion w, x, y, z), `couple={"left": ("right", ratio, offset)}` makes a
-/// mimic joint (ratio * source + offset), `narrow={"elbow": (lower, upper)}` intersects a joint's limits with these,
-/// and `only=["a", "b"]` frees only these joints: the other free joints are locked at their values in `at` (shape
+/// A robot's mimic joints follow its file. Arguments are by joint name. `lock={"finger": 0.04}` locks joints at values
+/// (radians or metres; of a ball joint a quaternion w, x, y, z). `couple={"left": ("right", ratio, offset)}` makes a
+/// mimic joint (ratio * source + offset). `narrow={"elbow": (lower, upper)}` intersects a joint's limits with these.
+/// `only=["a", "b"]` frees only these joints. The other free joints are then locked at their values in `at` (shape
 /// (nq,); default the neutral configuration), clamped into their limits.
 ///
 /// Raises `UnknownNameError` for unknown joints, and `InvalidValueError` for a joint that is fixed, locked outside its

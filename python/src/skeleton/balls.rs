@@ -29,11 +29,11 @@ use crate::pool::Pool;
 /// within `room`, a dict of (lower, upper) by axis; its rotation is in those axes too. The model's frames are those of
 /// the skeleton; its joints have the names of the bones.
 ///
-/// `cones` is the path of a side file (angles in degrees), or a dict by bone of dicts in radians: "swing", the largest
-/// tilt of the bone's axis, a number or two; "twist", (lower, upper) about its axis; "angle", the largest rotation
-/// about any axis, at most pi; optionally "axis", shape (3,), the twist axis in its own axes, default along the bone,
-/// and "about", the axis of the first of two swings. Bones without a cone are unlimited. `armature`, with the bones of
-/// the skeleton, is the armature of poses.
+/// `cones` is the path of a side file (angles in degrees), or a dict by bone of dicts in radians. "swing" is the
+/// largest tilt of the bone's axis, a number or two. "twist" is the range (lower, upper) about its axis. "angle" is the
+/// largest rotation about any axis, at most pi. The optional "axis", shape (3,), is the twist axis in its own axes, by
+/// default along the bone. The optional "about" is the axis of the first of two swings. Bones without a cone are
+/// unlimited. `armature`, with the bones of the skeleton, is the armature of poses.
 ///
 /// Raises `UnknownNameError` for an unknown bone, `InvalidValueError` for an empty cone and for a cone of a bone that
 /// does not rotate, `InvalidFileError` and `FileError` for a side file.
