@@ -325,7 +325,7 @@ class Pixel(Task):
 class Posture(Task):
     """Nominal posture: joints near ``reference``, one row for each joint, in joint units. A preference by default.
 
-    The reference is a configuration, shape (dof,), or a dict of some joints' values, radians or metres.
+    The reference is a configuration, shape (nq,), or a dict of some joints' values, radians or metres.
     ``joint_weights`` are factors of the joints' rows, at least 0: one for each of ``joint_names``, or a dict of some
     joints', the others 1. ``"by range"`` makes rows relative to half of each joint's range. With ``"upright"``, joints
     that carry several limbs (a back, the rotation of a free base) weigh five times as much as limbs. The position of a
@@ -354,7 +354,7 @@ class Posture(Task):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Smoothness(Task):
-    """Slow motion of joints from ``previous``, shape (dof,), their values ``time_step_s`` seconds ago.
+    """Slow motion of joints from ``previous``, shape (nq,), their values ``time_step_s`` seconds ago.
 
     One row for each joint, in joint units per second. A preference by default. ``joint_weights`` are those of a
     `Posture`.
@@ -700,7 +700,7 @@ class Residual(Task):
         self._keep("rows", {quantity: int(count) for quantity, count in rows.items()})
 
     def check_jacobian(self, model: Model | HasModel, q: ArrayLike, *, tolerance: float = 1e-5) -> None:
-        """Compares ``jacobian`` with central differences of ``function`` at a configuration, shape (dof,).
+        """Compares ``jacobian`` with central differences of ``function`` at a configuration, shape (nq,).
 
         Raises ``InvalidValueError`` if an entry differs by more than ``tolerance`` times the largest of its row (at
         least 1); the message names the row, the motion and both numbers. A wrong Jacobian otherwise only makes searches

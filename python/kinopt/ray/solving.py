@@ -67,8 +67,8 @@ class SolveProblem:
 
     ``targets`` names the column of each task's targets: {"hand": "hand_target"}; other tasks keep the problem's
     targets. A row holds the numbers of a target, row-major: 3 for a point, 16 for a pose, 9 for an orientation, 6 for a
-    plane (point, normal) or a ray (eye, through), 1 for a distance, dof for a posture. ``start`` is a common start,
-    shape (dof,), or ``starts`` names a column of them. ``solver`` is a ``kinopt.Solver``, ``max_move`` the largest
+    plane (point, normal) or a ray (eye, through), 1 for a distance, nq for a posture. ``start`` is a common start,
+    shape (nq,), or ``starts`` names a column of them. ``solver`` is a ``kinopt.Solver``, ``max_move`` the largest
     displacement of joints from their start, as in its ``solve_batch``; ``keep`` and ``threads`` are as for
     ``SolveArm``.
 

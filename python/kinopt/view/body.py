@@ -70,7 +70,7 @@ class Body(ABC):
 
     @property
     def q(self) -> Array:
-        """Current configuration, shape (dof,), radians and metres; assigning it moves the drawing.
+        """Current configuration, shape (nq,), radians and metres; assigning it moves the drawing.
 
         Raises `InvalidValueError` for a wrong length or a number that is not finite.
         """

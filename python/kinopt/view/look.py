@@ -54,7 +54,7 @@ class DrawnKinematics:
         self.index = {frame: i for i, frame in enumerate(self._kinematics.frame_names)}
 
     def place(self, q: Array) -> Array:
-        """model_from_frame of every frame, shape (frames, 4, 4), for a configuration, shape (dof,).
+        """model_from_frame of every frame, shape (frames, 4, 4), for a configuration, shape (nq,).
 
         Raises `InvalidValueError` for a wrong length or a number that is not finite.
         """

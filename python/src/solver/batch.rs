@@ -68,7 +68,7 @@ impl Solutions {
 
 #[pymethods]
 impl Solutions {
-    /// Configurations, shape (N, dof), radians and metres, exactly within all limits.
+    /// Configurations, shape (N, nq), radians and metres, exactly within all limits.
     #[getter]
     fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let rows = self.inner.iter();
