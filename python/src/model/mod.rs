@@ -164,7 +164,7 @@ impl Model {
     ///
     /// `seed` is a whole number (equal seeds give equal configurations on every machine) or a `numpy.random.Generator`,
     /// whose state advances. Without `n` the result is one configuration of shape (nq,), with it n of them, shape (n,
-    /// dof), of the seeds `seed`, `seed + 1`, ...
+    /// nq), of the seeds `seed`, `seed + 1`, ...
     ///
     /// Raises `InvalidValueError` for a seed or an `n` that is not a whole number of at least 0.
     #[pyo3(signature = (seed = None, n = None))]
