@@ -1,4 +1,4 @@
-"""The tables of docs/reference/options.md name the options that there are, and no others."""
+"""The tables of docs/reference/options.md list exactly the existing options."""
 
 import inspect
 import re
@@ -12,7 +12,7 @@ PAGE = (Path(__file__).parents[2] / "docs/reference/options.md").read_text()
 
 
 def named(section):
-    """What a section's table has in its column of Python."""
+    """The Python column of the table of a section."""
     part = PAGE.split(f"\n## {section}\n")[1].split("\n## ")[0]
     rows = [line.split("|")[1:-1] for line in part.splitlines() if line.startswith("|")]
     column = [cell.strip() for cell in rows[0]].index("Python")

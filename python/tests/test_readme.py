@@ -69,7 +69,7 @@ def test_what_opens_a_page_opens_one(language, block):
         assert words[:3] == ["python", "-m", "kinopt.view"]
         command = [sys.executable, *words[1:], "--no-browser", "--port", str(a_free_port())]
     else:
-        # Where it waits for ever it says where its page is first.
+        # Code that waits for ever prints its address first.
         assert block.count("scene.wait()") == 1
         command = [sys.executable, "-c", block.replace("scene.wait()", "print(scene.url, flush=True); scene.wait()")]
     environment = {**os.environ, "BROWSER": "true"}
