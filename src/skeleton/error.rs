@@ -43,14 +43,6 @@ pub enum SkeletonError {
         /// What is wrong with it.
         problem: RigidDefect,
     },
-    /// A bone of an armature whose scale at rest makes of turns below it what no joint does.
-    #[error(
-        "bone `{bone}`: it scales its children by different numbers along its axes, or mirrors"
-    )]
-    UnevenScale {
-        /// The bone.
-        bone: String,
-    },
     /// A bone of another skeleton.
     #[error("bone number {bone} was asked for, but there are {bones}")]
     ForeignBone {

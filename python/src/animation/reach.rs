@@ -106,8 +106,10 @@ impl ReachLayer {
     /// the joints' limits. Gives the `Solution`, which says what is missed and by how much; None where all
     /// weights are 0.
     ///
-    /// Raises `InvalidValueError` for a pose of another armature, and for a bone that scales unevenly what
-    /// hangs on it; the pose stays as it is.
+    /// Below bones that the pose scales unevenly, it is solved again until the tips of the posed bones are at their targets;
+    /// the solution is that of the posed bones.
+    ///
+    /// Raises `InvalidValueError` for a pose of another armature; the pose stays as it is.
     fn apply(&self, py: Python<'_>, pose: &Bound<'_, Pose>) -> PyResult<Option<Solution>> {
         let pose = pose.get();
         let mut locals = pose.now();
