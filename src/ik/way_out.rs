@@ -9,7 +9,6 @@ use super::drag_frame::{NUDGE_EVERY, REST, near, solve};
 use super::levels::Extent;
 use super::straight_way::{furthest_move, go_share};
 use super::{Drag, Restarts, Solver};
-use crate::problem::Question;
 use crate::random::RandomStream;
 use crate::solver::{Stopping, Termination};
 
@@ -180,7 +179,12 @@ impl Drag {
         };
         let start = &mut self.trial.search.start;
         start.resize(self.x.len(), 0.0);
-        let question = near(&self.problem, &self.targets, &self.moves);
+        let question = near(
+            &self.problem,
+            &self.targets,
+            &self.moves,
+            &self.moved_joints,
+        );
         let [_, way] = &mut self.before;
         let ends = [self.x.as_slice(), &self.way_out.end];
         go_share(question.space(), ends, share, way, start);
@@ -203,7 +207,7 @@ impl Drag {
 
     /// Solves from the known place within the limits of the joints, or only looks at it.
     fn look_at_end(&mut self, only: bool) {
-        let question = Question::from(&self.problem).with_targets(&self.targets);
+        let question = self.moved_joints.question(&self.problem, &self.targets);
         question.space().project(&mut self.way_out.end);
         let map = self.problem.parameters();
         map.scatter_within_limits(&self.way_out.end, &mut self.q);

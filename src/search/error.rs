@@ -35,6 +35,24 @@ pub enum SolveError {
         /// The value.
         value: f64,
     },
+    /// Joints of another model.
+    #[error(
+        "a model whose configuration has {given} numbers is not `{model}`, whose configuration has {expected}"
+    )]
+    OtherModel {
+        /// The model that is solved.
+        model: String,
+        /// The numbers of its configuration.
+        expected: usize,
+        /// Numbers given.
+        given: usize,
+    },
+    /// Joints cannot move on their parents where collisions are avoided.
+    #[error("`{model}` avoids collisions, so its joints stay where they are on their parents")]
+    JointsOfCollisions {
+        /// The model.
+        model: String,
+    },
     /// Another number of moves than a configuration has numbers.
     #[error("{given} moves are given, a configuration of `{model}` has {expected} numbers")]
     MovesLength {

@@ -8,9 +8,12 @@ use kinopt::animation::{
     Aim, AimGoal, Armature, ArmatureBone, Clip, Limb, LimbGoal, LocalTransform, Pose, PoseAngles,
     PoseTurns, ReachLayer,
 };
+use kinopt::ik::Drag;
 use kinopt::model::Limits;
 use kinopt::motion::clip_ik::{ClipIk, Reach};
+use kinopt::problem::Problem;
 use kinopt::skeleton::{BallSkeleton, BoneId, Cones, SkeletonRoot};
+use kinopt::task::Point;
 use support::random::Random;
 
 /// Scales of the root and of the fourth bone.
@@ -158,6 +161,35 @@ fn reach_layer_brings_the_scaled_armature_there() {
             assert!(off < 1e-5, "{case}: bone {hand} is off by {off}");
         }
         assert!(reached, "{case}");
+    });
+}
+
+/// A drag whose joints go where the pose of each frame has them.
+#[test]
+fn drag_brings_the_scaled_armature_there() {
+    each_scale(25, |armature, random, case| {
+        let free = |_| [Limits::UNBOUNDED; 3];
+        let mut skeleton = armature.skeleton("one", free).unwrap();
+        let angles = PoseAngles::new(&skeleton);
+        let hand = bone(armature, 4);
+        let wanted = places(armature, &turned(armature, 0.4, random));
+        let target = wanted[4].translation;
+        let goal = target.as_dvec3().to_array();
+        let mut problem = Problem::builder(skeleton.model());
+        problem.add(Point::new(skeleton.tip(hand), goal));
+        let start = skeleton.model().neutral();
+        let mut drag = Drag::new(problem.build().unwrap(), &start).unwrap();
+        let mut pose = armature.rest().clone();
+        let mut frames = 0;
+        while frames == 0 || !drag.rests() && frames < 300 {
+            let q = drag.advance().q.clone();
+            angles.pose_of(&q, &mut pose).unwrap();
+            skeleton = skeleton.standing_in(&pose).unwrap();
+            drag.move_joints(skeleton.model()).unwrap();
+            frames += 1;
+        }
+        let off = places(armature, &pose)[4].translation.distance(target);
+        assert!(off < 1e-5, "{case}: {off} after {frames} frames");
     });
 }
 

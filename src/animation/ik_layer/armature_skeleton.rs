@@ -4,10 +4,27 @@ use std::collections::BTreeSet;
 
 use glam::{DAffine3, DMat3, DQuat};
 
-use crate::animation::{Armature, Mirror};
+use super::pose_angles::has_bones;
+use super::stance::Stances;
+use crate::SizeMismatch;
+use crate::animation::{Armature, Mirror, Pose};
 use crate::model::Limits;
 use crate::skeleton::{ANGLES_PER_BONE, Bone, BoneId, Skeleton, SkeletonError};
 use crate::spatial::{Matrix3, Placement, Vector3};
+
+impl Skeleton {
+    /// The same skeleton with its joints and tips where a pose of its armature has them, by the pose's own translations and
+    /// scales. The angles keep their meaning and the rest pose its placements.
+    ///
+    /// # Errors
+    /// The pose has fewer bones.
+    pub fn standing_in(&self, pose: &Pose) -> Result<Self, SizeMismatch> {
+        has_bones(pose, self.bones().len())?;
+        let bones: Vec<BoneId> = self.bone_ids().collect();
+        let mut stances = Stances::new(self, &bones);
+        Ok(stances.take(pose, &bones).clone())
+    }
+}
 
 impl Armature {
     /// The skeleton with the same bones and ids, at rest where the armature is: what
@@ -21,7 +38,8 @@ impl Armature {
     /// axes of a bone are the product of the rotations down to it. Below a mirrored bone those are reflected, so that the
     /// skeleton turns as the mirrored armature does. Below an [unevenly scaled](Self::scale_notes) bone the armature shears
     /// and the skeleton does not: their joints part as bones turn. [`ReachLayer`](super::ReachLayer) and
-    /// [`ClipIk`](crate::motion::clip_ik::ClipIk) solve for the joints of the armature.
+    /// [`ClipIk`](crate::motion::clip_ik::ClipIk) solve for the joints of the armature, and a
+    /// [`Drag`](crate::ik::Drag) does whose joints [`move`](crate::ik::Drag::move_joints) after each frame.
     ///
     /// # Errors
     /// A [`SkeletonError`] naming the bone whose limits are no interval.
