@@ -2,6 +2,7 @@
 
 use wasm_bindgen::prelude::*;
 
+use crate::model::Model;
 use crate::problem::{Problem, TargetsByName};
 use crate::raise;
 use crate::solution::Solution;
@@ -105,6 +106,14 @@ impl Drag {
         #[wasm_bindgen(unchecked_param_type = "Numbers")] q: &[f64],
     ) -> Result<(), JsError> {
         self.inner.stand_at(q).map_err(raise)
+    }
+
+    /// Moves joints and frames on their parents to where `model` has them, which has those of the problem's model. The
+    /// configuration stays. A character whose scales shear its bones is dragged by `skeleton.standingIn(pose).model` of its
+    /// pose after each frame.
+    #[wasm_bindgen(js_name = moveJoints)]
+    pub fn move_joints(&mut self, model: &Model) -> Result<(), JsError> {
+        self.inner.move_joints(&model.inner).map_err(raise)
     }
 
     /// Where the body stands.
