@@ -5,6 +5,7 @@ use super::driven_point::DrivenPoint;
 use super::feet::Feet;
 use super::hip_line::HipLine;
 use super::problem_of_frame::ProblemOfFrame;
+use super::unit::Unit;
 use super::{RetargetError, Retargeting};
 use crate::model::{JointId, Model};
 use crate::motion::clip::{MotionError, longest_moves};
@@ -59,7 +60,13 @@ pub struct BodyFollower {
     lower: Vec<f64>,
     upper: Vec<f64>,
     x: Vec<f64>,
+    /// Of the body that is solved.
     q: Vec<f64>,
+    unit: Unit,
+    /// The numbers of a configuration that are lengths.
+    slides: Vec<usize>,
+    /// In the model's unit.
+    own_q: Vec<f64>,
     followed: bool,
 }
 
@@ -86,7 +93,7 @@ fn hinges(model: &Model) -> impl Iterator<Item = (JointId, f64)> {
 
 impl BodyFollower {
     pub(super) fn new(asked: &Retargeting<'_>) -> Result<Self, RetargetError> {
-        let (robot, limbs) = (asked.robot, &asked.limbs);
+        let (robot, limbs) = (&*asked.body, &asked.limbs);
         let lead_s = asked.options.contacts.lead_s;
         let model = robot.model();
         let mut tasks = Problem::builder(model);
@@ -139,13 +146,16 @@ impl BodyFollower {
             hip_line,
             frame: ProblemOfFrame::new(problem, size),
             x,
+            unit: asked.unit,
+            slides: model.slides().collect(),
+            own_q: q.clone(),
             q,
         })
     }
 
     getters! {
         /// Where the body is.
-        pub fn q(&self) -> &[f64] = &self.q;
+        pub fn q(&self) -> &[f64] = &self.own_q;
         /// How it keeps clear, where it is to.
         pub(super) fn clear(&self) -> Option<&ClearFrames> = self.clear.as_ref();
         /// How many places it follows.
@@ -157,13 +167,30 @@ impl BodyFollower {
         self.frame.problem().parameters().gather(q, &mut self.x);
     }
 
-    /// One frame: where the driven points should be, and how firmly each stands, from 0, not at all, to 1, where it is
+    /// One frame: where the driven points should be, in the model's unit, and how firmly each stands, from 0, not at all, to 1, where it is
     /// held in place; in the order of [`Retargeting::driven`](super::Retargeting::driven). Returns the configuration. Where
     /// the targets are not finite, the body stays.
     ///
     /// # Errors
     /// Another number of places.
     pub fn advance(
+        &mut self,
+        places: &[Vector3<f64>],
+        stands: &[f64],
+    ) -> Result<&[f64], RetargetError> {
+        match self.unit.is_own() {
+            true => self.follow(places, stands)?,
+            false => {
+                let scale = self.unit.scale();
+                let places: Vec<_> = places.iter().map(|at| *at * scale).collect();
+                self.follow(&places, stands)?
+            }
+        };
+        Ok(&self.own_q)
+    }
+
+    /// The same in the unit of the body that is solved.
+    pub(super) fn follow(
         &mut self,
         places: &[Vector3<f64>],
         stands: &[f64],
@@ -243,6 +270,12 @@ impl BodyFollower {
         if whole {
             let parameters = self.frame.problem().parameters();
             parameters.scatter_within_limits(&self.x, &mut self.q);
+            self.own_q.copy_from_slice(&self.q);
+            if !self.unit.is_own() {
+                for slide in self.slides.iter().copied() {
+                    self.own_q[slide] *= self.unit.back();
+                }
+            }
             self.feet.place(&mut self.frame, &self.x);
         }
         whole

@@ -29,7 +29,7 @@ pub(super) struct Footholds {
 impl Retargeting<'_> {
     /// Where the soles are in all frames.
     fn placed_soles(&self, q: &[f64]) -> Result<Vec<Vec<Placement<f64>>>, RetargetError> {
-        let model = self.robot.model();
+        let model = self.body.model();
         let soles = self.limbs.soles.iter().map(|sole| sole.frame);
         let frames: Vec<FrameId> = soles.collect();
         let mut kinematics = ForwardKinematics::of_frames(model, &frames).map_err(as_map_error)?;

@@ -79,7 +79,8 @@ impl LiveFollower {
         }
         self.limbs.place(captured, &mut self.places);
         self.feel();
-        self.follower.advance(&self.places, &self.firmness)
+        self.follower.follow(&self.places, &self.firmness)?;
+        Ok(self.follower.q())
     }
 
     /// Tells what stands by how far it has come in the last frames, and keeps it over the ground.

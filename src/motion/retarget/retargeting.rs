@@ -1,5 +1,6 @@
 //! Fits a capture to a model, and brings the one onto the other.
 
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,6 +10,7 @@ use super::contacts::Standing;
 use super::limbs::Limbs;
 use super::obstacles::Obstacles;
 use super::retargeted::{GivenUp, Measures};
+use super::unit::{ScaledObstacles, Unit};
 use super::{
     BodyFollower, BodyMap, Capture, ContactDetection, FootShapes, RetargetError, Retargeted,
     Touching, UpAxis,
@@ -29,7 +31,8 @@ use crate::spatial::Vector3;
 pub struct RetargetOptions {
     /// Which way is up in the capture, unless the map says it.
     pub up: UpAxis,
-    /// When feet stand. The speed is that of a body whose legs are 0.9 m long: others' is as much less as they are smaller.
+    /// When feet stand. The speed is that of a body whose legs are 0.9 m long: others' is as much less as they are smaller. The
+    /// height is in the model's unit.
     pub contacts: ContactDetection,
     /// The shapes of feet, which find the ground and are kept out of it; none are the shapes that the robot's file describes by
     /// numbers.
@@ -37,7 +40,8 @@ pub struct RetargetOptions {
     /// How much more a point counts where it lands on something. While it stands it is held wherever it came down, as its
     /// own place may be none that a body of other proportions can keep.
     pub landing_weight: f64,
-    /// Of whole movements: what an acceleration of 1 rad/s² costs, in metres off a place.
+    /// Of whole movements: what an acceleration of 1 rad/s² costs, in metres off a place; of a model in its own unit, metres of
+    /// a body whose legs are 0.9 m long.
     pub acceleration: f64,
     /// Of whole movements: where each window ends, as a share of its cost.
     pub tolerance: f64,
@@ -82,13 +86,18 @@ impl RetargetOptions {
 #[derive(Clone, Debug)]
 pub struct Retargeting<'r> {
     pub(super) robot: &'r Robot,
+    /// What is solved: the robot, or one in its own unit at the size of a person.
+    pub(super) body: Cow<'r, Robot>,
+    pub(super) unit: Unit,
     pub(super) options: RetargetOptions,
     pub(super) limbs: Limbs,
     pub(super) frame_rate: f64,
     /// How many joints a captured frame has.
     pub(super) joints: usize,
-    /// Frame after frame.
+    /// Of the solved body, frame after frame.
     pub(super) targets: Arc<[Vector3<f64>]>,
+    /// In the robot's unit.
+    own_targets: Arc<[Vector3<f64>]>,
     pub(super) standing: Vec<Standing>,
     pub(super) obstacles: Option<Obstacles>,
     pub(super) cancelled: Option<Arc<AtomicBool>>,
@@ -112,9 +121,17 @@ impl<'r> Retargeting<'r> {
         let up = map.up.unwrap_or(options.up);
         let shapes = options.shapes.clone();
         let shapes = shapes.unwrap_or_else(|| FootShapes::of(robot));
-        let limbs = Limbs::new(model, map, capture, up, &model.neutral(), &shapes)?;
+        let mut limbs = Limbs::new(model, map, capture, up, &model.neutral(), &shapes)?;
         let frame_rate = capture.frame_rate();
         let mut options = options;
+        let unit = Unit::of(model, &limbs);
+        let body = unit.body(robot)?;
+        if !unit.is_own() {
+            let (map, shapes) = unit.map_and_shapes(map, &shapes);
+            let model = body.model();
+            limbs = Limbs::new(model, &map, capture, up, &model.neutral(), &shapes)?;
+            options.contacts.height *= unit.scale();
+        }
         if limbs.leg > 0.0 {
             options.contacts.speed *= limbs.leg / USUAL_LEG_M;
         }
@@ -125,13 +142,21 @@ impl<'r> Retargeting<'r> {
             targets.extend_from_slice(&places);
         }
         let standing = options.contacts.plant(&limbs, frame_rate, &mut targets);
+        let targets: Arc<[Vector3<f64>]> = targets.into();
+        let own_targets = match unit.is_own() {
+            true => Arc::clone(&targets),
+            false => targets.iter().map(|at| *at * unit.back()).collect(),
+        };
         Ok(Self {
             robot,
+            body,
+            unit,
+            own_targets,
             options,
             limbs,
             frame_rate,
             joints: capture.names().len(),
-            targets: targets.into(),
+            targets,
             standing,
             obstacles: None,
             cancelled: None,
@@ -143,7 +168,13 @@ impl<'r> Retargeting<'r> {
     /// further than where it is free.
     #[must_use]
     pub fn keep_clear<C: KeepClear + Clone + Send + Sync + 'static>(mut self, of: &C) -> Self {
-        self.obstacles = Some(Obstacles::of(of));
+        self.obstacles = Some(match self.unit.is_own() {
+            true => Obstacles::of(of),
+            false => {
+                let model = self.robot.model();
+                Obstacles::of(&ScaledObstacles::new(of.clone(), self.unit, model))
+            }
+        });
         self
     }
 
@@ -170,17 +201,24 @@ impl<'r> Retargeting<'r> {
         /// The driven frames, in the order of [`targets`](Self::targets).
         pub fn driven(&self) -> Vec<FrameId> = self.limbs.all.iter().map(|limb| limb.frame).collect();
         /// How many times as large as the person's the model's steps are.
-        pub fn stride(&self) -> f64 = self.limbs.stride;
+        pub fn stride(&self) -> f64 = self.limbs.stride * self.unit.back();
         /// The axis along which the model's root is above what stands, in its neutral configuration: z, unless its file has another
         /// one upward; `None` where that cannot be told.
         pub fn model_stands_along(&self) -> Option<UpAxis> = self.limbs.model_up;
     }
 
-    /// Where the driven points should be in a frame, metres.
+    /// Where the driven points should be in a frame, in the model's unit.
     #[must_use]
     pub fn targets(&self, frame: usize) -> Option<&[Vector3<f64>]> {
         let n = self.limbs.all.len();
-        self.targets.get(frame * n..(frame + 1) * n)
+        self.own_targets.get(frame * n..(frame + 1) * n)
+    }
+
+    /// Where those of the solved body should be.
+    fn body_targets(&self, frame: usize) -> &[Vector3<f64>] {
+        let n = self.limbs.all.len();
+        let targets = self.targets.get(frame * n..(frame + 1) * n);
+        targets.unwrap_or_default()
     }
 
     /// How firmly each driven point stands in a frame, led there and let go.
@@ -221,8 +259,8 @@ impl<'r> Retargeting<'r> {
     /// Speed limits that are none.
     pub fn follower(&self) -> Result<BodyFollower, RetargetError> {
         let mut follower = BodyFollower::new(self)?;
-        let first = self.targets(0).unwrap_or_default();
-        follower.stand_at(&self.limbs.first_stance(self.robot, first));
+        let first = self.body_targets(0);
+        follower.stand_at(&self.limbs.first_stance(&self.body, first));
         Ok(follower)
     }
 
@@ -235,7 +273,7 @@ impl<'r> Retargeting<'r> {
         self.measure(q)
     }
 
-    /// All configurations of a follower, and the frames in which it was near to something.
+    /// All configurations of a follower of the solved body, and the frames in which it was near to something.
     pub(super) fn follow_all(&self) -> Result<(Vec<f64>, Vec<bool>), RetargetError> {
         let mut follower = self.follower()?;
         let mut q = Vec::with_capacity(self.frames() * follower.q().len());
@@ -247,16 +285,15 @@ impl<'r> Retargeting<'r> {
                 return Err(MotionError::Cancelled.into());
             }
             self.firmness(frame, &mut firmness);
-            let places = self.targets(frame).unwrap_or_default();
-            q.extend_from_slice(follower.advance(places, &firmness)?);
+            q.extend_from_slice(follower.follow(self.body_targets(frame), &firmness)?);
             near.push(follower.clear().is_some_and(ClearFrames::is_near));
         }
         Ok((q, near))
     }
 
-    /// Tells how well configurations follow.
-    pub(super) fn measure(&self, q: Vec<f64>) -> Result<Retargeted, RetargetError> {
-        let model = self.robot.model();
+    /// Measures how well configurations of the solved body follow, and scales them to the robot's unit.
+    pub(super) fn measure(&self, mut q: Vec<f64>) -> Result<Retargeted, RetargetError> {
+        let model = self.body.model();
         let mut frames = self.driven();
         let driven = frames.len();
         frames.extend(self.limbs.soles.iter().map(|sole| sole.frame));
@@ -274,7 +311,7 @@ impl<'r> Retargeting<'r> {
         for (frame, q) in q.chunks_exact(model.configuration_len()).enumerate() {
             let placed = kinematics.place(q).map_err(as_map_error)?;
             self.stand(frame, &mut stands);
-            let targets = self.targets(frame).unwrap_or_default();
+            let targets = self.body_targets(frame);
             for (k, (limb, target)) in self.limbs.all.iter().zip(targets).enumerate() {
                 let at = placed[k].apply(limb.offset);
                 stands[k] = measures.take(frame, k, at, *target, stands[k]);
@@ -293,20 +330,25 @@ impl<'r> Retargeting<'r> {
             frame: *frame,
             standing: name(limb),
         });
+        let touching = self.touching(&q);
+        let back = self.unit.back();
+        if !self.unit.is_own() {
+            model.scale_slides(back, &mut q);
+        }
         Ok(Retargeted {
-            touching: self.touching(&q),
+            touching,
             given_up: given_up.collect(),
             configuration_len: model.configuration_len(),
             frame_rate: self.frame_rate,
             standing: can_stand.iter().map(name).collect(),
             standing_at: can_stand
                 .iter()
-                .map(|limb| self.limbs.all[*limb].offset)
+                .map(|limb| self.limbs.all[*limb].offset * back)
                 .collect(),
             contacts,
-            mean_error: measures.mean_error(),
-            slip: measures.slip,
-            sunk: measures.sunk,
+            mean_error: measures.mean_error() * back,
+            slip: measures.slip * back,
+            sunk: measures.sunk * back,
             q,
         })
     }
