@@ -112,6 +112,8 @@ pub struct Problem {
     moving: Vec<bool>,
     /// A length of the model's own scale, in metres.
     reach: f64,
+    /// What steps of slides are measured in, if the model's unit is its own.
+    step_scale: Vec<f64>,
     derivatives: Derivatives,
     /// What it keeps clear of.
     fence: Option<Arc<Fence>>,
@@ -172,6 +174,8 @@ impl Problem {
         /// How the variables move the model.
         pub(crate) fn tangent(&self) -> &Tangent = &self.tangent;
         pub(crate) fn names(&self) -> &Arc<ReportNames> = &self.names;
+        /// The length by which a slide weighs as much as a radian, by variable, 1 for angles; empty for models in metres.
+        pub(crate) fn step_scale(&self) -> &[f64] = &self.step_scale;
         /// The order in which the tasks are met.
         pub(crate) fn ranks(&self) -> &Ranks = &self.ranks;
         /// What it keeps clear of, if anything.

@@ -18,6 +18,11 @@ pub trait LeastSquares {
     /// Upper bounds, n numbers, each at least its lower bound; ∞ where there is none.
     fn upper(&self) -> &[f64];
 
+    /// What a step of each variable is measured in, n numbers: lengths that count as much as a radian. Empty where all are 1.
+    fn step_scale(&self) -> &[f64] {
+        &[]
+    }
+
     /// The space that x is from.
     fn space(&self) -> ConfigurationSpace<'_> {
         ConfigurationSpace::new(self.lower(), self.upper())
