@@ -173,11 +173,11 @@ fn rotations(pose: &Pose) -> impl Iterator<Item = f64> + '_ {
     rotations.flat_map(|q| q.to_array().map(f64::from))
 }
 
-/// Planted feet, and a hand that reaches.
-fn edited(unit: f64) -> Vec<f64> {
+/// Planted feet, and a hand that reaches for a place.
+fn edited(place: Vec3A, unit: f64) -> Vec<f64> {
     let (armature, clip) = walking(unit);
     let hand = armature.bone("hand").unwrap();
-    let target = Vec3A::new(0.5, 1.3, 1.5).as_dvec3() * unit;
+    let target = place.as_dvec3() * unit;
     let reach = Reach::to(hand, target).unwrap().with_span(0.8..=1.6);
     let edited = planted(&armature)
         .with_reach(reach.with_fade(0.3))
@@ -192,10 +192,16 @@ fn edited(unit: f64) -> Vec<f64> {
 
 #[test]
 fn clip_ik_is_alike_in_all_units() {
-    let metres = edited(1.0);
+    let place = Vec3A::new(0.5, 1.3, 1.5);
+    let metres = edited(place, 1.0);
     for unit in UNITS {
-        assert_alike(&metres, &edited(unit), &format!("{unit}"));
+        assert_alike(&metres, &edited(place, unit), &format!("{unit}"));
     }
+    // Too far for the arm, so that the root moves. Translations in this unit have the digits of those in metres: a stretched
+    // arm turns by the root of what single precision rounds.
+    let place = Vec3A::new(1.2, 1.5, 1.5);
+    let [metres, other] = [1.0, 64.0].map(|unit| edited(place, unit));
+    assert_alike(&metres, &other, "far");
 }
 
 /// The frames at which feet stand.
