@@ -3,7 +3,7 @@
 use super::Solution;
 use super::keep_clear::ClearRoom;
 use super::levels::{RankMemory, is_better};
-use crate::problem::{Evaluation, Problem, Question, Scratch, Share};
+use crate::problem::{Evaluation, MovedMemory, Problem, Question, Scratch, Share};
 use crate::search::{Attempts, End, Found, Pulls};
 use crate::solver::{LeastSquares, SolverState, Stopping, half_squared};
 
@@ -12,6 +12,8 @@ use crate::solver::{LeastSquares, SolverState, Stopping, half_squared};
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
     pub(super) memory: SolverState,
+    /// Where tasks move few of the variables.
+    pub(super) moved: MovedMemory,
     pub(super) scratch: Option<Scratch>,
     pub(super) search: Attempts,
     /// Of all tasks.

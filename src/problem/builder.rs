@@ -299,6 +299,7 @@ impl<'m> ProblemBuilder<'m> {
             reach,
             derivatives: self.derivatives,
             moving: Vec::new(),
+            moved: None,
             fence: None,
         };
         problem.mark_moving();

@@ -13,6 +13,7 @@ mod frame_reach;
 mod inequality_depths;
 mod keep_clear;
 mod loops;
+mod moved_variables;
 mod names;
 mod normal_equations;
 mod parameter_vector;
@@ -34,6 +35,7 @@ pub use error::ProblemError;
 pub use evaluation::{Evaluation, Scratch};
 pub(crate) use keep_clear::{AnyClearanceCheck, Fence};
 pub use keep_clear::{ClearanceCheck, KeepClear};
+pub(crate) use moved_variables::{Moved, MovedMemory, MovedVariables, ObserverOfAll};
 pub(crate) use names::ReportNames;
 pub(crate) use normal_equations::NormalEquations;
 pub use parameter_vector::ParameterVector;
@@ -110,6 +112,8 @@ pub struct Problem {
     spread: Vec<f64>,
     /// Whether any task depends on each variable.
     moving: Vec<bool>,
+    /// The variables among them, where leaving the others out is worth it.
+    moved: Option<MovedVariables>,
     /// A length of the model's own scale, in metres.
     reach: f64,
     /// What steps of slides are measured in, if the model's unit is its own.
@@ -349,6 +353,7 @@ impl Problem {
         {
             moving[variable] = true;
         }
+        self.moved = MovedVariables::of(&moving, &self.rotations, &self.step_scale);
         self.moving = moving;
     }
 

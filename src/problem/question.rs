@@ -51,6 +51,8 @@ impl<'a> Question<'a> {
         pub fn lower(&self) -> &'a [f64] = self.lower;
         /// Upper bounds of the variables.
         pub fn upper(&self) -> &'a [f64] = self.upper;
+        /// How far balls may go from where they stood.
+        pub(crate) fn turn_limits(&self) -> &'a [TurnLimit] = self.moves;
         /// The compiled kinematics that the tasks' slots refer to.
         pub(crate) fn tree(&self) -> &'a Tree = self.tree;
     }

@@ -41,6 +41,8 @@ pub(crate) struct ShearCorrection {
     off: f64,
     /// s of the move that was proposed last.
     proposed: Vec<f64>,
+    /// Share of the next move.
+    share: f64,
     solves: usize,
     undone: usize,
 }
@@ -55,6 +57,7 @@ impl ShearCorrection {
             at: flat(shown),
             off: f64::INFINITY,
             proposed: vec![0.0; rows],
+            share: 1.0,
             solves: 0,
             undone: 0,
         };
@@ -75,7 +78,7 @@ impl ShearCorrection {
     /// Where the next rigid solve should bring the points.
     pub(crate) fn commands(&mut self) -> Vec<DVec3> {
         let missing = self.missing(&self.at);
-        let share = SHORTENED.powi(self.undone as i32);
+        let share = self.share;
         let rows = self.inverse.chunks_exact(missing.len().max(1));
         for (row, proposed) in rows.zip(&mut self.proposed) {
             *proposed = share * dot(row, &missing);
@@ -103,7 +106,7 @@ impl ShearCorrection {
         };
         if off < limit {
             self.at = shown;
-            self.undone = 0;
+            (self.undone, self.share) = (0, 1.0);
             let is_nearest = off < self.off;
             self.off = self.off.min(off);
             return match is_nearest {
@@ -112,6 +115,7 @@ impl ShearCorrection {
             };
         }
         self.undone += 1;
+        self.share *= SHORTENED;
         if !reached {
             self.inverse = identity(self.at.len());
         }

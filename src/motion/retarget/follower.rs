@@ -61,12 +61,12 @@ pub struct BodyFollower {
     upper: Vec<f64>,
     x: Vec<f64>,
     /// Of the body that is solved.
-    q: Vec<f64>,
+    body_q: Vec<f64>,
     unit: Unit,
     /// The numbers of a configuration that are lengths.
     slides: Vec<usize>,
     /// In the model's unit.
-    own_q: Vec<f64>,
+    q: Vec<f64>,
     followed: bool,
 }
 
@@ -148,14 +148,14 @@ impl BodyFollower {
             x,
             unit: asked.unit,
             slides: model.slides().collect(),
-            own_q: q.clone(),
-            q,
+            q: q.clone(),
+            body_q: q,
         })
     }
 
     getters! {
         /// Where the body is.
-        pub fn q(&self) -> &[f64] = &self.own_q;
+        pub fn q(&self) -> &[f64] = &self.q;
         /// How it keeps clear, where it is to.
         pub(super) fn clear(&self) -> Option<&ClearFrames> = self.clear.as_ref();
         /// How many places it follows.
@@ -186,7 +186,7 @@ impl BodyFollower {
                 self.follow(&places, stands)?
             }
         };
-        Ok(&self.own_q)
+        Ok(&self.q)
     }
 
     /// The same in the unit of the body that is solved.
@@ -210,7 +210,7 @@ impl BodyFollower {
         }
         // Nothing that stands is let go for them.
         if !places.iter().all(Vector3::is_finite) || stands.iter().any(|stands| stands.is_nan()) {
-            return Ok(&self.q);
+            return Ok(&self.body_q);
         }
         self.aim(places, stands)?;
         let mut whole = self.descend();
@@ -230,7 +230,7 @@ impl BodyFollower {
             (*lower, *upper) = ((x - most).max(low), (x + most).min(high));
         }
         self.followed = true;
-        Ok(&self.q)
+        Ok(&self.body_q)
     }
 
     /// Moves the body to where this frame's targets lead; whether all is finite, else it stays.
@@ -269,11 +269,11 @@ impl BodyFollower {
         };
         if whole {
             let parameters = self.frame.problem().parameters();
-            parameters.scatter_within_limits(&self.x, &mut self.q);
-            self.own_q.copy_from_slice(&self.q);
+            parameters.scatter_within_limits(&self.x, &mut self.body_q);
+            self.q.copy_from_slice(&self.body_q);
             if !self.unit.is_own() {
                 for slide in self.slides.iter().copied() {
-                    self.own_q[slide] *= self.unit.back();
+                    self.q[slide] *= self.unit.back();
                 }
             }
             self.feet.place(&mut self.frame, &self.x);
@@ -309,7 +309,7 @@ impl BodyFollower {
         if self.followed {
             let share = STAY * STAY / (POSTURE * POSTURE + STAY * STAY);
             for (reference, (coordinate, value)) in self.reference.iter_mut().zip(&self.posture) {
-                *reference = value + share * (self.q[*coordinate] - value);
+                *reference = value + share * (self.body_q[*coordinate] - value);
             }
             self.targets
                 .get_mut(self.stay)?
