@@ -2,9 +2,9 @@
 
 use super::solver::Run;
 use super::{MoveLimits, Solver, Workspace};
-use crate::kinematics::{Tree, TreeMemory};
+use crate::kinematics::{Tree, TreeWorkspace};
 use crate::model::Model;
-use crate::problem::{Problem, Question, Targets};
+use crate::problem::{Problem, ProblemInstance, Targets};
 use crate::solver::Silent;
 
 /// Every so many frames that settle on a miss, a nudge tells a place of rest from a balance: an
@@ -19,20 +19,20 @@ pub(super) fn near<'a>(
     targets: &'a Targets,
     moves: &'a MoveLimits,
     moved: &'a MovedJoints,
-) -> Question<'a> {
+) -> ProblemInstance<'a> {
     moved.question(problem, targets).near(moves)
 }
 
 /// The kinematics of a drag whose joints moved on their parents.
 #[derive(Clone, Debug, Default)]
-pub(super) struct MovedJoints(Option<Box<(Tree, TreeMemory)>>);
+pub(super) struct MovedJoints(Option<Box<(Tree, TreeWorkspace)>>);
 
 impl MovedJoints {
     /// Takes the positions of joints and frames from a model with the joints of the problem's.
     pub(super) fn take(&mut self, problem: &Problem, model: &Model) {
         let moved = self.0.get_or_insert_with(|| {
             let tree = problem.tree().clone();
-            Box::new((tree, TreeMemory::default()))
+            Box::new((tree, TreeWorkspace::default()))
         });
         let (tree, memory) = &mut **moved;
         tree.compile(model, problem.parameters(), memory);
@@ -48,8 +48,8 @@ impl MovedJoints {
         &'a self,
         problem: &'a Problem,
         targets: &'a Targets,
-    ) -> Question<'a> {
-        let question = Question::from(problem).with_targets(targets);
+    ) -> ProblemInstance<'a> {
+        let question = ProblemInstance::from(problem).with_targets(targets);
         match &self.0 {
             Some(moved) => question.with_places(&moved.0),
             None => question,
@@ -61,7 +61,7 @@ impl MovedJoints {
 /// the caller's may bring about, the last solution stays.
 pub(super) fn solve(
     solver: &Solver,
-    question: Question<'_>,
+    question: ProblemInstance<'_>,
     from: &[f64],
     workspace: &mut Workspace,
 ) {

@@ -4,16 +4,17 @@ use crate::clock::Instant;
 
 use super::step_guard::{Guarded, StepGuard};
 use crate::problem::{
-    Evaluation, Moved, MovedMemory, MovedVariables, ObserverOfAll, Question, Scratch, Share,
+    Evaluation, Moved, MovedMemory, MovedVariables, ObserverOfAll, ProblemInstance, Scratch,
+    TaskSubset,
 };
 use crate::search::{Attempt, Engine};
 use crate::solver::{AnyMethod, LeastSquares, Observer, Outcome, SolverState, Stopping};
 
 /// Method applied to one problem instance.
 pub(crate) struct Minimiser<'a> {
-    pub(crate) question: Question<'a>,
+    pub(crate) question: ProblemInstance<'a>,
     /// Task subset that is minimised.
-    pub(crate) share: Share,
+    pub(crate) share: TaskSubset,
     pub(crate) method: &'a dyn AnyMethod,
     pub(crate) deadline: Option<Instant>,
     pub(crate) observer: &'a mut dyn Observer,
@@ -35,7 +36,7 @@ impl<'a> Minimiser<'a> {
 
     /// Searches over the moved variables.
     fn attempt_moved(
-        question: Question<'_>,
+        question: ProblemInstance<'_>,
         moved: &MovedVariables,
         evaluation: &mut Evaluation<'_>,
         (method, observer): (&dyn AnyMethod, &mut dyn Observer),

@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 
 use nalgebra::DMatrix;
 
-use super::{Evaluation, Problem, Question};
+use super::{Evaluation, Problem, ProblemInstance};
 use crate::buffer::refill;
 use crate::solver::{
     ConfigurationSpace, Iteration, LeastSquares, Observer, RotationSets, SolverState, Swing,
@@ -16,7 +16,7 @@ use crate::solver::{
 
 /// Fewer variables than this are searched together, moved or not.
 const MIN_VARIABLES: usize = 60;
-/// Share of the variables that are moved up to which the others are left out.
+/// TaskSubset of the variables that are moved up to which the others are left out.
 const MAX_MOVED: f64 = 0.5;
 
 /// Which variables the tasks of a search move, and the rotations among them.
@@ -90,7 +90,12 @@ pub(crate) struct MovedMemory {
 
 impl MovedMemory {
     /// Takes up a start of all variables and the bounds of a question.
-    pub(crate) fn begin(&mut self, question: Question<'_>, moved: &MovedVariables, x: &[f64]) {
+    pub(crate) fn begin(
+        &mut self,
+        question: ProblemInstance<'_>,
+        moved: &MovedVariables,
+        x: &[f64],
+    ) {
         self.x.clear();
         self.x.extend_from_slice(x);
         question.space().project(&mut self.x);

@@ -12,9 +12,9 @@ use super::shear_correction::{Corrected, ShearCorrection};
 use super::stance::Stances;
 use crate::animation::{Pose, SizeMismatch};
 use crate::ik::{Restarts, Solution, Solver, Workspace};
-use crate::kinematics::{Tree, TreeMemory};
+use crate::kinematics::{Tree, TreeWorkspace};
 use crate::model::UnknownName;
-use crate::problem::{Problem, ProblemError, Question, Targets, TaskId};
+use crate::problem::{Problem, ProblemError, ProblemInstance, Targets, TaskId};
 use crate::skeleton::{BoneId, Skeleton};
 use crate::solver::Stopping;
 use crate::spatial::{Quaternion, Vector3};
@@ -40,7 +40,7 @@ pub struct ReachLayer {
     targets: Targets,
     /// The problem's joints where the pose has them.
     tree: Tree,
-    places: TreeMemory,
+    places: TreeWorkspace,
     effectors: Vec<Effector>,
     held: Vec<Held>,
     /// Those that the tasks move, by index.
@@ -121,7 +121,7 @@ impl ReachLayer {
             targets: problem.targets(),
             tree: problem.tree().clone(),
             problem,
-            places: TreeMemory::default(),
+            places: TreeWorkspace::default(),
             stances: Stances::new(skeleton, &moved),
             effectors,
             held: turned,
@@ -249,7 +249,7 @@ impl ReachLayer {
     fn solve(&mut self, solver: &Solver, pose: &mut Pose) -> Result<(), ReachError> {
         let (model, map) = (self.stances.skeleton().model(), self.problem.parameters());
         self.tree.compile(model, map, &mut self.places);
-        let question = Question::from(&self.problem);
+        let question = ProblemInstance::from(&self.problem);
         let question = question.with_targets(&self.targets).with_places(&self.tree);
         let solution = solver.solve(question, &self.q, &mut self.workspace)?;
         self.q.copy_from_slice(&solution.q);

@@ -6,8 +6,8 @@ use super::ClipIkError;
 use super::posed_bones::PosedBones;
 use crate::animation::{Armature, Corrected, Pose, ShearCorrection};
 use crate::ik::{Restarts, Solver, Workspace};
-use crate::kinematics::{Tree, TreeMemory};
-use crate::problem::{Problem, Question, Targets, TaskId};
+use crate::kinematics::{Tree, TreeWorkspace};
+use crate::problem::{Problem, ProblemInstance, Targets, TaskId};
 use crate::skeleton::BoneId;
 use crate::spatial::{Matrix3, Vector3};
 use crate::task::{Orientation, Point, Posture, Quantity, Task};
@@ -23,7 +23,7 @@ pub(super) struct FrameSolver {
     problem: Problem,
     targets: Targets,
     tree: Tree,
-    places: TreeMemory,
+    places: TreeWorkspace,
     /// The bones of the points.
     effectors: Vec<BoneId>,
     points: Vec<TaskId<Point>>,
@@ -70,7 +70,7 @@ impl FrameSolver {
         Ok(Self {
             targets: problem.targets(),
             tree: problem.tree().clone(),
-            places: TreeMemory::default(),
+            places: TreeWorkspace::default(),
             problem,
             effectors: own,
             points,
@@ -159,7 +159,7 @@ impl FrameSolver {
     fn solve_placed(&mut self, bones: &PosedBones) -> Result<bool, ClipIkError> {
         self.tree
             .compile(bones.model(), self.problem.parameters(), &mut self.places);
-        let question = Question::from(&self.problem);
+        let question = ProblemInstance::from(&self.problem);
         let question = question.with_targets(&self.targets).with_places(&self.tree);
         let solution = self.solver.solve(question, &self.q, &mut self.workspace)?;
         self.q.copy_from_slice(&solution.q);

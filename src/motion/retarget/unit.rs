@@ -9,7 +9,7 @@ use super::limbs::Limbs;
 use super::{BodyMap, FootShapes, RetargetError};
 use crate::model::{LengthUnit, Model};
 use crate::motion::contact_detection::USUAL_LEG_M;
-use crate::problem::{ClearanceCheck, Collision, KeepClear};
+use crate::problem::{ClearanceCheck, Collision, CollisionAvoidance};
 use crate::robot::Robot;
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
@@ -89,7 +89,7 @@ impl<C> ScaledObstacles<C> {
     }
 }
 
-impl<C: KeepClear> KeepClear for ScaledObstacles<C> {
+impl<C: CollisionAvoidance> CollisionAvoidance for ScaledObstacles<C> {
     type Clearance = ScaledClearance<C::Clearance>;
     type Check = ScaledCheck<C::Check>;
 
