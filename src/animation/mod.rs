@@ -74,9 +74,12 @@ pub use ik_layer::{
     Aim, AimError, AimGoal, EndRotation, Limb, LimbError, LimbGoal, NoEffector, PoseAngles,
     PoseTurns, ReachError, ReachLayer,
 };
+pub(crate) use ik_layer::{Corrected, ShearCorrection};
 pub(crate) use ik_layer::{bone_angles, bone_rotation};
-pub(crate) use pose::scales_evenly;
-pub use pose::{Armature, ArmatureBone, ArmatureError, LocalError, LocalTransform, Pose};
+pub use pose::{
+    Armature, ArmatureBone, ArmatureError, LocalError, LocalTransform, Pose, ScaleNote,
+};
+pub(crate) use pose::{Mirror, Stretch};
 pub use state_machine::{
     BlendClip, BlendDefinition, ConditionDefinition, Interruption, MotionDefinition,
     ParameterDefault, ParameterError, ParameterValue, StateDefinition, StateEvent, StateMachine,

@@ -276,6 +276,7 @@ impl ArmWorkspace {
             scratch: &mut self.scratch,
             memory: &mut self.memory,
             guard: None,
+            moved: None,
         }
     }
 

@@ -97,6 +97,7 @@ impl<'a> ClearEngine<'a> {
             scratch: scratch.get_or_insert_with(|| problem.scratch()),
             memory,
             guard: None,
+            moved: None,
         };
         let led = fenced.attempt(self.plain.memory.x(), stopping);
         attempt.iterations += led.iterations;

@@ -2,7 +2,7 @@
 
 use super::collision_avoidance::CollisionWorkspace;
 use super::depenetration::WayOutOfContact;
-use super::drag_frame::{NUDGE_EVERY, REST, near, solve};
+use super::drag_frame::{MovedJoints, NUDGE_EVERY, REST, near, solve};
 use super::drag_motion::DragMotion;
 use super::escape::{LocalMinimumEscape, WayOutSolvers};
 use super::joint_interpolation::furthest_move;
@@ -11,6 +11,7 @@ use super::{
     BoundKind, MotionLimits, MoveLimits, Restarts, Solution, SolveError, Solver, Workspace,
 };
 use crate::bad_option::BadOption;
+use crate::model::Model;
 use crate::problem::{Problem, ProblemError, ProblemInstance, Targets, TaskId};
 use crate::random::RandomStream;
 use crate::search::{check_start, slide_per_radian};
@@ -80,6 +81,7 @@ pub(super) const BETTER: f64 = 1.0 - 1e-3;
 #[derive(Clone, Debug)]
 pub struct Drag {
     pub(super) problem: Problem,
+    pub(super) moved_joints: MovedJoints,
     pub(super) targets: Targets,
     pub(super) solver: Solver,
     nudged: Solver,
@@ -158,6 +160,7 @@ impl Drag {
             clear: None,
             touches: true,
             motion: None,
+            moved_joints: MovedJoints::default(),
             problem,
         };
         drag.stand_at(start)?;
@@ -279,7 +282,7 @@ impl Drag {
     /// What is dragged, with the targets as they are now.
     #[must_use]
     pub fn question(&self) -> ProblemInstance<'_> {
-        ProblemInstance::from(&self.problem).with_targets(&self.targets)
+        self.moved_joints.question(&self.problem, &self.targets)
     }
 
     /// A task's residual, to move its target; as [`Targets::get_mut`].
@@ -329,6 +332,38 @@ impl Drag {
         Ok(())
     }
 
+    /// Moves joints and frames on their parents to where `model` has them, which has the joints and frames of the problem's
+    /// model in their order. The configuration stays, and the next frame goes on from it.
+    ///
+    /// A character whose scales shear its bones is dragged by
+    /// [`Skeleton::standing_in`](crate::skeleton::Skeleton::standing_in) of its pose after each frame.
+    ///
+    /// # Errors
+    /// A model of other joints or frames; a problem that avoids collisions.
+    pub fn move_joints(&mut self, model: &Model) -> Result<(), SolveError> {
+        let names = self.problem.names();
+        let frames = self.problem.tree().frames().map(|frame| frame.index());
+        let (given, expected) = (model.configuration_len(), self.problem.configuration_len());
+        if given != expected
+            || frames
+                .max()
+                .is_some_and(|last| last >= model.frames().len())
+        {
+            return Err(SolveError::OtherModel {
+                model: names.model.clone(),
+                expected,
+                given,
+            });
+        }
+        if self.problem.fence().is_some() {
+            return Err(SolveError::JointsOfCollisions {
+                model: names.model.clone(),
+            });
+        }
+        self.moved_joints.take(&self.problem, model);
+        Ok(())
+    }
+
     /// One frame: follows the targets as they are now.
     pub fn advance(&mut self) -> &Solution {
         self.leap = None;
@@ -349,7 +384,7 @@ impl Drag {
         }
         if let Some(motion) = &mut self.motion {
             motion.follow(&self.problem, &self.x);
-            let question = ProblemInstance::from(&self.problem).with_targets(&self.targets);
+            let question = self.moved_joints.question(&self.problem, &self.targets);
             motion.report(question, &self.workspace.solution);
         }
         self.solution()
@@ -364,7 +399,12 @@ impl Drag {
 
     /// Settles within the bounds of the frame, and where that misses looks around.
     fn settle_frame(&mut self) {
-        let question = near(&self.problem, &self.targets, &self.moves);
+        let question = near(
+            &self.problem,
+            &self.targets,
+            &self.moves,
+            &self.moved_joints,
+        );
         solve(&self.solver, question, &self.q, &mut self.workspace);
         let solution = &self.workspace.solution;
         let settled = !solution.reached && solution.termination.is_settled();
@@ -383,7 +423,8 @@ impl Drag {
     /// nothing else to come: the next would do nothing.
     #[must_use]
     pub fn rests(&self) -> bool {
-        let done = self.workspace.solution.reached && !self.problem.has_preferences();
+        let stays = !self.moved_joints.any() || self.moved < REST;
+        let done = self.workspace.solution.reached && !self.problem.has_preferences() && stays;
         let nudged = self.misses == 0 || self.misses > NUDGE_EVERY;
         let seeks = self.seeks_way_out() || self.seeks_way_out_of_contact();
         if self.lags() {
@@ -426,7 +467,12 @@ impl Drag {
                 *value += self.unit[j] * NUDGE * aside;
             }
         }
-        let question = near(&self.problem, &self.targets, &self.moves);
+        let question = near(
+            &self.problem,
+            &self.targets,
+            &self.moves,
+            &self.moved_joints,
+        );
         question.space().project(start);
         map.scatter_within_limits(start, &mut self.q);
         solve(&self.nudged, question, &self.q, &mut self.trial);
@@ -438,7 +484,7 @@ impl Drag {
         let Some(search) = &self.search else {
             return;
         };
-        let question = ProblemInstance::from(&self.problem).with_targets(&self.targets);
+        let question = self.moved_joints.question(&self.problem, &self.targets);
         solve(
             search,
             question,

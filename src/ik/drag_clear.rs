@@ -52,7 +52,12 @@ impl Drag {
         let out = self.go_out_of_contact().filter(|_| !free);
         let goes_out = out.is_some();
         let end = out.or_else(|| self.slide_to(fence, room, (free, before), &mut found));
-        let question = near(&self.problem, &self.targets, &self.moves);
+        let question = near(
+            &self.problem,
+            &self.targets,
+            &self.moves,
+            &self.moved_joints,
+        );
         let x = end.as_ref().unwrap_or(&self.x);
         let workspace = &mut self.workspace;
         self.solver
@@ -108,7 +113,13 @@ impl Drag {
         extent: Extent,
         guarded: bool,
     ) {
-        let question = near(&self.problem, &self.targets, &self.moves).fenced(fence.holding());
+        let question = near(
+            &self.problem,
+            &self.targets,
+            &self.moves,
+            &self.moved_joints,
+        )
+        .fenced(fence.holding());
         let mut q = std::mem::take(&mut self.q);
         let mut guard = WayGuard {
             check: &mut *room.engine.check,

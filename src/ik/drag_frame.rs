@@ -2,6 +2,8 @@
 
 use super::solver::Run;
 use super::{MoveLimits, Solver, Workspace};
+use crate::kinematics::{Tree, TreeWorkspace};
+use crate::model::Model;
 use crate::problem::{Problem, ProblemInstance, Targets};
 use crate::solver::Silent;
 
@@ -16,10 +18,43 @@ pub(super) fn near<'a>(
     problem: &'a Problem,
     targets: &'a Targets,
     moves: &'a MoveLimits,
+    moved: &'a MovedJoints,
 ) -> ProblemInstance<'a> {
-    ProblemInstance::from(problem)
-        .with_targets(targets)
-        .near(moves)
+    moved.question(problem, targets).near(moves)
+}
+
+/// The kinematics of a drag whose joints moved on their parents.
+#[derive(Clone, Debug, Default)]
+pub(super) struct MovedJoints(Option<Box<(Tree, TreeWorkspace)>>);
+
+impl MovedJoints {
+    /// Takes the positions of joints and frames from a model with the joints of the problem's.
+    pub(super) fn take(&mut self, problem: &Problem, model: &Model) {
+        let moved = self.0.get_or_insert_with(|| {
+            let tree = problem.tree().clone();
+            Box::new((tree, TreeWorkspace::default()))
+        });
+        let (tree, memory) = &mut **moved;
+        tree.compile(model, problem.parameters(), memory);
+    }
+
+    /// Whether joints moved.
+    pub(super) fn any(&self) -> bool {
+        self.0.is_some()
+    }
+
+    /// The problem with these targets and joints.
+    pub(super) fn question<'a>(
+        &'a self,
+        problem: &'a Problem,
+        targets: &'a Targets,
+    ) -> ProblemInstance<'a> {
+        let question = ProblemInstance::from(problem).with_targets(targets);
+        match &self.0 {
+            Some(moved) => question.with_places(&moved.0),
+            None => question,
+        }
+    }
 }
 
 /// A solve from a start of the right length. Where a number in it is not finite, which a residual of

@@ -8,7 +8,6 @@ use super::drag_frame::{NUDGE_EVERY, REST, near, solve};
 use super::joint_interpolation::{furthest_move, go_share};
 use super::priority::Extent;
 use super::{Drag, Restarts, Solver};
-use crate::problem::ProblemInstance;
 use crate::random::RandomStream;
 use crate::solver::{Stopping, Termination};
 
@@ -181,7 +180,12 @@ impl Drag {
         };
         let start = &mut self.trial.search.start;
         start.resize(self.x.len(), 0.0);
-        let question = near(&self.problem, &self.targets, &self.moves);
+        let question = near(
+            &self.problem,
+            &self.targets,
+            &self.moves,
+            &self.moved_joints,
+        );
         let [_, way] = &mut self.before;
         let ends = [self.x.as_slice(), &self.way_out.end];
         go_share(question.space(), ends, share, way, start);
@@ -204,7 +208,7 @@ impl Drag {
 
     /// Solves from `end` within the joint limits, or only evaluates it if `only` is set.
     fn look_at_end(&mut self, only: bool) {
-        let question = ProblemInstance::from(&self.problem).with_targets(&self.targets);
+        let question = self.moved_joints.question(&self.problem, &self.targets);
         question.space().project(&mut self.way_out.end);
         let map = self.problem.parameters();
         map.scatter_within_limits(&self.way_out.end, &mut self.q);

@@ -3,9 +3,12 @@
 use crate::clock::Instant;
 
 use super::step_guard::{Guarded, StepGuard};
-use crate::problem::{Evaluation, ProblemInstance, Scratch, TaskSubset};
+use crate::problem::{
+    Evaluation, Moved, MovedMemory, MovedVariables, ObserverOfAll, ProblemInstance, Scratch,
+    TaskSubset,
+};
 use crate::search::{Attempt, Engine};
-use crate::solver::{AnyMethod, LeastSquares, Observer, SolverState, Stopping};
+use crate::solver::{AnyMethod, LeastSquares, Observer, Outcome, SolverState, Stopping};
 
 /// Method applied to one problem instance.
 pub(crate) struct Minimiser<'a> {
@@ -19,17 +22,78 @@ pub(crate) struct Minimiser<'a> {
     pub(crate) memory: &'a mut SolverState,
     /// Collision check of the steps, if any.
     pub(crate) guard: Option<&'a mut dyn StepGuard>,
+    /// Memory for a search over the variables that the tasks move alone.
+    pub(crate) moved: Option<&'a mut MovedMemory>,
+}
+
+impl<'a> Minimiser<'a> {
+    /// The variables that are searched, where others are left out.
+    fn moved_variables(&self) -> Option<&'a MovedVariables> {
+        let problem = self.question.problem;
+        let whole = self.guard.is_some() || self.share != problem.search_share();
+        problem.moved_variables().filter(|_| !whole)
+    }
+
+    /// Searches over the moved variables.
+    fn attempt_moved(
+        question: ProblemInstance<'_>,
+        moved: &MovedVariables,
+        evaluation: &mut Evaluation<'_>,
+        (method, observer): (&dyn AnyMethod, &mut dyn Observer),
+        (x, memory): (&[f64], &mut MovedMemory),
+        (stopping, deadline): (&Stopping, Option<Instant>),
+    ) -> Outcome {
+        memory.begin(question, moved, x);
+        let (buffers, start, state, seen) = memory.parts();
+        let mut observer = ObserverOfAll {
+            observer,
+            moved,
+            x: seen,
+        };
+        let mut problem = Moved {
+            evaluation,
+            moved,
+            memory: buffers,
+        };
+        let outcome = method.minimise(
+            &mut problem,
+            start,
+            stopping,
+            deadline,
+            &mut observer,
+            state,
+        );
+        memory.end(moved);
+        outcome
+    }
 }
 
 impl Engine for Minimiser<'_> {
     fn residual_at_start(&mut self, start: &[f64]) -> &[f64] {
+        let is_moved = self.moved_variables().is_some();
         let mut evaluation = Evaluation::of(self.share, self.question, self.scratch);
-        self.memory.evaluate_at(&mut evaluation, start);
-        self.memory.residual()
+        let state = match &mut self.moved {
+            Some(memory) if is_moved => &mut memory.state,
+            _ => &mut *self.memory,
+        };
+        state.evaluate_at(&mut evaluation, start);
+        state.residual()
     }
 
     fn attempt(&mut self, x: &[f64], stopping: &Stopping) -> Attempt {
+        let variables = self.moved_variables();
         let mut evaluation = Evaluation::of(self.share, self.question, self.scratch);
+        if let Some((variables, memory)) = variables.zip(self.moved.as_deref_mut()) {
+            let outcome = Self::attempt_moved(
+                self.question,
+                variables,
+                &mut evaluation,
+                (self.method, &mut *self.observer),
+                (x, memory),
+                (stopping, self.deadline),
+            );
+            return attempt(&evaluation, &memory.state, &outcome);
+        }
         let mut guarded;
         let minimised: &mut dyn LeastSquares = match &mut self.guard {
             None => &mut evaluation,
@@ -49,17 +113,24 @@ impl Engine for Minimiser<'_> {
             self.observer,
             self.memory,
         );
-        Attempt {
-            termination: outcome.termination,
-            cost: self.memory.cost(),
-            reached: evaluation.is_reached(self.memory.residual()),
-            iterations: outcome.iterations,
-            counts: self.memory.counts(),
-            projected_gradient: outcome.projected_gradient,
-        }
+        attempt(&evaluation, self.memory, &outcome)
     }
 
     fn end(&self) -> (&[f64], &[f64]) {
-        (self.memory.x(), self.memory.residual())
+        match (self.moved_variables(), &self.moved) {
+            (Some(_), Some(memory)) => (&memory.x, memory.state.residual()),
+            _ => (self.memory.x(), self.memory.residual()),
+        }
+    }
+}
+
+fn attempt(evaluation: &Evaluation<'_>, state: &SolverState, outcome: &Outcome) -> Attempt {
+    Attempt {
+        termination: outcome.termination,
+        cost: state.cost(),
+        reached: evaluation.is_reached(state.residual()),
+        iterations: outcome.iterations,
+        counts: state.counts(),
+        projected_gradient: outcome.projected_gradient,
     }
 }

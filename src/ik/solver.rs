@@ -175,6 +175,8 @@ impl Solver {
             scratch: &mut scratch,
             memory: &mut workspace.memory,
             guard: reborrowed(&mut run.guard),
+            // What leads out of contact reads where the whole search is.
+            moved: run.clear.is_none().then_some(&mut workspace.moved),
         };
         let search = &mut workspace.search;
         let mut clear_engine;

@@ -80,6 +80,7 @@ impl LeastSquares for Guarded<'_, '_> {
         fn rows(&self) -> usize = self.evaluation.rows();
         fn lower(&self) -> &[f64] = self.evaluation.lower();
         fn upper(&self) -> &[f64] = self.evaluation.upper();
+        fn step_scale(&self) -> &[f64] = self.evaluation.step_scale();
         fn space(&self) -> ConfigurationSpace<'_> = self.evaluation.space();
         fn is_reached(&self, residual: &[f64]) -> bool = self.evaluation.is_reached(residual);
         fn stops_when_reached(&self) -> bool = self.evaluation.stops_when_reached();

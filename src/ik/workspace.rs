@@ -3,7 +3,7 @@
 use super::Solution;
 use super::collision_avoidance::CollisionWorkspace;
 use super::priority::{LevelWorkspace, is_better};
-use crate::problem::{Evaluation, Problem, ProblemInstance, Scratch, TaskSubset};
+use crate::problem::{Evaluation, MovedMemory, Problem, ProblemInstance, Scratch, TaskSubset};
 use crate::search::{Attempts, End, PreferenceConflict, SearchResult};
 use crate::solver::{LeastSquares, SolverState, Stopping, half_squared};
 
@@ -14,6 +14,8 @@ use crate::solver::{LeastSquares, SolverState, Stopping, half_squared};
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
     pub(super) memory: SolverState,
+    /// Where tasks move few of the variables.
+    pub(super) moved: MovedMemory,
     pub(super) scratch: Option<Scratch>,
     pub(super) search: Attempts,
     /// Residual of all tasks.

@@ -17,6 +17,7 @@ mod parameter_map_builder;
 mod path;
 mod reference;
 mod rotation_chart;
+mod scaled;
 mod segment;
 #[cfg(feature = "serde")]
 mod serialised;

@@ -10,7 +10,7 @@ use super::{
     Derivatives, Preferences, Problem, ProblemError, Ranks, ReportNames, Tangent, Targets, TaskId,
 };
 use crate::kinematics::{FrameSlot, Tree};
-use crate::model::{FrameId, JointId, JointKind, Limits, Model, ParameterMap};
+use crate::model::{FrameId, JointId, JointKind, LengthUnit, Limits, Model, ParameterMap};
 use crate::solver::{RotationSets, Swing, TurnLimit};
 use crate::task::{ErasedResidual, Inequality, Quantity, Residual, Role, RowBlock, Task};
 
@@ -126,9 +126,9 @@ impl<'m> ProblemBuilder<'m> {
         self
     }
 
-    /// Sets the tolerance of a quantity for all tasks that do not set their own.
-    ///
-    /// The defaults are 1e-6 m, 1e-6 rad, 1e-6 m/s, 1e-6 rad/s and 1e-3 px, and infinity for joint units and ratios.
+    /// The tolerance of all tasks that do not set their own. Unset, it is 1e-6 m and 1e-6 rad (also a
+    /// second) and 1e-3 px, and infinite for joint units and ratios. For a model in its own unit of length it is 1e-6 of the
+    /// reach instead of 1e-6 m.
     pub fn tolerance(&mut self, quantity: Quantity, tolerance: f64) -> &mut Self {
         self.tolerances.push((quantity, tolerance));
         self
@@ -288,6 +288,7 @@ impl<'m> ProblemBuilder<'m> {
                 .map(|frame| anchor(model, &map, (*frame)?))
                 .collect(),
         };
+        let is_angle = names.variable_is_angle.clone();
         let mut problem = Problem {
             names: Arc::new(names),
             tree: Tree::new(model, &map, &frames),
@@ -303,9 +304,11 @@ impl<'m> ProblemBuilder<'m> {
             rotations,
             floating,
             spread,
+            step_scale: step_scale(&is_angle, model.length_unit(), reach),
             reach,
             derivatives: self.derivatives,
             moving: Vec::new(),
+            moved: None,
             fence: None,
         };
         problem.mark_moving();
@@ -314,7 +317,19 @@ impl<'m> ProblemBuilder<'m> {
     }
 }
 
-/// For each variable, true if it moves a free joint; empty if there is no free joint.
+/// What steps of the variables are measured in: slides of models in their own unit by a share of the reach.
+fn step_scale(is_angle: &[bool], unit: LengthUnit, reach: f64) -> Vec<f64> {
+    if unit != LengthUnit::Own || reach <= 0.0 || is_angle.iter().all(|is_angle| *is_angle) {
+        return Vec::new();
+    }
+    let scale = |is_angle: &bool| match is_angle {
+        true => 1.0,
+        false => RADIAN_PER_REACH * reach,
+    };
+    is_angle.iter().map(scale).collect()
+}
+
+/// Which variables move a free joint; empty where there is none.
 fn floating(model: &Model, map: &ParameterMap) -> Vec<bool> {
     let free: Vec<usize> = model.free_coordinates().flatten().collect();
     match free.is_empty() {
@@ -408,7 +423,7 @@ fn compile_task(
         let weight = Block::weight_of(&name, rows.quantity, weight * pending.factor)?;
         let tolerance = own(&pending.tolerances)
             .or_else(|| own(tolerances))
-            .unwrap_or_else(|| default_tolerance(rows.quantity));
+            .unwrap_or_else(|| default_tolerance(rows.quantity, model));
         if tolerance.is_nan() || tolerance < 0.0 {
             return Err(ProblemError::BadTolerance {
                 task: name,
@@ -490,12 +505,15 @@ fn default_weight(quantity: Quantity, model: &Model) -> f64 {
     }
 }
 
-fn default_tolerance(quantity: Quantity) -> f64 {
+fn default_tolerance(quantity: Quantity, model: &Model) -> f64 {
+    let reach = model.reach();
+    let length = match model.length_unit() {
+        LengthUnit::Own if reach > 0.0 => reach,
+        _ => 1.0,
+    };
     match quantity {
-        Quantity::Metres
-        | Quantity::Radians
-        | Quantity::MetresPerSecond
-        | Quantity::RadiansPerSecond => DEFAULT_TOLERANCE,
+        Quantity::Metres | Quantity::MetresPerSecond => DEFAULT_TOLERANCE * length,
+        Quantity::Radians | Quantity::RadiansPerSecond => DEFAULT_TOLERANCE,
         Quantity::Pixels => DEFAULT_TOLERANCE_PIXELS,
         Quantity::JointUnits | Quantity::JointUnitsPerSecond | Quantity::Ratio => f64::INFINITY,
     }

@@ -380,6 +380,7 @@ impl LeastSquares for Evaluation<'_> {
         fn rows(&self) -> usize = self.question.problem.rows_of(self.share);
         fn lower(&self) -> &[f64] = self.question.lower();
         fn upper(&self) -> &[f64] = self.question.upper();
+        fn step_scale(&self) -> &[f64] = self.question.problem.step_scale();
         fn space(&self) -> ConfigurationSpace<'_> = self.question.space();
         fn stops_when_reached(&self) -> bool = !self.question.problem.pulls_in(self.share);
     }

@@ -13,6 +13,7 @@ mod finite_differences;
 mod frame_reach;
 mod inequality_slacks;
 mod loops;
+mod moved_variables;
 mod names;
 mod normal_equations;
 mod parameter_vector;
@@ -34,6 +35,7 @@ pub use collision_avoidance::{ClearanceCheck, CollisionAvoidance};
 pub use derivatives::Derivatives;
 pub use error::ProblemError;
 pub use evaluation::{Evaluation, Scratch};
+pub(crate) use moved_variables::{Moved, MovedMemory, MovedVariables, ObserverOfAll};
 pub(crate) use names::ReportNames;
 pub(crate) use normal_equations::NormalEquations;
 pub use parameter_vector::ParameterVector;
@@ -110,8 +112,12 @@ pub struct Problem {
     spread: Vec<f64>,
     /// For each variable, true if a task depends on it.
     moving: Vec<bool>,
-    /// The model's reach, metres.
+    /// The variables among them, where leaving the others out is worth it.
+    moved: Option<MovedVariables>,
+    /// A length of the model's own scale, in metres.
     reach: f64,
+    /// What steps of slides are measured in, if the model's unit is its own.
+    step_scale: Vec<f64>,
     derivatives: Derivatives,
     /// The collision constraint, if any.
     fence: Option<Arc<CollisionConstraint>>,
@@ -172,7 +178,9 @@ impl Problem {
         /// The map from rates of the variables to a velocity of the model.
         pub(crate) fn tangent(&self) -> &Tangent = &self.tangent;
         pub(crate) fn names(&self) -> &Arc<ReportNames> = &self.names;
-        /// The priority order of the tasks.
+        /// The length by which a slide weighs as much as a radian, by variable, 1 for angles; empty for models in metres.
+        pub(crate) fn step_scale(&self) -> &[f64] = &self.step_scale;
+        /// The order in which the tasks are met.
         pub(crate) fn ranks(&self) -> &Ranks = &self.ranks;
         /// The collision constraint, if any.
         pub(crate) fn fence(&self) -> Option<&Arc<CollisionConstraint>> = self.fence.as_ref();
@@ -351,6 +359,7 @@ impl Problem {
         {
             moving[variable] = true;
         }
+        self.moved = MovedVariables::of(&moving, &self.rotations, &self.step_scale);
         self.moving = moving;
     }
 

@@ -50,7 +50,9 @@ impl<'a> ProblemInstance<'a> {
         pub fn lower(&self) -> &'a [f64] = self.lower;
         /// Upper bounds of the variables.
         pub fn upper(&self) -> &'a [f64] = self.upper;
-        /// The compiled kinematics with the slots of the tasks.
+        /// How far balls may go from where they stood.
+        pub(crate) fn turn_limits(&self) -> &'a [TurnLimit] = self.moves;
+        /// The compiled kinematics that the tasks' slots refer to.
         pub(crate) fn tree(&self) -> &'a Tree = self.tree;
     }
 

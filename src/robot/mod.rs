@@ -13,6 +13,7 @@ mod masses;
 mod mimic;
 #[cfg(feature = "mjcf")]
 mod mjcf;
+mod scaled;
 mod sole;
 #[cfg(feature = "xml")]
 mod srdf;

@@ -35,7 +35,25 @@ pub enum SolveError {
         /// Value of the coordinate.
         value: f64,
     },
-    /// The number of moves differs from the length of a configuration.
+    /// Joints of another model.
+    #[error(
+        "a model whose configuration has {given} numbers is not `{model}`, whose configuration has {expected}"
+    )]
+    OtherModel {
+        /// The model that is solved.
+        model: String,
+        /// The numbers of its configuration.
+        expected: usize,
+        /// Numbers given.
+        given: usize,
+    },
+    /// Joints cannot move on their parents where collisions are avoided.
+    #[error("`{model}` avoids collisions, so its joints stay where they are on their parents")]
+    JointsOfCollisions {
+        /// The model.
+        model: String,
+    },
+    /// Another number of moves than a configuration has numbers.
     #[error("{given} moves are given, a configuration of `{model}` has {expected} numbers")]
     MovesLength {
         /// Name of the model.

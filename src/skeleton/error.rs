@@ -43,16 +43,7 @@ pub enum SkeletonError {
         /// Defect of the placement.
         problem: RigidDefect,
     },
-    /// A bone of an armature has a non-uniform or mirroring scale at rest. Rotations below it are then no rotations of
-    /// a joint.
-    #[error(
-        "bone `{bone}`: it scales its children by different numbers along its axes, or mirrors"
-    )]
-    UnevenScale {
-        /// Name of the bone.
-        bone: String,
-    },
-    /// A bone belongs to another skeleton.
+    /// A bone of another skeleton.
     #[error("bone number {bone} was asked for, but there are {bones}")]
     ForeignBone {
         /// Index of the bone.

@@ -181,8 +181,9 @@ impl Curvature {
         std::mem::swap(&mut room.gradient, &mut room.gradient_here);
         let columns = |j: usize| jacobian.column(j);
         for &j in free {
-            let step = RELATIVE_STEP * x[j].abs().max(1.0);
-            // Towards the inside, where the problem is defined. A narrower range is crossed.
+            let unit = at.step_scale.get(j).copied().unwrap_or(1.0);
+            let step = RELATIVE_STEP * x[j].abs().max(unit);
+            // Into the bounds, where the problem is defined; a narrower range is crossed.
             let space = problem.space();
             let (below, above) = space.room(x, j);
             let step = match above >= below {

@@ -18,7 +18,12 @@ pub trait LeastSquares {
     /// Upper bounds, n numbers, each at least its lower bound; ∞ for none.
     fn upper(&self) -> &[f64];
 
-    /// Configuration space of x.
+    /// What a step of each variable is measured in, n numbers: lengths that count as much as a radian. Empty where all are 1.
+    fn step_scale(&self) -> &[f64] {
+        &[]
+    }
+
+    /// The space that x is from.
     fn space(&self) -> ConfigurationSpace<'_> {
         ConfigurationSpace::new(self.lower(), self.upper())
     }

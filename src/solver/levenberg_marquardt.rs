@@ -204,6 +204,7 @@ impl LevenbergMarquardtState {
             curvature,
             gradient: &at.gradient,
             free: &at.free,
+            scale: &at.step_scale,
             x: &at.x,
             space: iterate.problem.space(),
         };

@@ -41,6 +41,8 @@ pub struct SolverState {
     pub(super) gradient: Vec<f64>,
     pub(super) jacobian: DMatrix<f64>,
     pub(super) column_norm: f64,
+    /// What steps are measured in, as the problem says; empty where all are 1.
+    pub(super) step_scale: Vec<f64>,
     pub(super) free: Vec<usize>,
     pub(super) step: Vec<f64>,
     pub(super) trial: Vec<f64>,
@@ -63,6 +65,7 @@ impl Default for SolverState {
             gradient: Vec::new(),
             jacobian: DMatrix::zeros(0, 0),
             column_norm: 0.0,
+            step_scale: Vec::new(),
             free: Vec::new(),
             step: Vec::new(),
             trial: Vec::new(),
@@ -131,6 +134,8 @@ impl SolverState {
     /// Values that are missing or not finite count as zero.
     pub(super) fn start_at(&mut self, problem: &mut dyn LeastSquares, start: &[f64]) {
         let (n, m) = (problem.variables(), problem.rows());
+        self.step_scale.clear();
+        self.step_scale.extend_from_slice(problem.step_scale());
         for vector in [
             &mut self.x,
             &mut self.gradient,
@@ -177,10 +182,11 @@ impl SolverState {
     /// Computes Jᵀr and the largest column norm from the Jacobian in memory.
     fn take_slope(&mut self, residual: &[f64]) {
         let columns = self.jacobian.as_slice().chunks_exact(residual.len().max(1));
-        let mut squared = 0.0_f64;
+        let (mut squared, mut scales) = (0.0_f64, self.step_scale.iter());
         for (entry, column) in self.gradient.iter_mut().zip(columns) {
             *entry = dot(column, residual);
-            squared = squared.max(dot(column, column));
+            let scale = scales.next().copied().unwrap_or(1.0);
+            squared = squared.max(dot(column, column) * (scale * scale));
         }
         self.column_norm = squared.sqrt();
     }

@@ -33,6 +33,7 @@ mod reach_over_moving_hips;
 mod root_motion;
 mod rotation_conversions;
 mod rotation_interpolation;
+mod scaled_bones;
 mod splines;
 mod state_machine_reports;
 mod state_machine_steps;

@@ -59,7 +59,7 @@ each! { value:
     animation::LimbGoal, animation::LocalTransform, animation::MotionDefinition,
     animation::ParameterValue, animation::Passage, animation::PlaneDecomposition,
     animation::Playback, animation::Playhead, animation::PlayingClip, animation::Pose,
-    animation::Property, animation::ReachLayer, animation::StateDefinition,
+    animation::Property, animation::ReachLayer, animation::ScaleNote, animation::StateDefinition,
     animation::StateEvent<'static>, animation::StateMachine, animation::StateMachineDefinition,
     animation::StateMachineRun, animation::TransitionDefinition, animation::TriggerWord,
     animation::curve::BezierHandle<f32>, animation::curve::CubicBezier<f32>,

@@ -20,6 +20,7 @@ mod guessed_maps;
 mod keyframe_ik;
 mod keys_without_limits;
 mod known_skeletons;
+mod length_units;
 mod live_followers;
 mod movement_folders;
 mod one_sided_limits;

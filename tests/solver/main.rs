@@ -18,6 +18,7 @@ mod invariance;
 mod limits_hold;
 mod method_battery;
 mod method_options;
+mod moved_variables;
 mod moves;
 mod near_targets;
 mod nearly_dependent_rows;

@@ -2,6 +2,7 @@
 
 use wasm_bindgen::prelude::*;
 
+use crate::model::Model;
 use crate::problem::{Problem, TargetsByName};
 use crate::raise;
 use crate::solution::Solution;
@@ -108,7 +109,15 @@ impl Drag {
         self.inner.stand_at(q).map_err(raise)
     }
 
-    /// Current configuration.
+    /// Moves joints and frames on their parents to where `model` has them, which has those of the problem's model. The
+    /// configuration stays. A character whose scales shear its bones is dragged by `skeleton.standingIn(pose).model` of its
+    /// pose after each frame.
+    #[wasm_bindgen(js_name = moveJoints)]
+    pub fn move_joints(&mut self, model: &Model) -> Result<(), JsError> {
+        self.inner.move_joints(&model.inner).map_err(raise)
+    }
+
+    /// Where the body stands.
     #[wasm_bindgen(getter)]
     pub fn q(&self) -> Vec<f64> {
         self.inner.q().to_vec()

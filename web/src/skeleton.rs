@@ -5,6 +5,7 @@ use std::rc::Rc;
 use kinopt::skeleton::BoneId;
 use wasm_bindgen::prelude::*;
 
+use crate::armature::Pose;
 use crate::model::Model;
 use crate::raise;
 
@@ -46,7 +47,15 @@ impl Skeleton {
             .collect()
     }
 
-    /// Frame at the tail of a bone.
+    /// The same skeleton with its joints and tips where a pose of its armature has them, by the pose's own translations and
+    /// scales. Angles mean what they did.
+    #[wasm_bindgen(js_name = standingIn)]
+    pub fn standing_in(&self, pose: &Pose) -> Result<Self, JsError> {
+        let standing = self.inner.standing_in(&pose.inner).map_err(raise)?;
+        Ok(standing.into())
+    }
+
+    /// The frame at the start of a bone.
     pub fn tail(&self, bone: &str) -> Result<String, JsError> {
         self.frame(|bone| self.inner.tail(bone), bone)
     }

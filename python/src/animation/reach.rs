@@ -102,8 +102,10 @@ impl ReachLayer {
     /// Rotates the bones of a pose so that the tips move by their weights' fractions towards their targets, within the
     /// joint limits. Returns the `Solution`, with the errors of missed targets; None if all weights are 0.
     ///
-    /// Raises `InvalidValueError` for a pose of another armature, and for a bone that scales its children
-    /// non-uniformly; the pose then does not change.
+    /// Below bones that the pose scales unevenly, it is solved again until the tips of the posed bones are at their targets;
+    /// the solution is that of the posed bones.
+    ///
+    /// Raises `InvalidValueError` for a pose of another armature; the pose stays as it is.
     fn apply(&self, py: Python<'_>, pose: &Bound<'_, Pose>) -> PyResult<Option<Solution>> {
         let pose = pose.get();
         let mut locals = pose.now();

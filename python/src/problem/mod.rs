@@ -42,12 +42,13 @@ pub(crate) use task::{Adds, Aimed, AnyTask, Move, add, items, tolerances};
 /// (`Solver.solve(problem, start, targets={"name": target})`); running solves and drags keep the tasks from their
 /// start.
 ///
-/// `parameters` defines which joints are free, locked or coupled; by default all are free except a robot's mimic
-/// joints. `bounds` narrows joints for this problem: {"joint": (lower, upper)}, radians or metres. `tolerance` is the
-/// default tolerance of tasks: a number for metres and radians, or a dict by quantity; unset it is 1e-6 m, 1e-6 rad and
-/// 1e-3 px, and infinite for joint units and ratios. `derivatives` is "analytic", "dual", "forward_difference" or
-/// "central_difference". `preferences` (soft tasks) act "within_goals", at no cost to the required tasks, or are
-/// "traded": weighted against them.
+/// `parameters` says which joints are free, locked or coupled; without it all are free but a robot's mimic
+/// joints, which follow. `bounds` narrows joints for this problem: {"joint": (lower, upper)}, radians or
+/// metres. `tolerance` is that of all tasks that set none: a number for metres and radians, or a dict by
+/// quantity; unset it is 1e-6 m (of a model in its own unit 1e-6 of its reach), 1e-6 rad and 1e-3 px, and infinite for joint
+/// units and ratios.
+/// `derivatives` is "analytic", "dual", "forward_difference" or "central_difference". `preferences` act
+/// "within_goals", costing them nothing, or are "traded" off against them by their weights.
 ///
 /// A `world` (copied at this moment), a `margin` in metres or a `collision_model` enables collision avoidance with the
 /// world's obstacles and within the body, with a distance of at least the margin for each pair. A solution in collision

@@ -243,8 +243,17 @@ impl Skeleton {
         self.inner.placed(placement).or_raise().map(Self::from)
     }
 
-    /// Poses of the bones: `model_from_bone`, shape (bones, 4, 4) for `q` of shape (3 * bones,), and (N, bones, 4, 4)
-    /// for (N, 3 * bones); radians in, the rig's unit out. `out` receives the result.
+    /// The same skeleton with its joints and tips where a pose of its armature has them, by the pose's own translations and
+    /// scales. Angles mean what they did.
+    ///
+    /// Raises `InvalidValueError` for a pose of fewer bones.
+    fn standing_in(&self, pose: &Bound<'_, crate::animation::Pose>) -> PyResult<Self> {
+        let pose = pose.get().now();
+        self.inner.standing_in(&pose).or_raise().map(Self::from)
+    }
+
+    /// Where the bones stand: `model_from_bone`, shape (bones, 4, 4) for `q` of shape (3 * bones,), and
+    /// (N, bones, 4, 4) for (N, 3 * bones); radians in, the rig's own unit out. `out` takes the result.
     ///
     /// Raises `InvalidValueError` for another shape, for numbers that are not finite and for an `out` of another shape
     /// or type.

@@ -202,7 +202,17 @@ impl Drag {
         py.detach(|| self.lock().stand_at(&q).or_raise())
     }
 
-    /// Current configuration, shape (nq,).
+    /// Moves joints and frames on their parents to where `model` has them, which has those of the problem's model. The
+    /// configuration stays. A character whose scales shear its bones is dragged by `skeleton.standing_in(pose).model` of its
+    /// pose after each frame.
+    ///
+    /// Raises `InvalidValueError` for a model of other joints and for a problem that avoids collisions.
+    fn move_joints(&self, py: Python<'_>, model: &Bound<'_, crate::model::Model>) -> PyResult<()> {
+        let model = &model.get().inner;
+        py.detach(|| self.lock().move_joints(model).or_raise())
+    }
+
+    /// Where the body stands, shape (nq,).
     #[getter]
     fn q<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let q = self.look(py, |drag| drag.q().to_vec());

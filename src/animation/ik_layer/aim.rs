@@ -3,12 +3,16 @@
 use glam::{DQuat, Quat, Vec3A};
 
 use super::bone_placement::{Placed, set_rotation};
+use super::{Corrected, ShearCorrection};
 use crate::animation::blend::{finite_or_0, within};
 use crate::animation::rotation::exponential::turn_about;
 use crate::animation::rotation::slerp;
-use crate::animation::{Armature, Pose, SizeMismatch};
+use crate::animation::{Armature, Mirror, Pose, SizeMismatch};
 use crate::scalar::elementary::single;
 use crate::skeleton::BoneId;
+
+/// Angle from the target of a corrected bone that has converged, radians: what single precision holds.
+const CONVERGED: f64 = 3e-7;
 
 /// A bone that turns so that an axis of it points at a target: a head that looks, a hand that aims, a
 /// foot that is laid on the ground by its normal.
@@ -147,8 +151,8 @@ impl Aim {
     /// whether there is one: there is none for a target that is not finite, that is the joint itself, or
     /// that is nearer to the joint than the line from the muzzle; then the pose stays as it is.
     ///
-    /// Bones above, and the bone itself, may be scaled by the same number along all axes, not by
-    /// different ones.
+    /// Uneven scales of the bone and of those above it shear its axes. The bone is then turned again until the axis as the
+    /// pose shows it points at the target, as near as that converges.
     ///
     /// # Errors
     /// The pose is of another armature.
@@ -161,15 +165,77 @@ impl Aim {
         armature.rest().check_same_size(pose)?;
         let above = Placed::within(armature, pose, armature.parent(self.bone), None);
         let own = above * Placed::local(pose, self.bone);
-        let way = goal.target - own.affine.translation;
-        let scale = own.affine.matrix3.x_axis.length();
-        let points = self.points(way.length() / scale);
-        let Some((to, points)) = way.try_normalize().zip(points) else {
+        let Some(mut wanted) = self.aimed(&own, goal) else {
             return Ok(false);
         };
+        let weight = within(goal.weight);
+        if weight > 0.0 {
+            let set = |pose: &mut Pose, rotation: Quat| {
+                let local = above.rotation.conjugate() * rotation;
+                set_rotation(pose, self.bone, above.mirror.single(local));
+            };
+            if own.uneven {
+                let placed = |pose: &Pose| above * Placed::local(pose, self.bone);
+                wanted = self.corrected(goal, wanted, |rotation| {
+                    set(pose, rotation);
+                    placed(pose)
+                });
+            }
+            set(pose, slerp(own.rotation, wanted, weight));
+        }
+        Ok(true)
+    }
+
+    /// The rotation with which a sheared bone points at the target, as near as that converges, from one with which it nearly
+    /// does. `placed` is the bone in the model with a rotation.
+    fn corrected(
+        &self,
+        goal: &AimGoal,
+        mut wanted: Quat,
+        mut placed: impl FnMut(Quat) -> Placed,
+    ) -> Quat {
+        let mut own = placed(wanted);
+        let way = goal.target - own.affine.translation;
+        let shown = |own: &Placed| {
+            let points = Line::of(self, own).point_at(way.length());
+            let direction = points.map(|points| own.rotation * points);
+            direction.map(|direction| [direction.as_dvec3()])
+        };
+        let Some((to, start)) = way.try_normalize().zip(shown(&own)) else {
+            return wanted;
+        };
+        let mut correction = ShearCorrection::new(&[to.as_dvec3()], &start);
+        while !(correction.off() < CONVERGED || correction.gives_up()) {
+            let commands = correction.commands();
+            let command = commands.first().map_or(to, |at| at.as_vec3a());
+            let command = AimGoal {
+                target: own.affine.translation + command.normalize_or(to) * way.length(),
+                ..*goal
+            };
+            let Some(rotation) = self.aimed(&own, &command) else {
+                break;
+            };
+            let turned = placed(rotation);
+            let Some(direction) = shown(&turned) else {
+                break;
+            };
+            if correction.learn(&direction, true) != Corrected::Undone {
+                (wanted, own) = (rotation, turned);
+            }
+        }
+        wanted
+    }
+
+    /// The rotation in the model with which the bone points at the target, if its scaled axes turn rigidly from how it is
+    /// placed.
+    fn aimed(&self, own: &Placed, goal: &AimGoal) -> Option<Quat> {
+        let way = goal.target - own.affine.translation;
+        let line = Line::of(self, own);
+        let to = way.try_normalize()?;
+        let points = line.point_at(way.length())?;
         let turned = arc(own.rotation * points, to);
         let mut wanted = turned * own.rotation;
-        let upright = goal.up.zip(self.up).and_then(|(asked, up)| {
+        let upright = goal.up.zip(line.up).and_then(|(asked, up)| {
             let [is, asked] = [wanted * up, asked].map(|v| v.reject_from_normalized(to));
             let [is, asked] = [is.try_normalize()?, asked.try_normalize()?];
             Some(single::atan2(to.dot(is.cross(asked)), is.dot(asked)))
@@ -178,17 +244,43 @@ impl Aim {
         if about != 0.0 {
             wanted = turn_about(to.into(), about) * wanted;
         }
-        let weight = within(goal.weight);
-        if weight > 0.0 {
-            let rotation = slerp(own.rotation, wanted, weight);
-            set_rotation(pose, self.bone, above.rotation.conjugate() * rotation);
+        Some(wanted)
+    }
+}
+
+/// The line that points, in the axes of the bone's rotation in the model.
+struct Line {
+    /// Unit vectors.
+    forward: Vec3A,
+    up: Option<Vec3A>,
+    muzzle: Vec3A,
+    /// Of lengths in the model to those of `muzzle`.
+    scale: f32,
+}
+
+impl Line {
+    fn of(aim: &Aim, own: &Placed) -> Self {
+        if own.uneven || own.mirror != Mirror::NONE {
+            let scaled = |v: Vec3A| own.rotation.conjugate() * own.affine.transform_vector3a(v);
+            return Self {
+                forward: scaled(aim.forward).normalize_or(aim.forward),
+                up: aim.up.map(|up| scaled(up).normalize_or(up)),
+                muzzle: scaled(aim.muzzle),
+                scale: 1.0,
+            };
         }
-        Ok(true)
+        Self {
+            forward: aim.forward,
+            up: aim.up,
+            muzzle: aim.muzzle,
+            scale: own.affine.matrix3.x_axis.length(),
+        }
     }
 
-    /// The direction, in the bone's coordinates, of the point of the line from the muzzle that is so
-    /// far from the joint, which is to be turned onto the target: |m + s f| = d for s ≥ 0.
-    fn points(&self, distance: f32) -> Option<Vec3A> {
+    /// The direction of the point of the line from the muzzle that is at a distance from the joint, which is to be turned
+    /// onto the target: |m + s f| = d for s ≥ 0.
+    fn point_at(&self, distance: f32) -> Option<Vec3A> {
+        let distance = distance / self.scale;
         let ahead = self.muzzle.dot(self.forward);
         let beside = self.muzzle - self.forward * ahead;
         let reach = distance * distance - beside.length_squared();

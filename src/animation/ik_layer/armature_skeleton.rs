@@ -4,11 +4,27 @@ use std::collections::BTreeSet;
 
 use glam::{DAffine3, DMat3, DQuat};
 
-use crate::animation::Armature;
-use crate::animation::pose::scales_evenly;
+use super::pose_angles::has_bones;
+use super::stance::Stances;
+use crate::SizeMismatch;
+use crate::animation::{Armature, Mirror, Pose};
 use crate::model::Limits;
 use crate::skeleton::{ANGLES_PER_BONE, Bone, BoneId, Skeleton, SkeletonError};
 use crate::spatial::{Matrix3, Placement, Vector3};
+
+impl Skeleton {
+    /// The same skeleton with its joints and tips where a pose of its armature has them, by the pose's own translations and
+    /// scales. The angles keep their meaning and the rest pose its placements.
+    ///
+    /// # Errors
+    /// The pose has fewer bones.
+    pub fn standing_in(&self, pose: &Pose) -> Result<Self, SizeMismatch> {
+        has_bones(pose, self.bones().len())?;
+        let bones: Vec<BoneId> = self.bone_ids().collect();
+        let mut stances = Stances::new(self, &bones);
+        Ok(stances.take(pose, &bones).clone())
+    }
+}
 
 impl Armature {
     /// The skeleton with the same bones and ids, at rest where the armature is: what
@@ -18,34 +34,29 @@ impl Armature {
     /// `limits` gives the ranges of a bone's first twist, bend and second twist about the bone's own
     /// x, z and x, in radians.
     ///
+    /// Scales of the rest pose are part of the bones' lengths: every joint is where the rest pose has it in the model. The
+    /// axes of a bone are the product of the rotations down to it. Below a mirrored bone those are reflected, so that the
+    /// skeleton turns as the mirrored armature does. Below an [unevenly scaled](Self::scale_notes) bone the armature shears
+    /// and the skeleton does not: their joints part as bones turn. [`ReachLayer`](super::ReachLayer) and
+    /// [`ClipIk`](crate::motion::clip_ik::ClipIk) solve for the joints of the armature, and a
+    /// [`Drag`](crate::ik::Drag) does whose joints [`move`](crate::ik::Drag::move_joints) after each frame.
+    ///
     /// # Errors
-    /// A [`SkeletonError`] naming the bone: one with children scales by different numbers along its
-    /// axes or mirrors, or limits are no interval.
+    /// A [`SkeletonError`] naming the bone whose limits are no interval.
     pub fn skeleton(
         &self,
         name: impl Into<String>,
         limits: impl Fn(BoneId) -> [Limits; ANGLES_PER_BONE],
     ) -> Result<Skeleton, SkeletonError> {
-        let mut placed: Vec<(DAffine3, DQuat)> = Vec::with_capacity(self.bones());
+        let mut placed: Vec<(DAffine3, DQuat, Mirror)> = Vec::with_capacity(self.bones());
         let mut bones = Vec::with_capacity(self.bones());
         for (index, name) in self.names().iter().enumerate() {
             let bone = BoneId::new(index);
             let local = self.rest().local_of(bone);
             let parent = self.parent(bone);
-            let (above, turned) = parent
+            let (above, turned, mirror) = parent
                 .and_then(|parent| placed.get(parent.index()).copied())
-                .unwrap_or((DAffine3::IDENTITY, DQuat::IDENTITY));
-            if let Some(parent) =
-                parent.filter(|parent| !scales_evenly(self.rest().local_of(*parent).scale))
-            {
-                return Err(SkeletonError::UnevenScale {
-                    bone: self
-                        .names()
-                        .get(parent.index())
-                        .cloned()
-                        .unwrap_or_default(),
-                });
-            }
+                .unwrap_or((DAffine3::IDENTITY, DQuat::IDENTITY, Mirror::NONE));
             let own = local.rotation.as_dquat().normalize();
             let model_from_bone = above
                 * DAffine3::from_scale_rotation_translation(
@@ -53,8 +64,8 @@ impl Armature {
                     own,
                     local.translation.as_dvec3(),
                 );
-            let rotation = (turned * own).normalize();
-            placed.push((model_from_bone, rotation));
+            let rotation = (turned * mirror.rotation(own)).normalize();
+            placed.push((model_from_bone, rotation, mirror.below(local.scale)));
             let columns = DMat3::from_quat(rotation)
                 .to_cols_array_2d()
                 .map(Vector3::from);

@@ -2,15 +2,20 @@
 
 use glam::{Affine3A, Quat};
 
-use crate::animation::{Armature, Pose};
+use crate::animation::pose::Stretch;
+use crate::animation::{Armature, Mirror, Pose};
 use crate::skeleton::BoneId;
 
 /// A bone in the model, or in a bone above it.
 #[derive(Clone, Copy)]
 pub(super) struct Placed {
     pub(super) affine: Affine3A,
-    /// The turn alone; scales are left out.
+    /// Without scales, in reflected axes below mirrored bones.
     pub(super) rotation: Quat,
+    /// Of the bone's children.
+    pub(super) mirror: Mirror,
+    /// Whether a bone down to this one has an uneven scale.
+    pub(super) uneven: bool,
 }
 
 impl Placed {
@@ -20,6 +25,8 @@ impl Placed {
         Self {
             affine: local.to_affine(),
             rotation: local.rotation,
+            mirror: Mirror::NONE.below(local.scale),
+            uneven: !Stretch::is_even_scale(local.scale),
         }
     }
 
@@ -33,6 +40,8 @@ impl Placed {
         let itself = Self {
             affine: Affine3A::IDENTITY,
             rotation: Quat::IDENTITY,
+            mirror: Mirror::NONE,
+            uneven: false,
         };
         let below = armature
             .upwards(bone)
@@ -46,7 +55,9 @@ impl std::ops::Mul for Placed {
     fn mul(self, other: Self) -> Self {
         Self {
             affine: self.affine * other.affine,
-            rotation: self.rotation * other.rotation,
+            rotation: self.rotation * self.mirror.single(other.rotation),
+            mirror: self.mirror.and(other.mirror),
+            uneven: self.uneven || other.uneven,
         }
     }
 }

@@ -10,6 +10,7 @@ mod pose_angles;
 mod pose_turns;
 mod reach;
 mod reach_error;
+mod shear_correction;
 mod stance;
 
 pub use aim::{Aim, AimError, AimGoal};
@@ -19,3 +20,4 @@ pub(crate) use pose_angles::{bone_angles, bone_rotation};
 pub use pose_turns::PoseTurns;
 pub use reach::{NoEffector, ReachLayer};
 pub use reach_error::ReachError;
+pub(crate) use shear_correction::{Corrected, ShearCorrection};

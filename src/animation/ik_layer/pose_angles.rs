@@ -5,8 +5,8 @@ use glam::{DQuat, Quat};
 use super::ReachError;
 use crate::Buffer;
 use crate::SizeMismatch;
-use crate::animation::Pose;
 use crate::animation::rotation::EulerOrder;
+use crate::animation::{Mirror, Pose};
 use crate::model::{Limits, ModelError};
 use crate::skeleton::{ANGLES_PER_BONE, BoneId, Skeleton};
 
@@ -52,9 +52,12 @@ pub(super) fn has_bones(pose: &Pose, bones: usize) -> Result<(), SizeMismatch> {
 }
 
 /// A skeleton's rest rotations, to go from angles to local rotations and back.
+///
+/// Below bones that a pose mirrors, local rotations are in reflected axes.
 #[derive(Clone, Debug)]
 pub struct PoseAngles {
     rest: Vec<DQuat>,
+    parents: Vec<Option<BoneId>>,
     limits: Vec<[Limits; 3]>,
 }
 
@@ -66,6 +69,7 @@ impl PoseAngles {
         let rest = armature.rest().rotations().iter();
         Self {
             rest: rest.map(|q| q.as_dquat().normalize()).collect(),
+            parents: skeleton.bones().iter().map(|bone| bone.parent).collect(),
             limits: skeleton.bones().iter().map(|bone| bone.limits).collect(),
         }
     }
@@ -85,8 +89,10 @@ impl PoseAngles {
         let q = q.sized(angles);
         SizeMismatch::check("angles", q.len(), angles)?;
         let bones = self.rest.iter().zip(&self.limits).zip(pose.rotations());
-        for (angles, ((rest, limits), rotation)) in q.chunks_exact_mut(ANGLES_PER_BONE).zip(bones) {
-            let turned = rest.conjugate() * rotation.as_dquat().normalize();
+        let bones = q.chunks_exact_mut(ANGLES_PER_BONE).zip(bones).enumerate();
+        for (index, (angles, ((rest, limits), rotation))) in bones {
+            let mirror = self.mirror_above(BoneId::new(index), pose);
+            let turned = rest.conjugate() * mirror.rotation(rotation.as_dquat().normalize());
             angles.copy_from_slice(&bone_angles(turned, limits));
         }
         Ok(())
@@ -111,11 +117,20 @@ impl PoseAngles {
         let first = ANGLES_PER_BONE * bone.index();
         let angles = q.get(first..first + ANGLES_PER_BONE);
         let angles = angles.and_then(|angles| <[f64; 3]>::try_from(angles).ok());
+        let mirror = self.mirror_above(bone, pose);
         let own = pose.rotations.get_mut(bone.index());
         let rest = self.rest.get(bone.index());
         if let (Some(angles), Some(own), Some(rest)) = (angles, own, rest) {
-            let rotation: Quat = (*rest * bone_rotation(angles)).as_quat();
+            let rotation: Quat = mirror.rotation(*rest * bone_rotation(angles)).as_quat();
             *own = rotation.normalize();
         }
+    }
+
+    /// The mirror of the bones above one in a pose.
+    fn mirror_above(&self, bone: BoneId, pose: &Pose) -> Mirror {
+        let parent = |bone: &BoneId| self.parents.get(bone.index()).copied().flatten();
+        let above = std::iter::successors(parent(&bone), parent);
+        let scales = above.filter_map(|bone| pose.scales().get(bone.index()));
+        scales.fold(Mirror::NONE, |mirror, scale| mirror.below(*scale))
     }
 }

@@ -4,7 +4,7 @@ use glam::{DAffine3, DQuat, DVec3, Vec3A};
 
 use super::ReachError;
 use super::pose_angles::has_bones;
-use crate::animation::{Armature, Pose};
+use crate::animation::{Armature, Mirror, Pose};
 use crate::skeleton::{BallSkeleton, BoneId};
 use crate::{Buffer, SizeMismatch};
 
@@ -15,6 +15,8 @@ pub struct PoseTurns {
     figure: BallSkeleton,
     /// Of each bone at rest: its local rotation.
     rest: Vec<DQuat>,
+    /// The mirrors of the bones above each bone at rest.
+    mirrors: Vec<Mirror>,
     /// Of the roots of a free figure.
     roots: Vec<Root>,
 }
@@ -45,6 +47,14 @@ impl PoseTurns {
             (affine, rotation)
         };
         let ids = (0..armature.bones()).map(BoneId::new);
+        let mut mirrors: Vec<Mirror> = Vec::with_capacity(armature.bones());
+        for bone in ids.clone() {
+            let above = armature.parent(bone);
+            let mirror = above.map_or(Mirror::NONE, |above| {
+                mirrors[above.index()].below(rest.local_of(above).scale)
+            });
+            mirrors.push(mirror);
+        }
         let roots = ids
             .clone()
             .filter(|&bone| figure.is_free(bone))
@@ -53,7 +63,8 @@ impl PoseTurns {
                 let parent = |bone: &BoneId| armature.parent(*bone);
                 for carrier in std::iter::successors(parent(&bone), parent) {
                     let (affine, rotation) = local(carrier);
-                    above = (affine * above.0, rotation * above.1);
+                    let turned = mirrors[carrier.index()].rotation(rotation);
+                    above = (affine * above.0, turned * above.1);
                 }
                 let (model_from_parent, parent_turned) = above;
                 Root {
@@ -67,6 +78,7 @@ impl PoseTurns {
             roots: roots.collect(),
             rest: ids.map(|bone| local(bone).1).collect(),
             figure: figure.clone(),
+            mirrors,
         }
     }
 
@@ -84,8 +96,8 @@ impl PoseTurns {
         let model = self.figure.model();
         let q = q.sized(model.configuration_len());
         SizeMismatch::check("numbers", q.len(), model.configuration_len())?;
-        let bones = self.rest.iter().zip(pose.rotations()).enumerate();
-        for (index, (rest, rotation)) in bones {
+        let bones = self.rest.iter().zip(&self.mirrors).zip(pose.rotations());
+        for (index, ((rest, mirror), rotation)) in bones.enumerate() {
             let bone = BoneId::new(index);
             let joint = self.figure.joint(bone);
             let Some(at) = joint.and_then(|joint| model.coordinate(joint)) else {
@@ -102,9 +114,10 @@ impl PoseTurns {
                     }
                     // As the model's axes have it: P r = t (P r₀).
                     let carried = root.parent_turned;
-                    carried * rotation * rest.conjugate() * carried.conjugate()
+                    let [rotation, back] = [rotation, rest.conjugate()].map(|q| mirror.rotation(q));
+                    carried * rotation * back * carried.conjugate()
                 }
-                None => rest.conjugate() * rotation,
+                None => mirror.rotation(rest.conjugate() * rotation),
             };
             let turned = turned.normalize();
             // Of the two quaternions of a rotation the one nearer to rest.
@@ -128,7 +141,7 @@ impl PoseTurns {
     pub fn pose_of(&self, q: &[f64], pose: &mut Pose) -> Result<(), ReachError> {
         has_bones(pose, self.rest.len())?;
         self.figure.model().check_configuration(q)?;
-        for (index, rest) in self.rest.iter().enumerate() {
+        for (index, (rest, mirror)) in self.rest.iter().zip(&self.mirrors).enumerate() {
             let bone = BoneId::new(index);
             let Some((turned, went)) = self.figure.turned(bone, q) else {
                 continue;
@@ -139,13 +152,15 @@ impl PoseTurns {
                 Some(root) => {
                     let place = root.tail + DVec3::from(went.to_array());
                     let own = root.model_from_parent.inverse().transform_point3(place);
-                    if let Some(translation) = pose.translations.get_mut(index) {
-                        *translation = Vec3A::from(own.as_vec3());
+                    // A parent that flattens space leaves the root where it is.
+                    let own = own.is_finite().then(|| Vec3A::from(own.as_vec3()));
+                    if let Some((own, translation)) = own.zip(pose.translations.get_mut(index)) {
+                        *translation = own;
                     }
                     let carried = root.parent_turned;
-                    carried.conjugate() * turned * carried * *rest
+                    mirror.rotation(carried.conjugate() * turned * carried) * *rest
                 }
-                None => *rest * turned,
+                None => *rest * mirror.rotation(turned),
             };
             if let Some(own) = pose.rotations.get_mut(index) {
                 *own = rotation.normalize().as_quat().normalize();

@@ -3,16 +3,20 @@
 
 use std::collections::BTreeSet;
 
+use glam::DVec3;
+
 use super::held_rotation::Held;
 use super::pose_angles::PoseAngles;
 use super::reach_error::ReachError;
+use super::shear_correction::{Corrected, ShearCorrection};
 use super::stance::Stances;
 use crate::animation::{Pose, SizeMismatch};
-use crate::ik::{Solution, Solver, Workspace};
+use crate::ik::{Restarts, Solution, Solver, Workspace};
 use crate::kinematics::{Tree, TreeWorkspace};
 use crate::model::UnknownName;
 use crate::problem::{Problem, ProblemError, ProblemInstance, Targets, TaskId};
 use crate::skeleton::{BoneId, Skeleton};
+use crate::solver::Stopping;
 use crate::spatial::{Quaternion, Vector3};
 use crate::task::{Point, Quantity};
 
@@ -24,6 +28,10 @@ const TOLERANCE: f64 = 1e-6;
 /// limits, and several tips that share a spine. The search starts at the clip's pose, so what does not
 /// help a tip stays. Joints stand where the pose's own translations and scales put them, so that what
 /// the solution says of a tip is what the posed bones show: W (ℓ, 0, 0) for a bone of length ℓ.
+///
+/// Uneven scales shear the bones that turn below them, which no joint does. Such a pose is solved again with its joints at
+/// their new positions until the tips of the posed bones are at their targets. The solution is that of the posed bones
+/// also where this does not converge.
 #[derive(Clone, Debug)]
 pub struct ReachLayer {
     bridge: PoseAngles,
@@ -38,6 +46,10 @@ pub struct ReachLayer {
     /// Those that the tasks move, by index.
     moved: Vec<BoneId>,
     solver: Solver,
+    /// The solver of corrections: from where the last solve ended.
+    correction: Solver,
+    /// Measures a pose and does not move it.
+    measurement: Solver,
     workspace: Workspace,
     q: Vec<f64>,
 }
@@ -48,6 +60,8 @@ struct Effector {
     task: TaskId<Point>,
     target: Vector3<f64>,
     weight: f64,
+    /// Where the weight has it.
+    goal: Vector3<f64>,
 }
 
 /// A bone that the layer has no such task for.
@@ -89,6 +103,7 @@ impl ReachLayer {
             task: builder.add(Point::new(skeleton.tip(bone), Vector3::zero())),
             target: Vector3::zero(),
             weight: 0.0,
+            goal: Vector3::zero(),
         });
         let effectors = effectors.collect();
         let turned = once(held).map(|bone| Held::new(skeleton, bone, &mut builder));
@@ -99,6 +114,8 @@ impl ReachLayer {
         }
         let problem = builder.build()?;
         let moved = above(skeleton, tips.iter().chain(held));
+        let correction = solver.clone().with_restarts(Restarts::none());
+        let no_steps = Stopping::default().with_max_iterations(0);
         Ok(Self {
             bridge: PoseAngles::new(skeleton),
             targets: problem.targets(),
@@ -110,6 +127,8 @@ impl ReachLayer {
             held: turned,
             moved,
             solver,
+            measurement: correction.clone().with_stopping(no_steps),
+            correction,
             workspace: Workspace::new(),
             q: rest,
         })
@@ -187,9 +206,8 @@ impl ReachLayer {
     /// all are, also outside the limits.
     ///
     /// # Errors
-    /// The pose has another number of bones than the skeleton, or scales a bone, on which others of
-    /// the layer hang, by different numbers along its axes or by none above 0; the pose stays as it
-    /// is. Missing a target is no error; the solution says by how much.
+    /// The pose has another number of bones than the skeleton; the pose stays as it is. Missing a target is no error; the
+    /// solution says by how much.
     pub fn apply(&mut self, pose: &mut Pose) -> Result<Option<&Solution>, ReachError> {
         let bones = self.stances.skeleton().bones();
         SizeMismatch::check("bones in the pose", pose.bones(), bones.len())?;
@@ -199,14 +217,24 @@ impl ReachLayer {
             return Ok(None);
         }
         self.bridge.angles_of(pose, &mut self.q)?;
-        let skeleton = self.stances.take(pose, &self.moved)?;
-        let (model, map) = (skeleton.model(), self.problem.parameters());
-        self.tree.compile(model, map, &mut self.places);
-        for own in &self.effectors {
-            let stance = self.stances.of(own.bone);
-            if let Some((stance, task)) = stance.zip(self.targets.get_mut(own.task).ok()) {
+        self.stances.take(pose, &self.moved);
+        self.aim();
+        self.solve(&self.solver.clone(), pose)?;
+        if self.stances.shear() {
+            self.correct(pose)?;
+        }
+        Ok(Some(self.workspace.solution()))
+    }
+
+    /// Sets the targets of the tasks by the pose last taken.
+    fn aim(&mut self) {
+        for own in &mut self.effectors {
+            if let Some(stance) = self.stances.of(own.bone) {
                 let tip = Vector3::from(stance.tip.to_array());
-                task.set_target(tip * (1.0 - own.weight) + own.target * own.weight);
+                own.goal = tip * (1.0 - own.weight) + own.target * own.weight;
+                if let Ok(task) = self.targets.get_mut(own.task) {
+                    task.set_target(own.goal);
+                }
             }
         }
         for own in &self.held {
@@ -215,13 +243,74 @@ impl ReachLayer {
                 task.set_target(own.target(stance.rotation));
             }
         }
+    }
+
+    /// Solves from `q` with the joints where the pose last taken has them, and turns the bones of `pose`.
+    fn solve(&mut self, solver: &Solver, pose: &mut Pose) -> Result<(), ReachError> {
+        let (model, map) = (self.stances.skeleton().model(), self.problem.parameters());
+        self.tree.compile(model, map, &mut self.places);
         let question = ProblemInstance::from(&self.problem);
         let question = question.with_targets(&self.targets).with_places(&self.tree);
-        let solution = self.solver.solve(question, &self.q, &mut self.workspace)?;
+        let solution = solver.solve(question, &self.q, &mut self.workspace)?;
+        self.q.copy_from_slice(&solution.q);
         for &bone in &self.moved {
-            self.bridge.pose_bone(bone, &solution.q, pose);
+            self.bridge.pose_bone(bone, &self.q, pose);
         }
-        Ok(Some(solution))
+        Ok(())
+    }
+
+    /// Solves again from a pose whose bones scales shear until the tips of the posed bones are at their goals, and measures
+    /// them there.
+    fn correct(&mut self, pose: &mut Pose) -> Result<(), ReachError> {
+        let goals = |own: &Effector| DVec3::from(own.goal.to_array());
+        let goals: Vec<DVec3> = self.effectors.iter().map(goals).collect();
+        let close = TOLERANCE * self.stances.skeleton().size();
+        self.stances.take(pose, &self.moved);
+        let mut correction = ShearCorrection::new(&goals, &self.tips());
+        let mut nearest = (pose.clone(), self.q.clone());
+        let mut before = nearest.clone();
+        let mut is_cut = self.workspace.solution().termination.is_cut();
+        while !(is_cut || correction.off() <= close || correction.gives_up()) {
+            self.set_tips(&correction.commands());
+            self.solve(&self.correction.clone(), pose)?;
+            let solution = self.workspace.solution();
+            is_cut = solution.termination.is_cut();
+            let reached = solution.reached;
+            self.stances.take(pose, &self.moved);
+            let corrected = correction.learn(&self.tips(), reached);
+            if corrected == Corrected::Undone {
+                pose.copy_from(&before.0);
+                self.q.copy_from_slice(&before.1);
+                self.stances.take(pose, &self.moved);
+                continue;
+            }
+            before.0.copy_from(pose);
+            before.1.copy_from_slice(&self.q);
+            if corrected == Corrected::Nearest {
+                nearest.clone_from(&before);
+            }
+        }
+        pose.copy_from(&nearest.0);
+        self.q.copy_from_slice(&nearest.1);
+        self.stances.take(pose, &self.moved);
+        self.set_tips(&goals);
+        self.solve(&self.measurement.clone(), pose)
+    }
+
+    /// The tips of the effectors in the pose last taken.
+    fn tips(&self) -> Vec<DVec3> {
+        let stances = self.effectors.iter().map(|own| self.stances.of(own.bone));
+        stances
+            .map(|own| own.map_or(DVec3::ZERO, |own| own.tip))
+            .collect()
+    }
+
+    fn set_tips(&mut self, tips: &[DVec3]) {
+        for (own, tip) in self.effectors.iter().zip(tips) {
+            if let Ok(task) = self.targets.get_mut(own.task) {
+                task.set_target(Vector3::from(tip.to_array()));
+            }
+        }
     }
 }
 

@@ -12,15 +12,6 @@ pub enum ReachError {
     /// The pose is of another armature than the skeleton's.
     #[error(transparent)]
     Size(#[from] SizeMismatch),
-    /// A bone's scale would shear what hangs on it as that turns.
-    #[error(
-        "bone `{bone}` scales what hangs on it by different numbers along its axes, mirrors it or \
-         takes its size away, so it cannot be reached with"
-    )]
-    Sheared {
-        /// The bone.
-        bone: String,
-    },
     /// A bone that the layer has no such task for.
     #[error(transparent)]
     NoEffector(#[from] NoEffector),

@@ -2,9 +2,8 @@
 
 use glam::{DQuat, DVec3};
 
-use super::reach_error::ReachError;
 use crate::animation::Pose;
-use crate::animation::pose::scales_evenly;
+use crate::animation::pose::{Mirror, Stretch};
 use crate::skeleton::{BoneId, Skeleton};
 
 /// A bone in the model, as a pose has it.
@@ -13,8 +12,9 @@ pub(super) struct Stance {
     pub(super) rotation: DQuat,
     pub(super) tail: DVec3,
     pub(super) tip: DVec3,
-    /// The product of its scale and those above it.
-    scale: f64,
+    stretch: Stretch,
+    /// Of its children.
+    mirror: Mirror,
 }
 
 /// The stances of bones, and the skeleton whose joints stand as the pose has them.
@@ -34,7 +34,8 @@ impl Stances {
             rotation: DQuat::IDENTITY,
             tail: DVec3::ZERO,
             tip: DVec3::ZERO,
-            scale: 1.0,
+            stretch: Stretch::NONE,
+            mirror: Mirror::NONE,
         };
         let mut carries = vec![false; skeleton.bones().len()];
         for bone in bones {
@@ -50,13 +51,11 @@ impl Stances {
         }
     }
 
-    /// The skeleton with the joints of these bones where the pose has them. A joint stands on its
-    /// parent by s t, with t its own translation and s the product of the scales above it; a tip of
-    /// length ℓ by s ℓ, with the bone's own scale in s.
+    /// The skeleton with the joints of these bones where the pose has them.
     ///
-    /// # Errors
-    /// A bone whose scale would shear what hangs on it.
-    pub(super) fn take(&mut self, pose: &Pose, bones: &[BoneId]) -> Result<&Skeleton, ReachError> {
+    /// A joint is at M t on its parent, with t its own translation and M the parent's [`Stretch`]. The tip of a bone of
+    /// length ℓ is at M (ℓ, 0, 0) with its own M.
+    pub(super) fn take(&mut self, pose: &Pose, bones: &[BoneId]) -> &Skeleton {
         for &bone in bones {
             let index = bone.index();
             let Some(own) = self.skeleton.bones().get(index) else {
@@ -64,32 +63,36 @@ impl Stances {
             };
             let (length, parent) = (own.length, own.parent);
             let local = pose.local_of(bone);
-            let even = scales_evenly(local.scale);
-            if self.carries.get(index).is_some_and(|carries| *carries) && !even {
-                let bone = own.name.clone();
-                return Err(ReachError::Sheared { bone });
-            }
             let above = parent.and_then(|parent| self.stances.get(parent.index()).copied());
-            let size = above.map_or(1.0, |above| above.scale);
-            let offset = local.translation.as_dvec3() * size;
-            let turn = local.rotation.as_dquat().normalize();
+            let (stretch, mirror) = above.map_or((Stretch::NONE, Mirror::NONE), |above| {
+                (above.stretch, above.mirror)
+            });
+            let offset = stretch.apply(local.translation.as_dvec3());
+            let own = local.rotation.as_dquat().normalize();
+            let turn = mirror.rotation(own);
             let rotation = above.map_or(turn, |above| (above.rotation * turn).normalize());
             let tail = above.map_or(offset, |above| above.tail + above.rotation * offset);
-            // Along x is all that a tip needs of a scale that is not even.
-            let scale = size * f64::from(local.scale.x);
-            let along = DVec3::new(scale * length, 0.0, 0.0);
+            let stretch = stretch.below(mirror, own, local.scale);
+            let along = stretch.apply(DVec3::new(length, 0.0, 0.0));
             if let Some(stance) = self.stances.get_mut(index) {
                 *stance = Stance {
                     rotation,
                     tail,
                     tip: tail + rotation * along,
-                    scale,
+                    stretch,
+                    mirror: mirror.below(local.scale),
                 };
             }
             self.skeleton
                 .stand(bone, offset.to_array().into(), along.to_array().into());
         }
-        Ok(&self.skeleton)
+        &self.skeleton
+    }
+
+    /// Whether a bone of the last pose shears others that were asked for as they turn.
+    pub(super) fn shear(&self) -> bool {
+        let mut carriers = self.stances.iter().zip(&self.carries);
+        carriers.any(|(stance, carries)| *carries && !stance.stretch.is_even())
     }
 
     /// A bone's stance as of the last pose; `None` for a bone of another skeleton.

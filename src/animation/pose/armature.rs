@@ -157,7 +157,7 @@ impl Armature {
     }
 
     /// The same, with the inverses of where the rest pose puts the bones.
-    fn with_inverses(mut self) -> Self {
+    pub(super) fn with_inverses(mut self) -> Self {
         let mut model_from_rest = self.rest_from_model.clone();
         self.propagate(&self.rest, &mut model_from_rest);
         for (inverse, placement) in self.rest_from_model.iter_mut().zip(&model_from_rest) {

@@ -5,7 +5,7 @@
 
 use glam::{Affine3A, Quat, Vec3A};
 
-use super::{Armature, LocalError, LocalTransform, Pose};
+use super::{Armature, LocalError, LocalTransform, Mirror, Pose};
 use crate::SizeMismatch;
 use crate::skeleton::BoneId;
 
@@ -23,7 +23,8 @@ impl Armature {
         Ok(self.placed(pose, Some(bone)))
     }
 
-    /// How one bone is turned in the model: the product of the rotations down to it, scales aside.
+    /// The rotation of one bone in the model: the product of the rotations down to it, without scales. Below mirrored bones
+    /// rotations are in reflected axes.
     ///
     /// # Errors
     /// As [`model_from_bone`](Self::model_from_bone).
@@ -68,8 +69,10 @@ impl Armature {
         model_from_bone: Quat,
     ) -> Result<(), LocalError> {
         self.check(pose, bone)?;
-        let parent = self.turned(pose, self.parent(bone));
-        pose.set_rotation(bone, parent.conjugate() * model_from_bone)
+        let above = self.parent(bone);
+        let parent = self.turned(pose, above);
+        let mirror = self.mirror(pose, above);
+        pose.set_rotation(bone, mirror.single(parent.conjugate() * model_from_bone))
     }
 
     /// Moves a bone's origin in the model, in its unit. Its rotation and scale stay; the bones below
@@ -114,7 +117,16 @@ impl Armature {
     fn turned(&self, pose: &Pose, bone: Option<BoneId>) -> Quat {
         let bones = self.upwards(bone);
         bones.fold(Quat::IDENTITY, |below, bone| {
-            pose.local_of(bone).rotation * below
+            let local = pose.local_of(bone);
+            local.rotation * Mirror::NONE.below(local.scale).single(below)
+        })
+    }
+
+    /// The mirror of a bone's children.
+    fn mirror(&self, pose: &Pose, bone: Option<BoneId>) -> Mirror {
+        let bones = self.upwards(bone);
+        bones.fold(Mirror::NONE, |mirror, bone| {
+            mirror.below(pose.local_of(bone).scale)
         })
     }
 

@@ -2,8 +2,6 @@
 
 use glam::{Affine3A, Mat3A, Quat, Vec3A, Vec4, Vec4Swizzles};
 
-/// How far the scales along a bone's axes may differ, as a share of the largest.
-const EVEN_WITHIN: f32 = 1e-4;
 /// Cosine between axes up to which a matrix counts as without shear: single precision and a chain of
 /// products stay below it.
 const SQUARE: f32 = 1e-4;
@@ -70,13 +68,6 @@ impl LocalTransform {
         // No length of what is not finite is 1.
         self.translation.is_finite() && self.scale.is_finite() && self.rotation.is_normalized()
     }
-}
-
-/// Whether a scale is the same along all axes and above 0, so that what hangs on the bone may turn
-/// without shearing.
-pub(crate) fn scales_evenly(scale: Vec3A) -> bool {
-    let (least, most) = (scale.min_element(), scale.max_element());
-    least > 0.0 && most - least <= EVEN_WITHIN * most
 }
 
 /// The columns of a unit quaternion's rotation matrix. Six products of vectors instead of the

@@ -3,12 +3,17 @@
 mod armature;
 mod in_model;
 mod local_transform;
+mod mirror;
 #[allow(clippy::module_inception, reason = "it is the pose itself")]
 mod pose;
+mod scale_note;
 #[cfg(feature = "serde")]
 mod serialised;
+mod stretch;
 
 pub use armature::{Armature, ArmatureBone, ArmatureError};
 pub use local_transform::LocalTransform;
-pub(crate) use local_transform::scales_evenly;
+pub(crate) use mirror::Mirror;
 pub use pose::{LocalError, Pose};
+pub use scale_note::ScaleNote;
+pub(crate) use stretch::Stretch;

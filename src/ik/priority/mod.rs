@@ -184,6 +184,7 @@ impl Ranked<'_, '_> {
             scratch: &mut *self.scratch,
             memory: &mut *self.solver,
             guard: reborrowed(&mut self.guard),
+            moved: None,
         };
         let more = run(
             self.question,

@@ -131,13 +131,18 @@ fn parse(
         .with_rest_morph_weights(&meshes.target_weights)
         .map_err(|error| source.fail("meshes", error.to_string()))?;
     let clips = animations::read(&source, &nodeless, &nodes, &meshes, &armature, &mut notes)?;
+    let mut scene = Scene {
+        armature,
+        meshes: meshes.meshes,
+        clips,
+        notes,
+    };
+    if scene.meshes.iter().any(|mesh| mesh.skin.is_some()) {
+        let scaled = scene.armature.scale_notes_of(scene.turning_bones());
+        scene.notes.extend(scaled.into_iter().map(Note::Scaled));
+    }
     Ok(Parsed {
-        scene: Scene {
-            armature,
-            meshes: meshes.meshes,
-            clips,
-            notes,
-        },
+        scene,
         bone_of: nodes.bone_of,
     })
 }

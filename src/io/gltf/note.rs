@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::animation::ScaleNote;
 use crate::io::Place;
 use crate::skinning::WeightRepair;
 
@@ -34,7 +35,9 @@ pub enum Note {
         /// Repair in words.
         what: String,
     },
-    /// An element was left out.
+    /// A bone's scale at rest is no scale of a skeleton's joints.
+    Scaled(ScaleNote),
+    /// Something is not in the result.
     LeftOut {
         /// Position in the file.
         place: Place,
@@ -87,6 +90,7 @@ impl fmt::Display for Note {
                 }
                 write!(f, "mesh `{mesh}`: {}", changes.join(", "))
             }
+            Self::Scaled(note) => note.fmt(f),
             Self::Repaired { place, what } => write!(f, "{place}{what}"),
             Self::LeftOut { place, what } => write!(f, "{place}{what}: left out"),
         }

@@ -146,8 +146,7 @@ impl<'a> ClipIk<'a> {
     ///
     /// # Errors
     /// Nothing is asked; a bone of another armature, asked for twice at one time, or not below the root; a span or fade that
-    /// is not within the clip; settings out of range; a bone whose scale shears what hangs on it. What cannot be reached is no
-    /// error: [`EditedClip::led`] says by how much.
+    /// is not within the clip; settings out of range. What cannot be reached is no error: [`EditedClip::led`] says by how much.
     pub fn solve(&self, clip: &Clip) -> Result<EditedClip, ClipIkError> {
         let request = self.check(clip)?;
         solve(self, &request, clip)

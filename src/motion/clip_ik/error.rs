@@ -68,12 +68,6 @@ pub enum ClipIkError {
         /// From when to when the clip lasts, in seconds.
         clip: [f64; 2],
     },
-    /// A bone on which others hang is scaled by different numbers along its axes.
-    #[error("bone `{bone}` is scaled unevenly in the clip, which shears what hangs on it")]
-    Sheared {
-        /// The bone.
-        bone: String,
-    },
     /// The keys of a curve of targets.
     #[error("the curve of targets: {0}")]
     Curve(#[from] KeyError),

@@ -35,7 +35,7 @@ impl Strays {
                 continue;
             }
             for look in pair[0].between(pair[1], LOOKED_AT) {
-                posed.take(armature, poses.at(plan.time(look))?)?;
+                posed.place_bones(poses.at(plan.time(look))?);
                 for (foot, strays) in strays.iter_mut().enumerate() {
                     if let Some(place) = stand(foot) {
                         let at = posed.place(plan.request.bones[foot]);

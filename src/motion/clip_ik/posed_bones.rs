@@ -3,7 +3,7 @@
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use super::ClipIkError;
-use crate::animation::{Armature, Pose, bone_angles, bone_rotation, scales_evenly};
+use crate::animation::{Armature, Mirror, Pose, Stretch, bone_angles, bone_rotation};
 use crate::model::{FrameId, JointId, Limits, Model};
 use crate::skeleton::{ANGLES_PER_BONE, BoneId};
 use crate::spatial::{Matrix3, Placement, Vector3};
@@ -41,7 +41,16 @@ pub(super) struct PosedBones {
     /// Bones that are placed: all above an effector, parents first.
     placed: Vec<(BoneId, Option<BoneId>)>,
     places: Vec<DAffine3>,
+    /// Rotations in the model without scales, in reflected axes below mirrored bones.
     turns: Vec<DQuat>,
+    /// Of each bone's children.
+    mirrors: Vec<Mirror>,
+    stretches: Vec<Stretch>,
+    /// The rotations of the pose that frames keep near to: in the model, and in the bone's parent as the pose has them.
+    clip_turns: Vec<DQuat>,
+    clip_locals: Vec<DQuat>,
+    /// Where that pose has the root.
+    clip_root: DVec3,
 }
 
 impl PosedBones {
@@ -105,6 +114,11 @@ impl PosedBones {
             placed: placed.map(|bone| (bone, armature.parent(bone))).collect(),
             places: vec![DAffine3::IDENTITY; count],
             turns: vec![DQuat::IDENTITY; count],
+            mirrors: vec![Mirror::NONE; count],
+            stretches: vec![Stretch::NONE; count],
+            clip_turns: vec![DQuat::IDENTITY; count],
+            clip_locals: vec![DQuat::IDENTITY; count],
+            clip_root: DVec3::ZERO,
         })
     }
 
@@ -123,32 +137,48 @@ impl PosedBones {
         self.bones.iter().map(|own| own.bone)
     }
 
-    /// Takes up a pose.
-    ///
-    /// # Errors
-    /// A bone whose scale would shear what hangs on it.
-    pub(super) fn take(&mut self, armature: &Armature, pose: &Pose) -> Result<(), ClipIkError> {
+    /// Takes up a pose that a frame keeps near to.
+    pub(super) fn take(&mut self, pose: &Pose) {
+        self.place_bones(pose);
+        self.clip_turns.clone_from(&self.turns);
+        for &(bone, _) in &self.placed {
+            self.clip_locals[bone.index()] = pose.local_of(bone).rotation.as_dquat();
+        }
+        self.clip_root = self.root.map_or(DVec3::ZERO, |root| self.origin(root));
+    }
+
+    /// Places the bones as a pose has them.
+    pub(super) fn place_bones(&mut self, pose: &Pose) {
         for &(bone, parent) in &self.placed {
             let local = pose.local_of(bone);
             let turn = local.rotation.as_dquat().normalize();
             let (scale, at) = (local.scale.as_dvec3(), local.translation.as_dvec3());
             let own = DAffine3::from_scale_rotation_translation(scale, turn, at);
             let index = bone.index();
-            (self.places[index], self.turns[index]) = match parent.map(BoneId::index) {
+            let above = parent.map(BoneId::index);
+            let mirror = self.mirror_above(parent);
+            let stretch = above.map_or(Stretch::NONE, |above| self.stretches[above]);
+            self.mirrors[index] = mirror.below(local.scale);
+            self.stretches[index] = stretch.below(mirror, turn, local.scale);
+            (self.places[index], self.turns[index]) = match above {
                 None => (own, turn),
                 Some(above) => (
                     self.places[above] * own,
-                    (self.turns[above] * turn).normalize(),
+                    (self.turns[above] * mirror.rotation(turn)).normalize(),
                 ),
             };
-            let carries = self.placed.iter().any(|(_, above)| *above == Some(bone));
-            if carries && !scales_evenly(local.scale) {
-                return Err(ClipIkError::Sheared {
-                    bone: armature.names()[index].clone(),
-                });
-            }
         }
-        Ok(())
+    }
+
+    /// Whether a bone of the pose shears others as they turn.
+    pub(super) fn shear(&self) -> bool {
+        let mut carriers = self.bones.iter().filter_map(|own| own.parent);
+        let sheared = |bone: BoneId| !self.stretches[bone.index()].is_even();
+        carriers.any(|parent| sheared(self.bones[parent].bone)) || self.root.is_some_and(sheared)
+    }
+
+    fn mirror_above(&self, parent: Option<BoneId>) -> Mirror {
+        parent.map_or(Mirror::NONE, |parent| self.mirrors[parent.index()])
     }
 
     /// Where what is led of a bone is in the model in the pose last taken: a rig's tip, another bone's origin.
@@ -181,34 +211,49 @@ impl PosedBones {
         (self.origin(first), length)
     }
 
-    /// Stands the joints where the pose last taken has them, with the root moved by `moved`, and writes the
-    /// configuration of that pose.
-    pub(super) fn stand(&mut self, moved: DVec3, q: &mut [f64]) {
+    /// Puts the joints where the bones were last placed, with the root moved by `moved`, and writes the configuration of
+    /// that pose.
+    pub(super) fn stand(&mut self, armature: &Armature, moved: DVec3, q: &mut [f64]) {
         for own in &self.bones {
             let at = own.bone.index();
-            let (turned, offset) = match own.parent.map(|parent| self.bones[parent].bone.index()) {
-                Some(above) => {
-                    let back = self.turns[above].conjugate();
-                    let apart = self.places[at].translation - self.places[above].translation;
-                    (back * self.turns[at], back * apart)
-                }
-                None => (self.turns[at], self.places[at].translation + moved),
+            let above = own.parent.map(|parent| self.bones[parent].bone.index());
+            let turned_in = |turns: &[DQuat]| match above {
+                Some(above) => turns[above].conjugate() * turns[at],
+                None => turns[at],
             };
+            let turned = turned_in(&self.clip_turns);
+            let offset = match above {
+                Some(above) => {
+                    let apart = self.places[at].translation - self.places[above].translation;
+                    self.turns[above].conjugate() * apart
+                }
+                None => self.places[at].translation + moved,
+            };
+            let mirror = self.mirror_above(armature.parent(own.bone));
             let on_carrier = match (own.parent, &own.hinges) {
                 (_, None) => turned,
-                (Some(_), Some(hinges)) => hinges.rest,
+                (Some(_), Some(hinges)) => mirror.rotation(hinges.rest),
                 (None, Some(hinges)) => {
                     let root = self.root.map(|root| self.turns[root.index()]);
-                    root.unwrap_or(DQuat::IDENTITY) * hinges.rest
+                    root.unwrap_or(DQuat::IDENTITY) * mirror.rotation(hinges.rest)
                 }
             };
             let placement = Placement::new(matrix(on_carrier), offset.to_array().into());
             self.model.place_joint(own.joint, placement);
+            let tip = self.stretches[at].apply(DVec3::from(tip_of(&own.hinges).to_array()));
+            self.model.move_frame(own.frame, tip.to_array().into());
+            let now = turned_in(&self.turns);
             let numbers = &mut q[own.coordinate..own.coordinate + own.numbers()];
             match &own.hinges {
-                None => numbers.copy_from_slice(&[1.0, 0.0, 0.0, 0.0]),
+                None if self.turns == self.clip_turns => {
+                    numbers.copy_from_slice(&[1.0, 0.0, 0.0, 0.0]);
+                }
+                None => {
+                    let [x, y, z, w] = (turned.conjugate() * now).normalize().to_array();
+                    numbers.copy_from_slice(&[w, x, y, z]);
+                }
                 Some(hinges) => {
-                    let turned = on_carrier.conjugate() * turned;
+                    let turned = on_carrier.conjugate() * now;
                     let [first, bend, second] = bone_angles(turned, &hinges.limits);
                     numbers.copy_from_slice(&[second, bend, first]);
                 }
@@ -216,17 +261,18 @@ impl PosedBones {
         }
     }
 
-    /// Turns the bones of the pose last taken as a configuration has them, and moves the root.
+    /// Turns the bones of the pose that was taken as a configuration has them, and moves the root.
     pub(super) fn pose(&self, q: &[f64], moved: DVec3, armature: &Armature, pose: &mut Pose) {
         for own in &self.bones {
             let numbers = &q[own.coordinate..own.coordinate + own.numbers()];
+            let mirror = self.mirror_above(armature.parent(own.bone));
             let turned = match (&own.hinges, numbers) {
                 (None, &[w, x, y, z]) => {
-                    let clip = pose.local_of(own.bone).rotation.as_dquat();
-                    clip * DQuat::from_xyzw(x, y, z, w)
+                    let clip = self.clip_locals[own.bone.index()];
+                    clip * mirror.rotation(DQuat::from_xyzw(x, y, z, w))
                 }
                 (Some(hinges), &[second, bend, first]) => {
-                    hinges.rest * bone_rotation([first, bend, second])
+                    hinges.rest * mirror.rotation(bone_rotation([first, bend, second]))
                 }
                 _ => continue,
             };
@@ -236,8 +282,9 @@ impl PosedBones {
         if let Some(root) = self.root.filter(|_| moved != DVec3::ZERO) {
             let above = armature.parent(root);
             let above = above.map_or(DAffine3::IDENTITY, |above| self.places[above.index()]);
-            let there = self.origin(root) + moved;
+            let there = self.clip_root + moved;
             let local = above.inverse().transform_point3(there);
+            // Below a bone that flattens space the root stays.
             let _ = pose.set_translation(root, local.as_vec3a());
         }
     }

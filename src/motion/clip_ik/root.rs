@@ -64,6 +64,15 @@ pub(super) fn moves(
     if frames == 0 || (level && !(0..frames).any(too_short)) {
         return Ok(wanted.to_vec());
     }
+    // In lengths of the longest limb, so that the unit does not matter.
+    let lengths = demands.iter().flatten().map(|demand| demand.length);
+    let size = lengths.fold(0.0, f64::max);
+    let size = if size > 0.0 { size } else { 1.0 };
+    let wanted: Vec<DVec3> = wanted.iter().map(|moved| *moved / size).collect();
+    let in_limbs = |demand: RootDemand| RootDemand {
+        apart: demand.apart * (1.0 / size),
+        length: demand.length / size,
+    };
     let mut builder = Model::builder("root");
     let (mut joint, at) = (None, Placement::identity());
     for (name, axis) in ["x", "y", "z"].into_iter().zip(Vector3::UNITS) {
@@ -72,12 +81,13 @@ pub(super) fn moves(
     let root = builder.frame("root", joint, at);
     let model = builder.build()?;
     let mut motion = MotionProblem::builder(&model, frames, time_step_s);
-    let own = wanted.to_vec();
+    let own = wanted.clone();
     let way = motion.add(Point::new(root, [0.0; 3]));
     motion.follow(way, move |frame, point| {
         point.set_target(own[frame].to_array());
     });
     for limb in demands {
+        let limb: Vec<RootDemand> = limb.into_iter().map(in_limbs).collect();
         let demand = limb[0];
         let task = crate::task::Task::new(LongEnough { root, demand }).times(TOO_SHORT);
         let task = motion.add(task);
@@ -97,7 +107,7 @@ pub(super) fn moves(
     let mut kinematics = ForwardKinematics::new(&model);
     let place = |q: &[f64]| {
         let placed = kinematics.place(q)?;
-        Ok(DVec3::from(placed[root.index()].translation.to_array()))
+        Ok(DVec3::from(placed[root.index()].translation.to_array()) * size)
     };
     solved
         .q()

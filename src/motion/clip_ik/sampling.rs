@@ -103,7 +103,7 @@ pub(super) fn limb_ways(
     let mut limbs = vec![LimbWay::default(); bones.len()];
     let mut poses = Poses::new(armature, clip);
     for &time in times {
-        posed.take(armature, poses.at(time)?)?;
+        posed.take(poses.at(time)?);
         for (limb, &bone) in limbs.iter_mut().zip(bones) {
             let (upper, length) = posed.limb(armature, bone);
             limb.way.push(posed.place(bone));

@@ -66,7 +66,7 @@ impl<'a> SolvedMoments<'a> {
             let travelled = self.plan.travelled(moment);
             let moved = travelled + self.plan.moved(moment);
             let root_moves = moved != DVec3::ZERO;
-            posed.take(armature, pose)?;
+            posed.take(pose);
             let mut is_asked = root_moves;
             for (k, place) in places.iter_mut().enumerate() {
                 let free = posed.place(bones[k]) + travelled;
@@ -76,7 +76,7 @@ impl<'a> SolvedMoments<'a> {
             }
             if is_asked {
                 self.solver.solve((armature, posed), &places, moved, pose)?;
-                posed.take(armature, pose)?;
+                posed.place_bones(pose);
             }
             let misses = bones.iter().zip(&places);
             let root = self.plan.request.root;

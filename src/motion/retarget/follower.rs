@@ -5,6 +5,7 @@ use super::driven_point::DrivenPoint;
 use super::feet::Feet;
 use super::frame_problem::ProblemOfFrame;
 use super::pelvis_heading::HipLine;
+use super::unit::Unit;
 use super::{RetargetError, Retargeting};
 use crate::model::{JointId, Model};
 use crate::motion::trajectory::{MotionError, step_limits};
@@ -60,6 +61,12 @@ pub struct BodyFollower {
     lower: Vec<f64>,
     upper: Vec<f64>,
     x: Vec<f64>,
+    /// Of the body that is solved.
+    body_q: Vec<f64>,
+    unit: Unit,
+    /// The numbers of a configuration that are lengths.
+    slides: Vec<usize>,
+    /// In the model's unit.
     q: Vec<f64>,
     followed: bool,
 }
@@ -87,7 +94,7 @@ fn hinges(model: &Model) -> impl Iterator<Item = (JointId, f64)> {
 
 impl BodyFollower {
     pub(super) fn new(asked: &Retargeting<'_>) -> Result<Self, RetargetError> {
-        let (robot, limbs) = (asked.robot, &asked.limbs);
+        let (robot, limbs) = (&*asked.body, &asked.limbs);
         let lead_s = asked.options.contacts.lead_s;
         let model = robot.model();
         let mut tasks = Problem::builder(model);
@@ -140,7 +147,10 @@ impl BodyFollower {
             hip_line,
             frame: ProblemOfFrame::new(problem, size),
             x,
-            q,
+            unit: asked.unit,
+            slides: model.slides().collect(),
+            q: q.clone(),
+            body_q: q,
         })
     }
 
@@ -158,15 +168,30 @@ impl BodyFollower {
         self.frame.problem().parameters().gather(q, &mut self.x);
     }
 
-    /// Solves one sample and returns its configuration.
-    ///
-    /// `places` are the targets of the driven points, metres. `stands` is the contact of each point, from 0 (free) to 1
-    /// (locked). Both are in the order of [`Retargeting::driven`](super::Retargeting::driven). If a target is not
-    /// finite, the configuration stays unchanged.
+    /// One frame: where the driven points should be, in the model's unit, and how firmly each stands, from 0, not at all, to 1, where it is
+    /// held in place; in the order of [`Retargeting::driven`](super::Retargeting::driven). Returns the configuration. Where
+    /// the targets are not finite, the body stays.
     ///
     /// # Errors
     /// Returns an error if the number of targets or contacts is wrong.
     pub fn advance(
+        &mut self,
+        places: &[Vector3<f64>],
+        stands: &[f64],
+    ) -> Result<&[f64], RetargetError> {
+        match self.unit.is_own() {
+            true => self.follow(places, stands)?,
+            false => {
+                let scale = self.unit.scale();
+                let places: Vec<_> = places.iter().map(|at| *at * scale).collect();
+                self.follow(&places, stands)?
+            }
+        };
+        Ok(&self.q)
+    }
+
+    /// The same in the unit of the body that is solved.
+    pub(super) fn follow(
         &mut self,
         places: &[Vector3<f64>],
         stands: &[f64],
@@ -186,7 +211,7 @@ impl BodyFollower {
         }
         // Locked points stay locked.
         if !places.iter().all(Vector3::is_finite) || stands.iter().any(|stands| stands.is_nan()) {
-            return Ok(&self.q);
+            return Ok(&self.body_q);
         }
         self.aim(places, stands)?;
         let mut whole = self.descend();
@@ -206,7 +231,7 @@ impl BodyFollower {
             (*lower, *upper) = ((x - most).max(low), (x + most).min(high));
         }
         self.followed = true;
-        Ok(&self.q)
+        Ok(&self.body_q)
     }
 
     /// Solves for the current targets. Returns false and keeps the configuration if a number is not finite.
@@ -245,7 +270,13 @@ impl BodyFollower {
         };
         if whole {
             let parameters = self.frame.problem().parameters();
-            parameters.scatter_within_limits(&self.x, &mut self.q);
+            parameters.scatter_within_limits(&self.x, &mut self.body_q);
+            self.q.copy_from_slice(&self.body_q);
+            if !self.unit.is_own() {
+                for slide in self.slides.iter().copied() {
+                    self.q[slide] *= self.unit.back();
+                }
+            }
             self.feet.place(&mut self.frame, &self.x);
         }
         whole
@@ -279,7 +310,7 @@ impl BodyFollower {
         if self.followed {
             let share = STAY * STAY / (POSTURE * POSTURE + STAY * STAY);
             for (reference, (coordinate, value)) in self.reference.iter_mut().zip(&self.posture) {
-                *reference = value + share * (self.q[*coordinate] - value);
+                *reference = value + share * (self.body_q[*coordinate] - value);
             }
             self.targets
                 .get_mut(self.stay)?

@@ -30,7 +30,7 @@ pub(super) struct Footholds {
 impl Retargeting<'_> {
     /// Returns the poses of all feet at all samples.
     fn placed_soles(&self, q: &[f64]) -> Result<Vec<Vec<Placement<f64>>>, RetargetError> {
-        let model = self.robot.model();
+        let model = self.body.model();
         let soles = self.limbs.soles.iter().map(|sole| sole.frame);
         let frames: Vec<FrameId> = soles.collect();
         let mut kinematics = ForwardKinematics::of_frames(model, &frames).map_err(as_map_error)?;

@@ -10,7 +10,7 @@ impl Retargeting<'_> {
         self.limbs.all.iter().map(|limb| limb.joint).collect()
     }
 
-    /// Returns the position errors of all driven points, metres: sample by sample, in the order of
+    /// How far each driven point is from where it should be, in the model's unit: frame after frame, in the order of
     /// [`driven`](Self::driven).
     ///
     /// # Errors
@@ -26,9 +26,10 @@ impl Retargeting<'_> {
             let placed = kinematics.place(q).map_err(told)?;
             let targets = self.targets(frame).unwrap_or_default();
             let limbs = self.limbs.all.iter().zip(placed).zip(targets);
-            errors.extend(
-                limbs.map(|((limb, placed), target)| (placed.apply(limb.offset) - *target).norm()),
-            );
+            errors.extend(limbs.map(|((limb, placed), target)| {
+                let offset = limb.offset * self.unit.back();
+                (placed.apply(offset) - *target).norm()
+            }));
         }
         Ok(errors)
     }

@@ -80,7 +80,8 @@ impl LiveFollower {
         }
         self.limbs.place(captured, &mut self.places);
         self.feel();
-        self.follower.advance(&self.places, &self.firmness)
+        self.follower.follow(&self.places, &self.firmness)?;
+        Ok(self.follower.q())
     }
 
     /// Detects contacts from the speeds over the last capture frames, and keeps contact points above the ground.

@@ -1,5 +1,6 @@
 //! Retargeting of a capture to a model.
 
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,6 +10,7 @@ use super::contacts::Standing;
 use super::limbs::Limbs;
 use super::obstacles::Obstacles;
 use super::retargeted::{GivenUp, Measures};
+use super::unit::{ScaledObstacles, Unit};
 use super::{
     BodyFollower, BodyMap, Capture, ContactDetection, FootShapes, RetargetError, Retargeted,
     Touching, UpAxis,
@@ -29,7 +31,8 @@ use crate::spatial::Vector3;
 pub struct RetargetOptions {
     /// Upward axis of the capture, unless the map has one.
     pub up: UpAxis,
-    /// Contact detection. Its speed is for legs of 0.9 m, and is scaled by the model's leg length.
+    /// When feet stand. The speed is that of a body whose legs are 0.9 m long: others' is as much less as they are smaller. The
+    /// height is in the model's unit.
     pub contacts: ContactDetection,
     /// Shapes of feet, used for the ground height and to avoid ground penetration.
     ///
@@ -40,7 +43,8 @@ pub struct RetargetOptions {
     /// During contact the point is locked at its touchdown position, because its target may be unreachable for other
     /// proportions.
     pub landing_weight: f64,
-    /// For whole trajectories: weight of an acceleration of 1 rad/s², in metres of position.
+    /// Of whole movements: what an acceleration of 1 rad/s² costs, in metres off a place; of a model in its own unit, metres of
+    /// a body whose legs are 0.9 m long.
     pub acceleration: f64,
     /// For whole trajectories: tolerance of each window, relative to its cost.
     pub tolerance: f64,
@@ -85,13 +89,18 @@ impl RetargetOptions {
 #[derive(Clone, Debug)]
 pub struct Retargeting<'r> {
     pub(super) robot: &'r Robot,
+    /// What is solved: the robot, or one in its own unit at the size of a person.
+    pub(super) body: Cow<'r, Robot>,
+    pub(super) unit: Unit,
     pub(super) options: RetargetOptions,
     pub(super) limbs: Limbs,
     pub(super) frame_rate: f64,
     /// Number of joints of a capture frame.
     pub(super) joints: usize,
-    /// Target positions, capture frame by capture frame, metres.
+    /// Of the solved body, frame after frame.
     pub(super) targets: Arc<[Vector3<f64>]>,
+    /// In the robot's unit.
+    own_targets: Arc<[Vector3<f64>]>,
     pub(super) standing: Vec<Standing>,
     pub(super) obstacles: Option<Obstacles>,
     pub(super) cancelled: Option<Arc<AtomicBool>>,
@@ -116,9 +125,17 @@ impl<'r> Retargeting<'r> {
         let up = map.up.unwrap_or(options.up);
         let shapes = options.shapes.clone();
         let shapes = shapes.unwrap_or_else(|| FootShapes::of(robot));
-        let limbs = Limbs::new(model, map, capture, up, &model.neutral(), &shapes)?;
+        let mut limbs = Limbs::new(model, map, capture, up, &model.neutral(), &shapes)?;
         let frame_rate = capture.frame_rate();
         let mut options = options;
+        let unit = Unit::of(model, &limbs);
+        let body = unit.body(robot)?;
+        if !unit.is_own() {
+            let (map, shapes) = unit.map_and_shapes(map, &shapes);
+            let model = body.model();
+            limbs = Limbs::new(model, &map, capture, up, &model.neutral(), &shapes)?;
+            options.contacts.height *= unit.scale();
+        }
         if limbs.leg > 0.0 {
             options.contacts.speed *= limbs.leg / USUAL_LEG_M;
         }
@@ -129,13 +146,21 @@ impl<'r> Retargeting<'r> {
             targets.extend_from_slice(&places);
         }
         let standing = options.contacts.plant(&limbs, frame_rate, &mut targets);
+        let targets: Arc<[Vector3<f64>]> = targets.into();
+        let own_targets = match unit.is_own() {
+            true => Arc::clone(&targets),
+            false => targets.iter().map(|at| *at * unit.back()).collect(),
+        };
         Ok(Self {
             robot,
+            body,
+            unit,
+            own_targets,
             options,
             limbs,
             frame_rate,
             joints: capture.names().len(),
-            targets: targets.into(),
+            targets,
             standing,
             obstacles: None,
             cancelled: None,
@@ -151,7 +176,13 @@ impl<'r> Retargeting<'r> {
         mut self,
         of: &C,
     ) -> Self {
-        self.obstacles = Some(Obstacles::of(of));
+        self.obstacles = Some(match self.unit.is_own() {
+            true => Obstacles::of(of),
+            false => {
+                let model = self.robot.model();
+                Obstacles::of(&ScaledObstacles::new(of.clone(), self.unit, model))
+            }
+        });
         self
     }
 
@@ -180,19 +211,25 @@ impl<'r> Retargeting<'r> {
         pub fn frame_rate(&self) -> f64 = self.frame_rate;
         /// Driven frames of the model, in the order of [`targets`](Self::targets).
         pub fn driven(&self) -> Vec<FrameId> = self.limbs.all.iter().map(|limb| limb.frame).collect();
-        /// Ratio of the model's steps to the subject's.
-        pub fn stride(&self) -> f64 = self.limbs.stride;
-        /// Axis along which the model's root is above its contact points in the neutral configuration.
-        ///
-        /// It is z, unless the file has another upward axis; `None` if it is ambiguous.
+        /// How many times as large as the person's the model's steps are.
+        pub fn stride(&self) -> f64 = self.limbs.stride * self.unit.back();
+        /// The axis along which the model's root is above what stands, in its neutral configuration: z, unless its file has another
+        /// one upward; `None` where that cannot be told.
         pub fn model_stands_along(&self) -> Option<UpAxis> = self.limbs.model_up;
     }
 
-    /// Returns the targets of the driven points in a capture frame, metres.
+    /// Where the driven points should be in a frame, in the model's unit.
     #[must_use]
     pub fn targets(&self, frame: usize) -> Option<&[Vector3<f64>]> {
         let n = self.limbs.all.len();
-        self.targets.get(frame * n..(frame + 1) * n)
+        self.own_targets.get(frame * n..(frame + 1) * n)
+    }
+
+    /// Where those of the solved body should be.
+    fn body_targets(&self, frame: usize) -> &[Vector3<f64>] {
+        let n = self.limbs.all.len();
+        let targets = self.targets.get(frame * n..(frame + 1) * n);
+        targets.unwrap_or_default()
     }
 
     /// Writes the contact of each driven point in a capture frame, from 0 (free) to 1, with blends before and after.
@@ -234,8 +271,8 @@ impl<'r> Retargeting<'r> {
     /// Returns an error if a velocity limit is invalid.
     pub fn follower(&self) -> Result<BodyFollower, RetargetError> {
         let mut follower = BodyFollower::new(self)?;
-        let first = self.targets(0).unwrap_or_default();
-        follower.stand_at(&self.limbs.first_stance(self.robot, first));
+        let first = self.body_targets(0);
+        follower.stand_at(&self.limbs.first_stance(&self.body, first));
         Ok(follower)
     }
 
@@ -248,7 +285,7 @@ impl<'r> Retargeting<'r> {
         self.measure(q)
     }
 
-    /// Returns all configurations of an online retargeter, and flags of samples with active collision avoidance.
+    /// All configurations of a follower of the solved body, and the frames in which it was near to something.
     pub(super) fn follow_all(&self) -> Result<(Vec<f64>, Vec<bool>), RetargetError> {
         let mut follower = self.follower()?;
         let mut q = Vec::with_capacity(self.frames() * follower.q().len());
@@ -260,16 +297,15 @@ impl<'r> Retargeting<'r> {
                 return Err(MotionError::Cancelled.into());
             }
             self.firmness(frame, &mut firmness);
-            let places = self.targets(frame).unwrap_or_default();
-            q.extend_from_slice(follower.advance(places, &firmness)?);
+            q.extend_from_slice(follower.follow(self.body_targets(frame), &firmness)?);
             near.push(follower.clear().is_some_and(ClearFrames::is_near));
         }
         Ok((q, near))
     }
 
-    /// Evaluates configurations.
-    pub(super) fn measure(&self, q: Vec<f64>) -> Result<Retargeted, RetargetError> {
-        let model = self.robot.model();
+    /// Measures how well configurations of the solved body follow, and scales them to the robot's unit.
+    pub(super) fn measure(&self, mut q: Vec<f64>) -> Result<Retargeted, RetargetError> {
+        let model = self.body.model();
         let mut frames = self.driven();
         let driven = frames.len();
         frames.extend(self.limbs.soles.iter().map(|sole| sole.frame));
@@ -287,7 +323,7 @@ impl<'r> Retargeting<'r> {
         for (frame, q) in q.chunks_exact(model.configuration_len()).enumerate() {
             let placed = kinematics.place(q).map_err(as_map_error)?;
             self.stand(frame, &mut stands);
-            let targets = self.targets(frame).unwrap_or_default();
+            let targets = self.body_targets(frame);
             for (k, (limb, target)) in self.limbs.all.iter().zip(targets).enumerate() {
                 let at = placed[k].apply(limb.offset);
                 stands[k] = measures.take(frame, k, at, *target, stands[k]);
@@ -306,20 +342,25 @@ impl<'r> Retargeting<'r> {
             frame: *frame,
             standing: name(limb),
         });
+        let touching = self.touching(&q);
+        let back = self.unit.back();
+        if !self.unit.is_own() {
+            model.scale_slides(back, &mut q);
+        }
         Ok(Retargeted {
-            touching: self.touching(&q),
+            touching,
             given_up: given_up.collect(),
             configuration_len: model.configuration_len(),
             frame_rate: self.frame_rate,
             standing: can_stand.iter().map(name).collect(),
             standing_at: can_stand
                 .iter()
-                .map(|limb| self.limbs.all[*limb].offset)
+                .map(|limb| self.limbs.all[*limb].offset * back)
                 .collect(),
             contacts,
-            mean_error: measures.mean_error(),
-            slip: measures.slip,
-            sunk: measures.sunk,
+            mean_error: measures.mean_error() * back,
+            slip: measures.slip * back,
+            sunk: measures.sunk * back,
             q,
         })
     }

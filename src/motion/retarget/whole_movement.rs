@@ -80,10 +80,10 @@ impl Retargeting<'_> {
         near: &[bool],
         progress: &mut dyn FnMut(usize),
     ) -> Result<Vec<f64>, RetargetError> {
-        let model = self.robot.model();
+        let model = self.body.model();
         let mut motion = MotionProblem::builder(model, self.frames(), 1.0 / self.frame_rate);
-        motion.parameters(self.robot.map().clone());
-        motion.max_speeds_of(self.robot);
+        motion.parameters(self.body.map().clone());
+        motion.max_speeds_of(&self.body);
         let n = self.limbs.all.len();
         for (k, limb) in self.limbs.all.iter().enumerate() {
             let point = motion.add(DrivenPoint::new(limb.frame, limb.offset));
@@ -121,7 +121,7 @@ impl Retargeting<'_> {
     ///
     /// Contacts have the positions of the online result, which are known to be reachable.
     fn aims(&self, q: &[f64]) -> Result<Vec<(Vector3<f64>, f64)>, RetargetError> {
-        let model = self.robot.model();
+        let model = self.body.model();
         let n = self.limbs.all.len();
         let heaviest = self.limbs.heaviest();
         let weights = self.limbs.all.iter().map(|limb| limb.weight);

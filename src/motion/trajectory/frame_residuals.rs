@@ -172,6 +172,7 @@ impl LeastSquares for FrameAlone<'_, '_> {
         fn rows(&self) -> usize = self.residuals.motion.problem.rows();
         fn lower(&self) -> &[f64] = self.lower;
         fn upper(&self) -> &[f64] = self.upper;
+        fn step_scale(&self) -> &[f64] = self.residuals.motion.problem.step_scale();
     }
 
     fn space(&self) -> ConfigurationSpace<'_> {

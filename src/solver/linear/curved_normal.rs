@@ -15,6 +15,8 @@ pub(in crate::solver) struct CurvedModel<'a> {
     pub(in crate::solver) curvature: &'a [f64],
     pub(in crate::solver) gradient: &'a [f64],
     pub(in crate::solver) free: &'a [usize],
+    /// What steps are measured in for λ; empty where all are 1.
+    pub(in crate::solver) scale: &'a [f64],
     pub(in crate::solver) x: &'a [f64],
     pub(in crate::solver) space: ConfigurationSpace<'a>,
 }
@@ -96,7 +98,8 @@ impl CurvedNormal {
             for (b, &j) in self.moving.iter().enumerate().take(a + 1) {
                 self.factor[a * order + b] += bend(i)[j];
             }
-            self.factor[a * order + a] += damping;
+            let scale = model.scale.get(i).copied().unwrap_or(1.0);
+            self.factor[a * order + a] += damping / (scale * scale);
         }
         if !cholesky::factorise(&mut self.factor, order, &mut self.pivot_column) {
             return false;

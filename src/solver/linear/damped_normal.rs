@@ -16,6 +16,8 @@ pub(in crate::solver) struct DampedNormal {
     /// Lower triangle of J_FᵀJ_F or J_F J_Fᵀ, row by row.
     gram: Vec<f64>,
     gram_is_fresh: bool,
+    /// J S, if variables have scales.
+    scaled: DMatrix<f64>,
     products: InnerProducts,
     factor: Vec<f64>,
     /// Two columns of the factor, in sequence.
@@ -47,8 +49,28 @@ impl DampedNormal {
     /// Writes the damped step over the free variables at the current point of a search.
     pub(in crate::solver) fn step(&mut self, at: &mut SolverState, damping: f64) {
         at.step.fill(0.0);
+        if !at.step_scale.is_empty() {
+            return self.scaled_step(at, damping);
+        }
         self.factorise(&at.jacobian, &at.free, damping);
         self.solve(&at.jacobian, &at.free, &at.residual, &mut at.step);
+    }
+
+    /// The same with a damping by the scales of the variables: J S instead of J, and Δ = S Δ'.
+    fn scaled_step(&mut self, at: &mut SolverState, damping: f64) {
+        let mut scaled = std::mem::replace(&mut self.scaled, DMatrix::zeros(0, 0));
+        if !self.gram_is_fresh || scaled.shape() != at.jacobian.shape() {
+            scaled.clone_from(&at.jacobian);
+            for (mut column, scale) in scaled.column_iter_mut().zip(&at.step_scale) {
+                column *= *scale;
+            }
+        }
+        self.factorise(&scaled, &at.free, damping);
+        self.solve(&scaled, &at.free, &at.residual, &mut at.step);
+        for (step, scale) in at.step.iter_mut().zip(&at.step_scale) {
+            *step *= scale;
+        }
+        self.scaled = scaled;
     }
 
     /// Factorises the damped system over the free columns.

@@ -6,22 +6,34 @@ use super::plane::Plane;
 use super::{End, EndRotation, Limb, LimbGoal};
 use crate::animation::blend::{finite_or_0, within};
 use crate::animation::ik_layer::bone_placement::{Placed, set_rotation};
+use crate::animation::ik_layer::{Corrected, ShearCorrection};
 use crate::animation::rotation::slerp;
 use crate::animation::{Armature, Pose, SizeMismatch};
 use crate::geometric::triangle;
 use crate::scalar::elementary::single;
 use crate::spatial::Vector3;
 
-/// A limb as a pose has it, in the model: the rotations of its bones and of what they hang on, and its
-/// points.
+/// Distance of the end from its target that single precision holds, as a share of the limb's length.
+const CONVERGED: f64 = 3e-7;
+
+/// A limb as a pose has it, in the model: its bones, what they hang on, and its points.
 struct Standing {
-    above: Quat,
-    upper: Quat,
-    above_lower: Quat,
-    lower: Quat,
+    above: Placed,
+    upper: Placed,
+    above_lower: Placed,
+    lower: Placed,
     root: Vec3A,
     mid: Vec3A,
     end: Vec3A,
+}
+
+impl Standing {
+    /// Whether the two bones are long and short enough for a point.
+    fn reaches(&self, point: Vec3A) -> bool {
+        let lengths = [self.root.distance(self.mid), self.mid.distance(self.end)];
+        let distance = self.root.distance(point);
+        distance < lengths[0] + lengths[1] && distance > (lengths[0] - lengths[1]).abs()
+    }
 }
 
 impl Limb {
@@ -30,7 +42,8 @@ impl Limb {
     /// whole, by the shortest arc to the target and then towards the pole, so a hinge stays a hinge.
     /// Then the bone at the end is turned. A target that is not finite leaves the two bones alone.
     ///
-    /// Bones above the limb may be scaled by the same number along all axes, not by different ones.
+    /// Uneven scales shear the bones that turn below them. The limb is then turned again until its end is where unsheared
+    /// bones would have it, or as near as that converges.
     ///
     /// # Errors
     /// The pose is of another armature.
@@ -51,27 +64,75 @@ impl Limb {
             return Ok(());
         }
         let standing = self.standing(armature, pose);
-        let turns = moves.then(|| self.turns(&standing, goal, weight)).flatten();
-        let [upper_turn, lower_turn] = turns.unwrap_or([Quat::IDENTITY; 2]);
-        if turns.is_some() {
-            let parent_from_model = standing.above.conjugate();
-            let rotation = parent_from_model * upper_turn * standing.upper;
-            set_rotation(pose, self.upper, rotation);
-            let parent_from_model = (upper_turn * standing.above_lower).conjugate();
-            let rotation = parent_from_model * lower_turn * standing.lower;
-            set_rotation(pose, self.lower, rotation);
+        let target = self.end_target(&standing, goal, weight);
+        let turns = moves.then(|| self.turns(&standing, target, goal, weight));
+        let mut lower_turn = Quat::IDENTITY;
+        if let Some(turns) = turns.flatten() {
+            lower_turn = turns[1];
+            self.turn(pose, &standing, turns);
+            if standing.lower.uneven {
+                lower_turn = self.correct(armature, pose, target) * lower_turn;
+            }
         }
         if let Some((bone, rotation, weight)) = asked {
             let above = armature.parent(bone);
-            let above = Placed::within(armature, pose, above, Some(self.lower)).rotation;
+            let above = Placed::within(armature, pose, above, Some(self.lower));
             let before = standing.lower * above;
+            let (mirror, before) = (before.mirror, before.rotation);
             let after = lower_turn * before;
-            let local = pose.local_of(bone).rotation;
+            let local = mirror.single(pose.local_of(bone).rotation);
             let wanted = rotation.unwrap_or(before * local);
             let rotation = slerp(after * local, wanted, weight);
-            set_rotation(pose, bone, after.conjugate() * rotation);
+            set_rotation(pose, bone, mirror.single(after.conjugate() * rotation));
         }
         Ok(())
+    }
+
+    /// Turns the two bones of a pose in the model.
+    fn turn(&self, pose: &mut Pose, standing: &Standing, [upper_turn, lower_turn]: [Quat; 2]) {
+        let parent_from_model = standing.above.rotation.conjugate();
+        let rotation = parent_from_model * upper_turn * standing.upper.rotation;
+        set_rotation(pose, self.upper, standing.above.mirror.single(rotation));
+        let parent_from_model = (upper_turn * standing.above_lower.rotation).conjugate();
+        let rotation = parent_from_model * lower_turn * standing.lower.rotation;
+        set_rotation(
+            pose,
+            self.lower,
+            standing.above_lower.mirror.single(rotation),
+        );
+    }
+
+    /// Turns a sheared limb until its end is at a point, as near as that converges. Returns the rotation of the lower bone
+    /// in the model.
+    fn correct(&self, armature: &Armature, pose: &mut Pose, target: Vec3A) -> Quat {
+        let mut lower_turn = Quat::IDENTITY;
+        let mut standing = self.standing(armature, pose);
+        let shown = |standing: &Standing| [standing.end.as_dvec3()];
+        let mut correction = ShearCorrection::new(&[target.as_dvec3()], &shown(&standing));
+        while !correction.gives_up() {
+            let length = standing.root.distance(standing.mid) + standing.mid.distance(standing.end);
+            if correction.off() <= CONVERGED * f64::from(length) {
+                break;
+            }
+            let commands = correction.commands();
+            let command = commands.first().map_or(target, |at| at.as_vec3a());
+            let follow = LimbGoal::at(command);
+            let Some(turns) = self.turns(&standing, command, &follow, 0.0) else {
+                break;
+            };
+            let before = [self.upper, self.lower].map(|bone| pose.local_of(bone).rotation);
+            self.turn(pose, &standing, turns);
+            let corrected = self.standing(armature, pose);
+            let reached = standing.reaches(command);
+            if correction.learn(&shown(&corrected), reached) != Corrected::Undone {
+                lower_turn = turns[1] * lower_turn;
+                standing = corrected;
+            } else {
+                set_rotation(pose, self.upper, before[0]);
+                set_rotation(pose, self.lower, before[1]);
+            }
+        }
+        lower_turn
     }
 
     fn standing(&self, armature: &Armature, pose: &Pose) -> Standing {
@@ -85,28 +146,44 @@ impl Limb {
             End::Bone(bone) => place(Some(bone), Some(self.lower)).affine.translation,
         };
         Standing {
-            above: above.rotation,
-            upper: upper.rotation,
-            above_lower: above_lower.rotation,
-            lower: lower.rotation,
+            above,
+            upper,
+            above_lower,
+            lower,
             root: upper.affine.translation,
             mid: lower.affine.translation,
             end: lower.affine.transform_point3a(end),
         }
     }
 
-    /// How the two bones turn in the model; `None` where a bone without length has nowhere to point.
-    fn turns(&self, standing: &Standing, goal: &LimbGoal, weight: f32) -> Option<[Quat; 2]> {
+    /// Where the end should be: its weight's share of the way to the softened target.
+    fn end_target(&self, standing: &Standing, goal: &LimbGoal, weight: f32) -> Vec3A {
+        let &Standing { root, mid, end, .. } = standing;
+        let lengths = [mid - root, end - mid].map(Vec3A::length);
+        let wanted = root + self.softened(goal.target - root, lengths[0] + lengths[1]);
+        end + (wanted - end) * weight
+    }
+
+    /// Rotations of the two bones in the model that bring the end to `target`; `None` where a bone without length has
+    /// nowhere to point. The pole, the twist and the hinge of `goal` count by `weight`.
+    fn turns(
+        &self,
+        standing: &Standing,
+        target: Vec3A,
+        goal: &LimbGoal,
+        weight: f32,
+    ) -> Option<[Quat; 2]> {
         let &Standing { root, mid, end, .. } = standing;
         let [upper, lower] = [mid - root, end - mid];
         let lengths = [upper.length(), lower.length()];
-        let wanted = root + self.softened(goal.target - root, lengths[0] + lengths[1]);
-        let target = end + (wanted - end) * weight;
         let pole = goal.pole.filter(|pole| pole.is_finite());
         let pole = pole.map(|pole| pole - root);
 
         // Roll is measured from the hinge where there is one; the plane itself may be off it.
-        let hinge = self.hinge.map(|axis| standing.lower * axis);
+        let hinge = self.hinge.map(|axis| {
+            let axis = standing.above_lower.mirror.axis(axis.as_dvec3());
+            standing.lower.rotation * axis.as_vec3a()
+        });
         let (old, off) = Plane::of(end - root, upper, pole, hinge);
         let mut new = old.carried(target - root);
         new = match pole {

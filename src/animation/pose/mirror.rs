@@ -1,0 +1,43 @@
+//! Reflections of bones by negative scales.
+//!
+//! A mirrored bone turns its children in reflected axes: with D the signs of the scales above a bone, its local rotation R
+//! turns the rigid bone by D R D, which is a rotation again.
+
+use glam::{DQuat, DVec3, Quat, Vec3A};
+
+/// The product of the signs of scales along a chain of bones, by axis: a reflection D with D² = 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Mirror(DVec3);
+
+impl Mirror {
+    /// No reflection.
+    pub(crate) const NONE: Self = Self(DVec3::ONE);
+
+    /// The mirror of a bone's children: this one, of the bone itself, with the signs of its scale.
+    pub(crate) fn below(self, scale: Vec3A) -> Self {
+        let sign = |scale: f32| if scale < 0.0 { -1.0 } else { 1.0 };
+        Self(self.0 * DVec3::new(sign(scale.x), sign(scale.y), sign(scale.z)))
+    }
+
+    /// The mirror of the children of bones, with `other` that of the lower ones alone.
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self(self.0 * other.0)
+    }
+
+    /// D a det D: the axis of D R D for a rotation R about an axis a.
+    pub(crate) fn axis(self, axis: DVec3) -> DVec3 {
+        axis * (self.0 * (self.0.x * self.0.y * self.0.z))
+    }
+
+    /// D R D: from a local rotation to that of the rigid bone, and back.
+    pub(crate) fn rotation(self, q: DQuat) -> DQuat {
+        let axis = self.axis(DVec3::new(q.x, q.y, q.z));
+        DQuat::from_xyzw(axis.x, axis.y, axis.z, q.w)
+    }
+
+    /// As [`rotation`](Self::rotation), in single precision.
+    pub(crate) fn single(self, q: Quat) -> Quat {
+        // Changes of sign are exact.
+        self.rotation(q.as_dquat()).as_quat()
+    }
+}

@@ -1,0 +1,45 @@
+//! A model in another unit of length.
+
+use super::Model;
+use crate::spatial::Placement;
+
+impl Model {
+    /// The same model with all lengths times a factor: positions of joints, frames and loops, and limits of slides.
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        let scale = |placement: &mut Placement<f64>| {
+            placement.translation = placement.translation * factor;
+        };
+        let mut own = self.clone();
+        for joint in &mut own.joints {
+            scale(&mut joint.parent_from_joint);
+            if joint.kind.slides() {
+                joint.limits.lower *= factor;
+                joint.limits.upper *= factor;
+            }
+        }
+        for frame in &mut own.frames {
+            scale(&mut frame.joint_from_frame);
+        }
+        for own in &mut own.loops {
+            own.frame_from_place.iter_mut().for_each(scale);
+        }
+        own
+    }
+
+    /// Multiplies the numbers of slides in configurations, one after the other.
+    pub(crate) fn scale_slides(&self, factor: f64, q: &mut [f64]) {
+        let slides: Vec<usize> = self.slides().collect();
+        for q in q.chunks_exact_mut(self.moving.len().max(1)) {
+            for &slide in &slides {
+                q[slide] *= factor;
+            }
+        }
+    }
+
+    /// The numbers of a configuration that are lengths.
+    pub(crate) fn slides(&self) -> impl Iterator<Item = usize> + '_ {
+        let moving = self.moving.iter().enumerate();
+        let slides = moving.filter(|(_, id)| self.joints[id.index()].kind.slides());
+        slides.map(|(coordinate, _)| coordinate)
+    }
+}

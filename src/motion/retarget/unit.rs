@@ -1,0 +1,199 @@
+//! Bodies in a unit of their own, solved at the size of a person.
+//!
+//! Tolerances, weights and steps of retargeting are metres on a person. A rig says nothing about its unit, so a model in
+//! [`LengthUnit::Own`] is scaled until its legs are those of a person before it is solved, and what is found is scaled back.
+
+use std::borrow::Cow;
+
+use super::limbs::Limbs;
+use super::{BodyMap, FootShapes, RetargetError};
+use crate::model::{LengthUnit, Model};
+use crate::motion::contact_detection::USUAL_LEG_M;
+use crate::problem::{ClearanceCheck, Collision, CollisionAvoidance};
+use crate::robot::Robot;
+use crate::scalar::Scalar;
+use crate::spatial::Placement;
+use crate::task::{Quantity, Residual, Task};
+
+/// Lengths of the solved body to one of the model's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Unit(f64);
+
+impl Unit {
+    /// Of a model whose limbs are these.
+    pub(super) fn of(model: &Model, limbs: &Limbs) -> Self {
+        let [own, solved] = match limbs.leg > 0.0 {
+            true => [limbs.leg, USUAL_LEG_M],
+            false => [model.reach(), 1.0],
+        };
+        match model.length_unit() {
+            LengthUnit::Own if own > 0.0 && own.is_finite() => Self(solved / own),
+            _ => Self(1.0),
+        }
+    }
+
+    /// Whether the model is solved as it is.
+    pub(super) fn is_own(self) -> bool {
+        self.0 == 1.0
+    }
+
+    /// From the model's unit to that of the solved body.
+    pub(super) fn scale(self) -> f64 {
+        self.0
+    }
+
+    /// From the unit of the solved body to the model's.
+    pub(super) fn back(self) -> f64 {
+        1.0 / self.0
+    }
+
+    /// The robot that is solved.
+    pub(super) fn body(self, robot: &Robot) -> Result<Cow<'_, Robot>, RetargetError> {
+        Ok(match self.is_own() {
+            true => Cow::Borrowed(robot),
+            false => Cow::Owned(robot.scaled(self.0)?),
+        })
+    }
+
+    /// The map and the shapes of feet of the body that is solved.
+    pub(super) fn map_and_shapes(
+        self,
+        map: &BodyMap,
+        shapes: &FootShapes,
+    ) -> (BodyMap, FootShapes) {
+        let (mut map, mut shapes) = (map.clone(), shapes.clone());
+        for drive in &mut map.drives {
+            drive.offset = drive.offset * self.0;
+        }
+        for ball in &mut shapes.balls {
+            ball.at = ball.at * self.0;
+            ball.radius *= self.0;
+        }
+        (map, shapes)
+    }
+}
+
+/// What a model keeps clear of, for the body that is solved.
+#[derive(Clone, Debug)]
+pub(super) struct ScaledObstacles<C> {
+    of: C,
+    unit: Unit,
+    model: Model,
+}
+
+impl<C> ScaledObstacles<C> {
+    /// `model` is that of the checker.
+    pub(super) fn new(of: C, unit: Unit, model: &Model) -> Self {
+        let model = model.clone();
+        Self { of, unit, model }
+    }
+}
+
+impl<C: CollisionAvoidance> CollisionAvoidance for ScaledObstacles<C> {
+    type Clearance = ScaledClearance<C::Clearance>;
+    type Check = ScaledCheck<C::Check>;
+
+    answers! {
+        fn configuration_len(&self) -> usize = self.of.configuration_len();
+    }
+
+    fn clearance(&self) -> Task<Self::Clearance> {
+        let own = self.of.clearance();
+        let mut tolerances = own.tolerances;
+        for (quantity, tolerance) in &mut tolerances {
+            if *quantity == Quantity::Metres {
+                *tolerance *= self.unit.scale();
+            }
+        }
+        Task {
+            residual: ScaledClearance {
+                of: own.residual,
+                unit: self.unit,
+            },
+            name: own.name,
+            weights: own.weights,
+            factor: own.factor,
+            tolerances,
+            role: own.role,
+            level: own.level,
+        }
+    }
+
+    fn check(&self) -> Self::Check {
+        ScaledCheck {
+            of: self.of.check(),
+            unit: self.unit,
+            model: self.model.clone(),
+        }
+    }
+}
+
+/// A clearance in the unit of the body that is solved.
+#[derive(Clone, Debug)]
+pub(super) struct ScaledClearance<R> {
+    of: R,
+    unit: Unit,
+}
+
+impl<R> ScaledClearance<R> {
+    fn own<S: Scalar>(&self, frames: &[Placement<S>]) -> Vec<Placement<S>> {
+        let back = S::constant(self.unit.back());
+        let own = frames.iter().map(|frame| {
+            let translation = frame.translation * back;
+            Placement::new(frame.rotation, translation)
+        });
+        own.collect()
+    }
+}
+
+impl<R: Residual> Residual for ScaledClearance<R> {
+    as_inner!(of: kind, is_of_body, frames, joints, joint_values, rows, rooms, validate);
+
+    fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], residual: &mut [S]) {
+        self.of.evaluate(&self.own(frames), joints, residual);
+        let scale = S::constant(self.unit.scale());
+        residual.iter_mut().for_each(|row| *row *= scale);
+    }
+
+    fn depths<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], depths: &mut [S]) {
+        self.of.depths(&self.own(frames), joints, depths);
+        let scale = S::constant(self.unit.scale());
+        depths.iter_mut().for_each(|row| *row *= scale);
+    }
+}
+
+/// A check of configurations of the body that is solved.
+#[derive(Clone, Debug)]
+pub(super) struct ScaledCheck<C> {
+    of: C,
+    unit: Unit,
+    model: Model,
+}
+
+impl<C> ScaledCheck<C> {
+    fn own(&self, q: &[f64]) -> Vec<f64> {
+        let mut own = q.to_vec();
+        self.model.scale_slides(self.unit.back(), &mut own);
+        own
+    }
+}
+
+impl<C: ClearanceCheck> ClearanceCheck for ScaledCheck<C> {
+    fn collisions(&mut self, q: &[f64]) -> Vec<Collision> {
+        self.of.collisions(&self.own(q))
+    }
+
+    fn is_free(&mut self, q: &[f64]) -> bool {
+        self.of.is_free(&self.own(q))
+    }
+
+    fn blocked(&mut self, from: &[f64], to: &[f64]) -> Option<Collision> {
+        let [from, to] = [self.own(from), self.own(to)];
+        self.of.blocked(&from, &to)
+    }
+
+    fn free_share(&mut self, from: &[f64], to: &[f64]) -> f64 {
+        let [from, to] = [self.own(from), self.own(to)];
+        self.of.free_share(&from, &to)
+    }
+}

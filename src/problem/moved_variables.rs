@@ -1,0 +1,240 @@
+//! The variables that the tasks of a search move, as a problem of their own.
+//!
+//! Other variables stay where they are. Most of a character's bones move no task of a drag, and what a step costs grows with
+//! the square and the cube of the number of variables.
+
+use std::ops::ControlFlow;
+
+use nalgebra::DMatrix;
+
+use super::{Evaluation, Problem, ProblemInstance};
+use crate::buffer::refill;
+use crate::solver::{
+    ConfigurationSpace, Iteration, LeastSquares, Observer, RotationSets, SolverState, Swing,
+    TurnLimit,
+};
+
+/// Fewer variables than this are searched together, moved or not.
+const MIN_VARIABLES: usize = 60;
+/// TaskSubset of the variables that are moved up to which the others are left out.
+const MAX_MOVED: f64 = 0.5;
+
+/// Which variables the tasks of a search move, and the rotations among them.
+#[derive(Clone, Debug)]
+pub(crate) struct MovedVariables {
+    variables: Vec<usize>,
+    /// By the numbers of the moved variables.
+    rotations: RotationSets,
+    step_scale: Vec<f64>,
+}
+
+impl MovedVariables {
+    /// Of the variables that are marked; `None` where leaving the others out is not worth it.
+    pub(super) fn of(
+        moving: &[bool],
+        rotations: &RotationSets,
+        step_scale: &[f64],
+    ) -> Option<Self> {
+        let marked = moving.iter().enumerate().filter(|(_, moving)| **moving);
+        let variables: Vec<usize> = marked.map(|(variable, _)| variable).collect();
+        let most = MAX_MOVED * moving.len() as f64;
+        if moving.len() < MIN_VARIABLES || variables.is_empty() || variables.len() as f64 > most {
+            return None;
+        }
+        let number = |variable: usize| variables.binary_search(&variable).ok();
+        let mut own = RotationSets::NONE;
+        for first in &rotations.vectors {
+            own.vectors.extend(number(*first));
+        }
+        for swing in &rotations.swings {
+            let first = number(swing.first);
+            own.swings
+                .extend(first.map(|first| Swing { first, ..*swing }));
+        }
+        for turn in &rotations.turns {
+            own.turns.extend(renumbered(turn, &variables));
+        }
+        let scales = step_scale.len() == moving.len();
+        let scaled = variables.iter().filter(|_| scales);
+        Some(Self {
+            step_scale: scaled.map(|&variable| step_scale[variable]).collect(),
+            rotations: own,
+            variables,
+        })
+    }
+}
+
+fn renumbered(turn: &TurnLimit, variables: &[usize]) -> Option<TurnLimit> {
+    let first = variables.binary_search(&turn.first).ok()?;
+    let mut own = turn.clone();
+    own.first = first;
+    Some(own)
+}
+
+/// Memory for a search over moved variables.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct MovedMemory {
+    pub(crate) state: SolverState,
+    /// All variables.
+    pub(crate) x: Vec<f64>,
+    /// All variables, as observers see them.
+    seen: Vec<f64>,
+    gradient: Vec<f64>,
+    jacobian: DMatrix<f64>,
+    /// Of the moved variables.
+    start: Vec<f64>,
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    turns: Vec<TurnLimit>,
+}
+
+impl MovedMemory {
+    /// Takes up a start of all variables and the bounds of a question.
+    pub(crate) fn begin(
+        &mut self,
+        question: ProblemInstance<'_>,
+        moved: &MovedVariables,
+        x: &[f64],
+    ) {
+        self.x.clear();
+        self.x.extend_from_slice(x);
+        question.space().project(&mut self.x);
+        self.seen.clone_from(&self.x);
+        refill(&mut self.gradient, x.len(), 0.0);
+        let gathers = [
+            (&mut self.start, x),
+            (&mut self.lower, question.lower()),
+            (&mut self.upper, question.upper()),
+        ];
+        for (to, from) in gathers {
+            to.clear();
+            to.extend(moved.variables.iter().map(|&variable| from[variable]));
+        }
+        self.turns.clear();
+        let turns = question.turn_limits().iter();
+        self.turns
+            .extend(turns.filter_map(|turn| renumbered(turn, &moved.variables)));
+    }
+
+    /// Writes where a search over the moved variables ended among all of them.
+    pub(crate) fn end(&mut self, moved: &MovedVariables) {
+        scatter(moved, self.state.x(), &mut self.x);
+    }
+}
+
+fn scatter(moved: &MovedVariables, x: &[f64], all: &mut [f64]) {
+    for (&variable, value) in moved.variables.iter().zip(x) {
+        all[variable] = *value;
+    }
+}
+
+/// The problem over the moved variables.
+pub(crate) struct Moved<'a, 'q> {
+    pub(crate) evaluation: &'a mut Evaluation<'q>,
+    pub(crate) moved: &'a MovedVariables,
+    pub(crate) memory: MovedBuffers<'a>,
+}
+
+/// What of a [`MovedMemory`] an evaluation writes and reads.
+pub(crate) struct MovedBuffers<'a> {
+    x: &'a mut [f64],
+    gradient: &'a mut [f64],
+    jacobian: &'a mut DMatrix<f64>,
+    lower: &'a [f64],
+    upper: &'a [f64],
+    turns: &'a [TurnLimit],
+}
+
+impl MovedMemory {
+    /// The buffers, the start and the state of a search, and the variables that an observer sees.
+    pub(crate) fn parts(&mut self) -> (MovedBuffers<'_>, &[f64], &mut SolverState, &mut [f64]) {
+        let buffers = MovedBuffers {
+            x: &mut self.x,
+            gradient: &mut self.gradient,
+            jacobian: &mut self.jacobian,
+            lower: &self.lower,
+            upper: &self.upper,
+            turns: &self.turns,
+        };
+        (buffers, &self.start, &mut self.state, &mut self.seen)
+    }
+}
+
+impl LeastSquares for Moved<'_, '_> {
+    answers! {
+        fn variables(&self) -> usize = self.moved.variables.len();
+        fn rows(&self) -> usize = self.evaluation.rows();
+        fn lower(&self) -> &[f64] = self.memory.lower;
+        fn upper(&self) -> &[f64] = self.memory.upper;
+        fn step_scale(&self) -> &[f64] = &self.moved.step_scale;
+        fn is_reached(&self, residual: &[f64]) -> bool = self.evaluation.is_reached(residual);
+        fn stops_when_reached(&self) -> bool = self.evaluation.stops_when_reached();
+    }
+
+    fn space(&self) -> ConfigurationSpace<'_> {
+        let space = ConfigurationSpace::new(self.memory.lower, self.memory.upper);
+        space.with_rotations(&self.moved.rotations, self.memory.turns)
+    }
+
+    fn residual(&mut self, x: &[f64], residual: &mut [f64]) {
+        scatter(self.moved, x, self.memory.x);
+        self.evaluation.residual(self.memory.x, residual);
+    }
+
+    fn jacobian(&mut self, x: &[f64], jacobian: &mut DMatrix<f64>) {
+        scatter(self.moved, x, self.memory.x);
+        let shape = (jacobian.nrows(), self.memory.x.len());
+        let all = &mut *self.memory.jacobian;
+        if all.shape() != shape {
+            *all = DMatrix::zeros(shape.0, shape.1);
+        }
+        self.evaluation.jacobian(self.memory.x, all);
+        let rows = shape.0;
+        let columns = jacobian.as_mut_slice().chunks_exact_mut(rows.max(1));
+        for (column, &variable) in columns.zip(&self.moved.variables) {
+            column.copy_from_slice(&all.as_slice()[variable * rows..(variable + 1) * rows]);
+        }
+    }
+
+    fn gradient(
+        &mut self,
+        x: &[f64],
+        residual: &[f64],
+        gradient: &mut [f64],
+        _: &mut DMatrix<f64>,
+    ) {
+        scatter(self.moved, x, self.memory.x);
+        let shape = (residual.len(), self.memory.x.len());
+        let all = &mut *self.memory.jacobian;
+        if all.shape() != shape {
+            *all = DMatrix::zeros(shape.0, shape.1);
+        }
+        self.evaluation
+            .gradient(self.memory.x, residual, self.memory.gradient, all);
+        for (entry, &variable) in gradient.iter_mut().zip(&self.moved.variables) {
+            *entry = self.memory.gradient[variable];
+        }
+    }
+}
+
+/// An observer of all variables, for a search over the moved ones.
+pub(crate) struct ObserverOfAll<'a> {
+    pub(crate) observer: &'a mut dyn Observer,
+    pub(crate) moved: &'a MovedVariables,
+    pub(crate) x: &'a mut [f64],
+}
+
+impl Observer for ObserverOfAll<'_> {
+    fn observe(&mut self, iteration: &Iteration<'_>) -> ControlFlow<()> {
+        scatter(self.moved, iteration.x, self.x);
+        let x = &*self.x;
+        self.observer.observe(&Iteration { x, ..*iteration })
+    }
+}
+
+impl Problem {
+    /// The variables that the tasks of the search move, where the others are worth leaving out.
+    pub(crate) fn moved_variables(&self) -> Option<&MovedVariables> {
+        self.moved.as_ref()
+    }
+}

@@ -1,0 +1,333 @@
+//! Promise: below unevenly scaled and mirrored bones, inverse kinematics brings the bones of the armature itself to their
+//! targets, as its own forward kinematics places them.
+#![allow(clippy::unwrap_used)]
+
+use glam::{Affine3A, Quat, Vec3A};
+use kinopt::Solver;
+use kinopt::animation::{
+    Aim, AimGoal, Armature, ArmatureBone, Clip, Limb, LimbGoal, LocalTransform, Pose, PoseAngles,
+    PoseTurns, ReachLayer,
+};
+use kinopt::ik::Drag;
+use kinopt::model::Limits;
+use kinopt::motion::clip_ik::{ClipIk, Reach};
+use kinopt::problem::Problem;
+use kinopt::skeleton::{BallSkeleton, BoneId, Cones, SkeletonRoot};
+use kinopt::task::Point;
+use support::random::Random;
+
+/// Scales of the root and of the fourth bone.
+const SCALES: [[[f32; 3]; 2]; 8] = [
+    [[1.0; 3], [1.0; 3]],
+    [[1.0, 1.001, 1.0], [1.0; 3]],
+    [[1.0, 1.5, 1.0], [1.0; 3]],
+    [[-1.0, 1.0, 1.0], [1.0; 3]],
+    [[-1.0; 3], [1.0, 1.0, -1.0]],
+    [[1.0, 1.001, 1.0], [1.0, 1.0, 1.3]],
+    [[-1.0, 1.5, 1.0], [1.2, -1.0, 1.0]],
+    [[-2.0, 2.0, 2.0], [0.5, 0.7, 0.5]],
+];
+
+/// A root and two arms of four bones each, turned any way at rest.
+fn armature([root, fourth]: [[f32; 3]; 2], random: &mut Random) -> Armature {
+    let mut number = |most: f32| most * random.within(-1.0, 1.0) as f32;
+    let bones = (0..9).map(|index| ArmatureBone {
+        name: format!("bone {index}"),
+        parent: match index {
+            0 => None,
+            5 => Some(0),
+            _ => Some(index - 1),
+        },
+        rest: LocalTransform {
+            translation: Vec3A::new(0.4, number(0.1), number(0.1)),
+            rotation: Quat::from_euler(glam::EulerRot::XYZ, number(1.0), number(1.0), number(1.0)),
+            scale: Vec3A::from_array(match index {
+                0 => root,
+                3 => fourth,
+                _ => [1.0; 3],
+            }),
+        },
+    });
+    Armature::new(bones.collect(), Vec::new()).unwrap()
+}
+
+fn places(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
+    let mut model_from_bone = vec![Affine3A::IDENTITY; armature.bones()];
+    armature.local_to_model(pose, &mut model_from_bone).unwrap();
+    model_from_bone
+}
+
+/// The armature in another pose: each bone turned by up to `most` radians about each axis.
+fn turned(armature: &Armature, most: f64, random: &mut Random) -> Pose {
+    let mut pose = armature.rest().clone();
+    for bone in armature.bone_ids() {
+        let [x, y, z] = [0; 3].map(|_| random.within(-most, most) as f32);
+        let own = pose.local(bone).unwrap().rotation;
+        let turn = Quat::from_euler(glam::EulerRot::XYZ, x, y, z);
+        pose.set_rotation(bone, own * turn).unwrap();
+    }
+    pose
+}
+
+fn bone(armature: &Armature, index: usize) -> BoneId {
+    armature.bone_at(index).unwrap()
+}
+
+/// Calls `check` with armatures of all scales.
+fn each_scale(seed: u64, mut check: impl FnMut(&Armature, &mut Random, &str)) {
+    for scales in SCALES {
+        for round in 0..4 {
+            let random = &mut Random::new(seed + round);
+            let armature = armature(scales, random);
+            check(&armature, random, &format!("{scales:?}, round {round}"));
+        }
+    }
+}
+
+#[test]
+fn skeleton_at_rest_has_the_joints_of_the_armature() {
+    each_scale(10, |armature, _, case| {
+        let skeleton = armature
+            .skeleton("one", |_| [Limits::UNBOUNDED; 3])
+            .unwrap();
+        for (bone, placed) in skeleton
+            .bones()
+            .iter()
+            .zip(places(armature, armature.rest()))
+        {
+            let tail = glam::DVec3::from(bone.rest_tail().to_array());
+            let apart = tail.distance(placed.translation.as_dvec3());
+            assert!(apart < 1e-5, "{case}: {apart}");
+        }
+    });
+}
+
+/// Even scales and mirrors turn rigidly, so the skeleton's joints are the armature's in all poses.
+#[test]
+fn mirrored_skeleton_turns_as_its_armature() {
+    for scales in [SCALES[3], SCALES[4], [[-1.0, 1.0, 1.0], [2.0, -2.0, -2.0]]] {
+        let random = &mut Random::new(11);
+        let armature = armature(scales, random);
+        let skeleton = armature
+            .skeleton("one", |_| [Limits::UNBOUNDED; 3])
+            .unwrap();
+        let angles = PoseAngles::new(&skeleton);
+        let root = SkeletonRoot::FREE;
+        let figure = BallSkeleton::new(skeleton.clone(), &Cones::new(), root).unwrap();
+        let turns = PoseTurns::new(&armature, &figure);
+        for _ in 0..20 {
+            let pose = turned(&armature, 1.0, random);
+            let (mut q, mut balls) = (Vec::new(), Vec::new());
+            angles.angles_of(&pose, &mut q).unwrap();
+            turns.configuration_of(&pose, &mut balls).unwrap();
+            let placed = [skeleton.pose(&q).unwrap(), figure.pose(&balls).unwrap()];
+            for (bone, own) in skeleton.bone_ids().zip(places(&armature, &pose)) {
+                for placed in &placed {
+                    let tail = glam::DVec3::from(placed.tail(bone).unwrap().to_array());
+                    let apart = tail.distance(own.translation.as_dvec3());
+                    assert!(apart < 1e-5, "{scales:?}: {apart}");
+                }
+            }
+            let [mut by_angles, mut by_turns] = [0; 2].map(|_| armature.rest().clone());
+            angles.pose_of(&q, &mut by_angles).unwrap();
+            turns.pose_of(&balls, &mut by_turns).unwrap();
+            for back in [by_angles, by_turns] {
+                let pairs = back.rotations().iter().zip(pose.rotations());
+                for (back, own) in pairs {
+                    assert!(back.dot(*own).abs() > 1.0 - 1e-5, "{scales:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn reach_layer_brings_the_scaled_armature_there() {
+    each_scale(20, |armature, random, case| {
+        let free = |_| [Limits::UNBOUNDED; 3];
+        let skeleton = armature.skeleton("one", free).unwrap();
+        let hands = [4, 8].map(|index| bone(armature, index));
+        let mut layer = ReachLayer::new(&skeleton, &hands, Solver::default()).unwrap();
+        let wanted = places(armature, &turned(armature, 0.7, random));
+        for hand in hands {
+            let target = wanted[hand.index()].translation.as_dvec3().to_array();
+            layer.set_goal(hand, target, 1.0).unwrap();
+        }
+        let mut pose = armature.rest().clone();
+        let reached = layer.apply(&mut pose).unwrap().unwrap().reached;
+        let placed = places(armature, &pose);
+        for hand in hands.map(BoneId::index) {
+            let off = placed[hand].translation.distance(wanted[hand].translation);
+            assert!(off < 1e-5, "{case}: bone {hand} is off by {off}");
+        }
+        assert!(reached, "{case}");
+    });
+}
+
+/// A drag whose joints go where the pose of each frame has them.
+#[test]
+fn drag_brings_the_scaled_armature_there() {
+    each_scale(25, |armature, random, case| {
+        let free = |_| [Limits::UNBOUNDED; 3];
+        let mut skeleton = armature.skeleton("one", free).unwrap();
+        let angles = PoseAngles::new(&skeleton);
+        let hand = bone(armature, 4);
+        let wanted = places(armature, &turned(armature, 0.4, random));
+        let target = wanted[4].translation;
+        let goal = target.as_dvec3().to_array();
+        let mut problem = Problem::builder(skeleton.model());
+        problem.add(Point::new(skeleton.tip(hand), goal));
+        let start = skeleton.model().neutral();
+        let mut drag = Drag::new(problem.build().unwrap(), &start).unwrap();
+        let mut pose = armature.rest().clone();
+        let mut frames = 0;
+        while frames == 0 || !drag.rests() && frames < 300 {
+            let q = drag.advance().q.clone();
+            angles.pose_of(&q, &mut pose).unwrap();
+            skeleton = skeleton.standing_in(&pose).unwrap();
+            drag.move_joints(skeleton.model()).unwrap();
+            frames += 1;
+        }
+        let off = places(armature, &pose)[4].translation.distance(target);
+        assert!(off < 1e-5, "{case}: {off} after {frames} frames");
+    });
+}
+
+/// A solution of a target out of reach is that of the armature, too.
+#[test]
+fn reach_layer_that_misses_reports_the_armature() {
+    each_scale(30, |armature, _, case| {
+        let free = |_| [Limits::UNBOUNDED; 3];
+        let skeleton = armature.skeleton("one", free).unwrap();
+        let hand = bone(armature, 4);
+        let mut layer = ReachLayer::new(&skeleton, &[hand], Solver::default()).unwrap();
+        let target = Vec3A::new(9.0, 3.0, -2.0);
+        let goal = target.as_dvec3().to_array();
+        layer.set_goal(hand, goal, 1.0).unwrap();
+        let mut pose = armature.rest().clone();
+        let solution = layer.apply(&mut pose).unwrap().unwrap();
+        let told = solution.tasks().next().unwrap().rows[0].error;
+        let shown = f64::from(places(armature, &pose)[4].translation.distance(target));
+        assert!(!solution.reached, "{case}");
+        assert!((told - shown).abs() < 1e-5, "{case}: {told} {shown}");
+    });
+}
+
+#[test]
+fn limb_brings_the_scaled_armature_there() {
+    each_scale(40, |armature, random, case| {
+        let [upper, lower, end] = [1, 2, 4].map(|index| bone(armature, index));
+        let limb = Limb::to_bone(armature, upper, lower, end).unwrap();
+        let mut moved = armature.rest().clone();
+        for bone in [upper, lower] {
+            let turn = Quat::from_rotation_z(random.within(-0.7, 0.7) as f32);
+            let own = moved.local(bone).unwrap().rotation;
+            moved.set_rotation(bone, own * turn).unwrap();
+        }
+        let target = places(armature, &moved)[4].translation;
+        let mut pose = armature.rest().clone();
+        limb.reach(armature, &mut pose, &LimbGoal::at(target))
+            .unwrap();
+        let off = places(armature, &pose)[4].translation.distance(target);
+        assert!(off < 1e-5, "{case}: {off}");
+    });
+}
+
+#[test]
+fn aim_points_the_axis_that_the_pose_shows() {
+    each_scale(50, |armature, random, case| {
+        let head = bone(armature, 4);
+        let aim = Aim::new(armature, head, Vec3A::Z).unwrap();
+        let muzzle = Vec3A::new(0.0, 0.05, 0.1);
+        let aim = aim.with_muzzle(muzzle).unwrap();
+        let target = Vec3A::from_array([0; 3].map(|_| 3.0 * random.within(-1.0, 1.0) as f32));
+        let mut pose = armature.rest().clone();
+        assert!(
+            aim.turn(armature, &mut pose, &AimGoal::at(target)).unwrap(),
+            "{case}"
+        );
+        let placed = places(armature, &pose)[4];
+        let from = placed.transform_point3a(muzzle);
+        let along = placed.transform_vector3a(Vec3A::Z).normalize();
+        let off = (target - from).reject_from_normalized(along).length();
+        assert!(
+            off < 2e-5 && along.dot(target - from) > 0.0,
+            "{case}: {off}"
+        );
+    });
+}
+
+#[test]
+fn clip_ik_brings_the_scaled_armature_there() {
+    each_scale(60, |armature, random, case| {
+        let poses = [0; 3].map(|_| turned(armature, 0.2, random));
+        let clip = Clip::through_poses("sway", armature, &[0.0, 0.5, 1.0], &poses).unwrap();
+        let hand = bone(armature, 4);
+        // Well within reach: in other directions a sheared arm is shorter.
+        let moved = places(armature, &turned(armature, 0.3, random));
+        let target = moved[1].translation.lerp(moved[4].translation, 0.8);
+        let reach = Reach::to(hand, target.as_dvec3()).unwrap();
+        let edited = ClipIk::new(armature)
+            .with_reach(reach)
+            .with_root(bone(armature, 0))
+            .with_keys_per_second(10.0)
+            .solve(&clip)
+            .unwrap();
+        for key in 0..=10 {
+            let mut pose = armature.rest().clone();
+            let mut cursor = kinopt::animation::Cursor::new();
+            let hold = kinopt::animation::Playback::Hold;
+            let time = f64::from(key) / 10.0;
+            edited
+                .clip
+                .sample(time, hold, &mut cursor, &mut pose)
+                .unwrap();
+            let off = places(armature, &pose)[4].translation.distance(target);
+            assert!(off < 1e-5, "{case}: {off} at {time} s");
+            assert!(edited.led[0].miss < 1e-5, "{case}: {:?}", edited.led);
+        }
+    });
+}
+
+#[test]
+fn scale_notes_name_bones_with_children() {
+    let random = &mut Random::new(80);
+    let scaled = armature([[1.0, 1.001, 1.0], [1.0, -1.0, 1.0]], random);
+    let notes = scaled.scale_notes();
+    let told: Vec<String> = notes.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        told,
+        [
+            "bone `bone 0`: its scale (1, 1.001, 1) shears the bones that turn below it",
+            "bone `bone 3`: its scale (1, -1, 1) mirrors the bones that turn below it",
+        ]
+    );
+    let plain = scaled.clone().without_scale();
+    assert!(plain.scale_notes().is_empty());
+    assert_eq!(plain.rest().rotations(), scaled.rest().rotations());
+    assert_eq!(plain.rest().translations(), scaled.rest().translations());
+    let inverses = plain.rest_from_model();
+    for (own, inverse) in places(&plain, plain.rest()).iter().zip(inverses) {
+        assert!((*own * *inverse).abs_diff_eq(Affine3A::IDENTITY, 1e-5));
+    }
+}
+
+/// A rotation in the model is that of the placed bone, reflected as the bone is.
+#[test]
+fn model_rotation_of_a_mirrored_bone_is_the_one_set() {
+    let random = &mut Random::new(70);
+    let armature = armature(SCALES[4], random);
+    for index in 0..armature.bones() {
+        let mut pose = turned(&armature, 1.0, random);
+        let own = bone(&armature, index);
+        let before = places(&armature, &pose)[index].matrix3;
+        let turn = Quat::from_rotation_y(0.4) * Quat::from_rotation_x(-0.9);
+        let rotation = armature.model_rotation(&pose, own).unwrap();
+        armature
+            .set_model_rotation(&mut pose, own, turn * rotation)
+            .unwrap();
+        let after = places(&armature, &pose)[index].matrix3;
+        let expected = glam::Mat3A::from_quat(turn) * before;
+        assert!(after.abs_diff_eq(expected, 1e-5), "{index}");
+    }
+}
