@@ -50,6 +50,7 @@ mod speeds_of_followers;
 mod spliced_keys;
 mod trajectories;
 mod turning_bodies;
+mod up_axis;
 mod walker;
 mod window_seams;
 mod windows;

@@ -3,8 +3,8 @@
 use super::hip_line::HipLine;
 use super::limb_lengths::{capture_places, lengths, model_places, quantile, rest_length};
 use super::limb_tree::{hips, leg_limbs, moving_joint, order};
-use super::map_guess::upward;
 use super::sole::{Sole, soles};
+use super::up_detection::upward;
 use super::{BodyMap, Capture, FootShapes, RetargetError, UpAxis};
 use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::{FrameId, Model, UnknownName};

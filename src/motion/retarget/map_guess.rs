@@ -7,6 +7,7 @@ use super::known_maps::KnownBody;
 use super::limb_tree::moving_joint;
 use super::part_names::{parts_of, parts_where};
 use super::proportions::Proportions;
+use super::up_detection::stands_along;
 use super::{BodyMap, BodyPart, Capture, Drive, KnownSkeleton, RetargetError, UpAxis};
 use crate::kinematics::ForwardKinematics;
 use crate::model::Model;
@@ -16,8 +17,6 @@ use crate::spatial::Vector3;
 const FEWEST: usize = 3;
 /// Frames so near to each other, as a share of the model's reach, are at one place.
 const NEAR: f64 = 0.01;
-/// A body stands along an axis where it is so many times as far along it as along the others.
-const SURELY: f64 = 2.0;
 
 /// A map that was guessed, and by what.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,7 +36,9 @@ pub struct MapGuess {
 }
 
 /// The joints of a capture that are parts of a body by their names, and the known skeleton that they are of.
-fn parts_of_capture(capture: &Capture) -> (BTreeMap<BodyPart, usize>, Option<&'static str>) {
+pub(super) fn parts_of_capture(
+    capture: &Capture,
+) -> (BTreeMap<BodyPart, usize>, Option<&'static str>) {
     let known = KnownSkeleton::of_joints(capture.names());
     let skeleton = known.as_ref().map(KnownSkeleton::name);
     let parts = match known.and_then(|known| known.parts_in(capture.names())) {
@@ -220,29 +221,6 @@ fn apart(
         }
     }
     Ok(parts)
-}
-
-/// The axis along which the pelvis is above the ankles, in the mean over all frames.
-fn stands_along(capture: &Capture, joints: &BTreeMap<BodyPart, usize>) -> Option<UpAxis> {
-    let pelvis = *joints.get(&BodyPart::Pelvis)?;
-    let ankles = [BodyPart::LeftAnkle, BodyPart::RightAnkle];
-    let [left, right] = ankles.map(|ankle| joints.get(&ankle).copied());
-    let (left, right) = (left?, right?);
-    let frames = (0..capture.frames()).filter_map(|frame| capture.frame(frame));
-    let above = frames.fold(Vector3::zero(), |sum: Vector3<f64>, at| {
-        sum + (at[pelvis] - (at[left] + at[right]) * 0.5)
-    });
-    upward(above)
-}
-
-/// The axis that something is surely above something else along.
-pub(super) fn upward(above: Vector3<f64>) -> Option<UpAxis> {
-    let [x, y, z] = above.to_array().map(f64::abs);
-    match () {
-        () if y > SURELY * x.max(z) => Some(UpAxis::Y),
-        () if z > SURELY * x.max(y) => Some(UpAxis::Z),
-        () => None,
-    }
 }
 
 /// The first of many names, for a message.

@@ -38,6 +38,7 @@ mod retargeted;
 mod retargeting;
 mod sole;
 mod switchable_residual;
+mod up_detection;
 mod whole_movement;
 
 pub use super::ContactDetection;

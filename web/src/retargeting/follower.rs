@@ -102,10 +102,7 @@ impl RetargetFollower {
     /// The axis of the frames that points upward; upright is (x, -z, y) where that is y.
     #[wasm_bindgen(getter, unchecked_return_type = "\"y\" | \"z\"")]
     pub fn up(&self) -> String {
-        match self.up {
-            UpAxis::Y => "y".to_owned(),
-            UpAxis::Z => "z".to_owned(),
-        }
+        self.up.name().to_owned()
     }
 
     /// The map that it goes by, as JSON.
