@@ -79,7 +79,7 @@ each! { value:
     skinning::PackedWeights, skinning::PointHandle, skinning::Pruning,
     skinning::RestVertices<'static>, skinning::SkinWeights, skinning::SkinWeightsBuilder,
     skinning::SkinningMethod, skinning::TwistedTube, skinning::WeightRepair,
-    io::FileAccess, io::Place, io::bvh::BvhChannel, io::bvh::BvhNote, io::bvh::MotionCapture,
+    io::FileAccess, io::Place, io::bvh::BvhChannel, io::bvh::BvhFormat<'static>, io::bvh::BvhNote, io::bvh::MotionCapture,
     io::dmat::DmatEncoding, io::gltf::Note, io::gltf::Scene, io::gltf::SceneMesh,
     io::gltf::ScenePosing<&io::gltf::Scene>, io::gltf::Skin, io::gltf::WriteOptions, io::ply::PlyEncoding,
     io::rig::Rig, io::rig::RigNote, io::rig::RigPosing<&io::rig::Rig>,

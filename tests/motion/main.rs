@@ -17,6 +17,7 @@ mod figure_targets;
 mod fixed_robots;
 mod ground_speeds;
 mod guessed_maps;
+mod jointed_feet;
 mod keyframe_ik;
 mod keys_without_limits;
 mod known_skeletons;
