@@ -31,7 +31,7 @@ each! { value:
     Skeleton, skeleton::SkeletonBuilder, skeleton::Bone, skeleton::BoneId, skeleton::Posing,
     skeleton::BonePlacements, skeleton::Holds,
     robot::Robot, robot::Mimic, robot::Link, robot::Shape, robot::Geometry, robot::Inertial,
-    robot::UrdfReader, robot::Repair, robot::Mended, robot::Srdf,
+    robot::MjcfReader, robot::UrdfReader, robot::Repair, robot::Mended, robot::Srdf,
     kinematics::ForwardKinematics, kinematics::ForwardKinematics<Dual<6>>,
     spatial::Matrix3<f64>, spatial::Placement<f64>, spatial::Quaternion<f64>,
     spatial::Vector3<f64>, Dual<6>,

@@ -183,16 +183,10 @@ impl Robot {
         confine: bool,
     ) -> PyResult<Self> {
         // Faults are told by the lines of the file, which the text of all files together has not.
-        let text = match confine {
-            true => {
-                kinopt::robot::Robot::read_mjcf_confined(&path).or_raise()?;
-                kinopt::robot::mjcf_with_includes_confined(&path)
-            }
-            false => {
-                kinopt::robot::Robot::read_mjcf(&path).or_raise()?;
-                kinopt::robot::mjcf_with_includes(&path)
-            }
-        };
+        let reader = kinopt::robot::Robot::mjcf_reader();
+        let reader = if confine { reader.confined() } else { reader };
+        reader.read(&path).or_raise()?;
+        let text = reader.text_with_includes(&path);
         Self::build(Source {
             text: text.or_raise()?.into(),
             file: path.display().to_string(),
