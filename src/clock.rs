@@ -1,6 +1,9 @@
 //! The clock that limits of time look at: the system's, or one that is [given](set) where there is no system, as on
 //! `wasm32-unknown-unknown`.
 
+#[cfg(feature = "collision")]
+pub(crate) mod cut_short;
+
 use std::sync::OnceLock;
 use std::time::Duration;
 

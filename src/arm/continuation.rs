@@ -57,6 +57,7 @@ impl Arm {
             starts,
             search: Prefer::Start,
             attempts: Attempts::UpTo(1),
+            deadline: None,
             q: &mut ends.q,
             outcomes: &mut ends.outcomes,
         });
@@ -81,6 +82,7 @@ impl Arm {
             starts,
             search: Prefer::Start,
             attempts: Attempts::CarriedOn,
+            deadline: None,
             q: &mut ends.q,
             outcomes: &mut ends.outcomes,
         });
@@ -107,6 +109,7 @@ impl Arm {
                 starts: start,
                 search: Prefer::Start,
                 attempts: Attempts::From(first),
+                deadline: None,
                 q,
                 outcomes,
             });

@@ -127,9 +127,11 @@ pub enum QueryError {
         /// What is wrong.
         problem: RigidDefect,
     },
-    /// A configuration that holds NaN or infinity.
-    #[error("q holds {value} for joint `{joint}`, which is not finite")]
+    /// A configuration, velocity or acceleration that holds NaN or infinity.
+    #[error("{what} holds {value} for joint `{joint}`, which is not finite")]
     NotFinite {
+        /// The argument.
+        what: &'static str,
         /// The joint.
         joint: String,
         /// The value.

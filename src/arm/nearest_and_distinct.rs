@@ -69,7 +69,7 @@ impl Arm {
             };
             let count = group.min(wanted - first);
             self.run_attempts(workspace, query, first, count);
-            if first == 0 {
+            if first == 0 && !query.is_late() {
                 self.continue_first(workspace, query);
             }
             first += count;
@@ -134,6 +134,7 @@ impl Arm {
             starts: query.start,
             search: lanes::Prefer::Start,
             attempts: lanes::Attempts::From(first),
+            deadline: query.deadline,
             q: &mut workspace.found[begun * n..],
             outcomes: &mut workspace.outcomes[begun..],
         });

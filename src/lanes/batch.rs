@@ -12,6 +12,7 @@ use super::query::Query;
 use super::seeds::QuerySeeds;
 use super::stages::Stages;
 use super::whole_turns::unwrap_towards;
+use crate::clock::{Instant, is_past};
 use crate::spatial::Placement;
 
 /// What a batch is given.
@@ -22,6 +23,8 @@ pub(crate) struct Work<'a> {
     pub(crate) starts: &'a [f64],
     pub(crate) search: Prefer,
     pub(crate) attempts: Attempts,
+    /// Past this time attempts end where they are. Those not begun are misses with infinite errors, whose q stays as it is.
+    pub(crate) deadline: Option<Instant>,
     pub(crate) q: &'a mut [f64],
     pub(crate) outcomes: &'a mut [PoseOutcome],
 }
@@ -96,6 +99,8 @@ struct Batch<'a, V, const L: usize, const N: usize> {
     seeds: [QuerySeeds; L],
     /// The lanes that have a job, bit by bit.
     active: u32,
+    /// Whether the deadline is past.
+    is_late: bool,
     /// A configuration on its way into or out of a lane.
     q: [f64; MAX_JOINTS],
 }
@@ -112,6 +117,7 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
             jobs: [const { None }; L],
             seeds: std::array::from_fn(|_| QuerySeeds::new()),
             active: 0,
+            is_late: false,
             q: [0.0; MAX_JOINTS],
         }
     }
@@ -127,6 +133,11 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
             Attempts::CarriedOn => return None,
         };
         if source >= work.targets.len() || index >= work.outcomes.len() {
+            return None;
+        }
+        if self.is_late && index > 0 {
+            self.work.outcomes[index..].fill(PoseOutcome::NOT_BEGUN);
+            self.next = self.work.outcomes.len();
             return None;
         }
         self.next += 1;
@@ -179,7 +190,9 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
     /// Counts a step of all lanes; those whose attempt may be over.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn age(&mut self, ended: &Ended) -> u32 {
-        let mut over = (ended.reached | ended.stalled | ended.closing) & self.active;
+        self.is_late = is_past(self.work.deadline);
+        let late = if self.is_late { self.active } else { 0 };
+        let mut over = (ended.reached | ended.stalled | ended.closing) & self.active | late;
         for (lane, job) in self.jobs.iter_mut().enumerate() {
             if let Some(job) = job {
                 job.age += 1;
@@ -216,7 +229,10 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
                 reached = true;
                 errors = Some(found);
                 q.copy_from_slice(point);
-            } else if ended.stalled >> lane & 1 == 0 && job.age < options.iterations {
+            } else if ended.stalled >> lane & 1 == 0
+                && job.age < options.iterations
+                && !self.is_late
+            {
                 return false;
             }
         }
@@ -236,6 +252,7 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
         job.ended += 1;
         let over = reached
             || job.nearby
+            || self.is_late
             || job.ended >= job.query.attempts.1
             || job.iterations >= options.total_iterations;
         if over {

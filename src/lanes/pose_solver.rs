@@ -177,6 +177,7 @@ impl PoseSolver {
             starts,
             search,
             attempts: Attempts::UpTo(self.attempts()),
+            deadline: None,
             q,
             outcomes,
         });
@@ -212,6 +213,7 @@ impl PoseSolver {
                     starts,
                     search,
                     attempts: Attempts::UpTo(self.attempts()),
+                    deadline: None,
                     q,
                     outcomes,
                 });
@@ -244,6 +246,7 @@ impl PoseSolver {
             starts: start,
             search,
             attempts: Attempts::From(first),
+            deadline: None,
             q,
             outcomes,
         });

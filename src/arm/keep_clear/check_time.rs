@@ -1,4 +1,4 @@
-//! Time that collision checks take, so that a query with a time limit begins none that it cannot end.
+//! Time that a check of all pairs takes, which a query with a time limit keeps for its report. Other checks are cut short.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
@@ -8,7 +8,10 @@ use crate::arm::arm::Arm;
 use crate::arm::lanes_or_core::Query;
 use crate::clock::Instant;
 
-/// Longest duration of recent collision checks, nanoseconds.
+/// After as many checks a duration that was not reached again has shrunk to a third.
+const SLOWNESS: u64 = 256;
+
+/// Longest duration of recent checks of all pairs, nanoseconds.
 #[derive(Debug, Default)]
 pub(super) struct CheckTime(AtomicU64);
 
@@ -27,7 +30,7 @@ impl CheckTime {
             0 => took,
             before => took.min(before.saturating_mul(2)),
         };
-        let kept = took.max(before - before / 32);
+        let kept = took.max(before - before / SLOWNESS);
         self.0.store(kept, Ordering::Relaxed);
         result
     }

@@ -14,6 +14,8 @@ use self::check_time::CheckTime;
 use super::arm::Arm;
 use super::workspace::ArmWorkspace;
 use super::{ArmError, QueryError, Reply};
+use crate::clock::Instant;
+use crate::clock::cut_short::until;
 use crate::collision::in_lanes::{self, Body, BodyChain, Passed, Rooms, SolidMoved, Solids};
 use crate::collision::{Checker, CheckerWorkspace, FIRST_PLANE, SphereModel, World};
 use crate::kinematics::ForwardKinematics;
@@ -65,6 +67,8 @@ pub(super) struct ClearRoom {
     targets: Vec<Placement<f64>>,
     /// How many more solutions of a question may be looked at by their shapes.
     by_shapes: usize,
+    /// Until when checks of solutions run: what is cut short counts as touching.
+    deadline: Option<Instant>,
 }
 
 impl Arm {
@@ -150,7 +154,7 @@ impl Arm {
     /// The same; nothing where there is nothing to keep clear of.
     pub(crate) fn touching(&self, q: &[f64]) -> Result<Vec<Collision>, QueryError> {
         self.check_length("q", q.len(), self.joint_count())?;
-        self.check_finite(q)?;
+        self.check_finite("q", q)?;
         match &self.collisions {
             Some(kept) => kept.collisions(self, &mut kept.room(), q),
             None => Ok(Vec::new()),
@@ -166,7 +170,10 @@ impl Arm {
         self.with_workspace(|workspace| {
             // Taken out and put back, so that nothing is allocated.
             let mut taken = workspace.clear_room.take();
-            let out = run(workspace, taken.get_or_insert_with(|| kept.room()));
+            let room = taken.get_or_insert_with(|| kept.room());
+            room.deadline = None;
+            let out = run(workspace, room);
+            room.deadline = None;
             workspace.clear_room = taken;
             out
         })?
@@ -250,6 +257,7 @@ impl KeepClear {
             seeds: Vec::new(),
             targets: Vec::new(),
             by_shapes: 0,
+            deadline: None,
         }
     }
 
@@ -265,17 +273,23 @@ impl KeepClear {
         Ok(self.check_time.measured(arm, check)?)
     }
 
-    /// How far the two are apart that are worst at a configuration of the arm, metres; infinite where all pairs are free.
+    /// How far the two are apart that are worst at a configuration of the arm, metres; infinite where all pairs are free, and negative
+    /// infinity where the check was cut short.
     fn worst(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Reply<f64> {
-        let pairs = self.collisions(arm, room, q)?;
-        Ok(pairs.first().map_or(f64::INFINITY, |pair| pair.distance))
+        arm.configuration(q, &mut room.q_model)?;
+        let check = || self.checker.collisions_with(&mut room.exact, &room.q_model);
+        let Some(pairs) = until(room.deadline, check) else {
+            return Ok(f64::NEG_INFINITY);
+        };
+        Ok(pairs?.first().map_or(f64::INFINITY, |pair| pair.distance))
     }
 
     /// Whether all pairs are far enough apart, by the exact check.
     fn is_free(&self, arm: &Arm, room: &mut ClearRoom, q: &[f64]) -> Reply<bool> {
         arm.configuration(q, &mut room.q_model)?;
         let check = || self.checker.is_free(&mut room.exact, &room.q_model);
-        Ok(self.check_time.measured(arm, check)?)
+        let free = until(room.deadline, check);
+        Ok(free.transpose()?.unwrap_or(false))
     }
 
     /// Whether one that is not surely free by its spheres is so by its shapes: never where spheres are all there is to know.
@@ -316,8 +330,7 @@ impl KeepClear {
             }
             return Ok(free);
         };
-        let check = || in_lanes::near(&lanes.bodies, &lanes.solids, q, &mut room.rooms);
-        let near = self.check_time.measured(arm, check);
+        let near = in_lanes::near(&lanes.bodies, &lanes.solids, q, &mut room.rooms);
         Ok(!near & ((1 << (q.len() / n)) - 1))
     }
 
