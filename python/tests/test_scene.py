@@ -219,3 +219,12 @@ def test_meshes_and_tables_go_through_their_files(rig, tmp_path):
         io.ply_to_bytes(rig.mesh, "morse")
     with pytest.raises(kinopt.InvalidFileError, match="m.ply"):
         io.ply_from_bytes(b"ply\n", "m.ply")
+
+
+def test_damaged_captures_are_read_with_notes():
+    text = NOD.replace("Frames: 3", "Frames: 9").replace("Neck", "N\u00e9ck")
+    capture = kinopt.MotionCapture.from_bytes(text.encode("latin-1"))
+    assert capture.armature.names == ["N\u00e9ck", "N\u00e9ck/tip"]
+    assert capture.frames == 4
+    assert [note.split(":")[0] for note in capture.notes] == ["line 2", "line 13"]
+    assert pickle.loads(pickle.dumps(capture)).notes == capture.notes
