@@ -1,18 +1,18 @@
-//! Boxes along the axes.
+//! Axis-aligned bounding boxes.
 
 use crate::spatial::{Placement, Vector3};
 
-/// A box along the axes.
+/// An axis-aligned bounding box, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundingBox {
-    /// The least coordinates; −∞ where there is no bound.
+    /// Smallest coordinates; −∞ along an unbounded axis.
     pub min: Vector3<f64>,
-    /// The greatest coordinates; ∞ where there is no bound.
+    /// Greatest coordinates; ∞ along an unbounded axis.
     pub max: Vector3<f64>,
 }
 
 impl BoundingBox {
-    /// Around nothing.
+    /// The empty box.
     pub(crate) const EMPTY: Self = Self {
         min: Vector3 {
             x: f64::INFINITY,
@@ -26,12 +26,12 @@ impl BoundingBox {
         },
     };
 
-    /// Around points.
+    /// The box around points.
     pub(crate) fn around(points: impl IntoIterator<Item = Vector3<f64>>) -> Self {
         points.into_iter().fold(Self::EMPTY, Self::with)
     }
 
-    /// With one point more.
+    /// The box extended by a point.
     #[inline]
     pub(crate) fn with(self, point: Vector3<f64>) -> Self {
         Self {
@@ -40,7 +40,7 @@ impl BoundingBox {
         }
     }
 
-    /// Around both.
+    /// The box around both boxes.
     #[inline]
     pub(crate) fn union(self, other: Self) -> Self {
         Self {
@@ -49,7 +49,7 @@ impl BoundingBox {
         }
     }
 
-    /// Larger by `by` on all sides.
+    /// The box enlarged by `by` metres on all sides.
     pub(crate) fn grown(self, by: f64) -> Self {
         let by = Vector3::new(by, by, by);
         Self {
@@ -58,26 +58,25 @@ impl BoundingBox {
         }
     }
 
-    /// Its middle.
     #[inline]
     pub(crate) fn centre(&self) -> Vector3<f64> {
         (self.min + self.max) * 0.5
     }
 
-    /// From its middle to a corner.
+    /// Distance from the centre to a corner.
     #[inline]
     pub(crate) fn half_diagonal(&self) -> f64 {
         (self.max - self.min).norm() * 0.5
     }
 
-    /// From a point to it, squared; 0 inside.
+    /// Squared distance from a point to the box; 0 inside.
     #[inline]
     pub(crate) fn squared_distance(&self, point: Vector3<f64>) -> f64 {
         let nearest = greatest(self.min, least(self.max, point));
         (point - nearest).norm_squared()
     }
 
-    /// Around the same box placed elsewhere.
+    /// The axis-aligned box around this box transformed by a placement. An unbounded box gives the whole space.
     #[must_use]
     pub fn placed(&self, world_from_shape: &Placement<f64>) -> Self {
         let corner = |i: u8| {
@@ -92,7 +91,7 @@ impl BoundingBox {
         }
     }
 
-    /// Without bounds.
+    /// The unbounded box.
     pub(super) const EVERYWHERE: Self = Self {
         min: Self::EMPTY.max,
         max: Self::EMPTY.min,

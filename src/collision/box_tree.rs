@@ -1,19 +1,19 @@
-//! A tree of boxes over many things, for clouds, meshes and height fields.
+//! AABB tree over points, triangles or obstacles.
 
 use super::bounding_box::BoundingBox;
 use super::wide_nodes::{Met, Small, WideNodes};
 use crate::spatial::Vector3;
 
-/// Things in one leaf at most.
+/// Largest number of items in a leaf.
 const LEAF: usize = 4;
-/// More than a tree of 2³¹ things is deep, as both halves of a node are of one size.
+/// Stack size; exceeds the depth of a tree of 2³¹ items, since each node is split in halves.
 const DEEP: usize = 40;
 
-/// Boxes around boxes around things that are told apart by number.
+/// Binary AABB tree over items that are identified by index.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BoxTree {
     nodes: Vec<Node>,
-    /// The things' numbers, so that those of one leaf stand together.
+    /// Item indices, ordered so that the items of each leaf are contiguous.
     items: Vec<u32>,
     wide: WideNodes,
 }
@@ -21,27 +21,27 @@ pub(crate) struct BoxTree {
 #[derive(Clone, Copy, Debug)]
 struct Node {
     bounds: BoundingBox,
-    /// Of a leaf the range of `items`; else the two children's indices.
+    /// Range of `items` for a leaf, else the indices of the two children.
     first: u32,
     second: u32,
     leaf: bool,
 }
 
-/// What a node holds.
+/// Contents of a node.
 pub(crate) enum Contents<'a> {
-    /// These things.
+    /// Item indices of a leaf.
     Items(&'a [u32]),
-    /// These nodes.
+    /// Indices of the two children.
     Nodes([u32; 2]),
 }
 
 impl BoxTree {
-    /// Over `count` things, at most 2³¹, with their boxes.
+    /// Builds a tree over `count` items, at most 2³¹, from their boxes.
     pub(crate) fn new(count: usize, bounds: impl Fn(usize) -> BoundingBox) -> Self {
         Self::of(count, Small::Boxes, bounds)
     }
 
-    /// Over points.
+    /// Builds a tree over points.
     pub(crate) fn of_points(points: &[Vector3<f64>]) -> Self {
         let bounds = |place: usize| BoundingBox::around([points[place]]);
         Self::of(points.len(), Small::Points, bounds)
@@ -57,7 +57,7 @@ impl BoxTree {
             return tree;
         }
         let centres: Vec<_> = (0..count).map(|i| bounds(i).centre()).collect();
-        // Ranges that are still to be split, each with the node it becomes.
+        // Ranges that remain to be split, each with its node.
         let mut left = vec![(0, count, tree.push())];
         let mut ranges = Vec::with_capacity(tree.nodes.capacity());
         while let Some((start, end, node)) = left.pop() {
@@ -83,7 +83,7 @@ impl BoxTree {
             left.push((start, start + middle, children[0]));
             left.push((start + middle, end, children[1]));
         }
-        // Children come after their parents.
+        // Children have greater indices than their parents.
         for node in (0..tree.nodes.len()).rev() {
             if let Contents::Nodes(children) = tree.contents(node as u32) {
                 let [a, b] = children.map(|child| tree.node_bounds(child));
@@ -104,25 +104,24 @@ impl BoxTree {
         self.nodes.len() - 1
     }
 
-    /// The box around all.
+    /// The box around all items; empty without items.
     pub(crate) fn bounds(&self) -> BoundingBox {
         self.nodes
             .first()
             .map_or(BoundingBox::EMPTY, |node| node.bounds)
     }
 
-    /// The things' numbers, so that those of one node stand together.
+    /// Item indices, ordered so that the items of each node are contiguous.
     pub(super) fn items(&self) -> &[u32] {
         &self.items
     }
 
-    /// The box around a node.
     #[inline]
     pub(crate) fn node_bounds(&self, node: u32) -> BoundingBox {
         self.nodes[node as usize].bounds
     }
 
-    /// What a node holds; node 0 holds all.
+    /// Contents of a node. Node 0 is the root.
     #[inline]
     pub(crate) fn contents(&self, node: u32) -> Contents<'_> {
         let node = &self.nodes[node as usize];
@@ -132,15 +131,19 @@ impl BoxTree {
         }
     }
 
-    /// Whether any of the things whose boxes are nearer to a point than so far is met, in no order; some that are farther are asked about
-    /// as well.
+    /// True if `met` holds for an item whose box is nearer to `point` than `reach`, metres.
+    ///
+    /// The order of the tests is unspecified. Items whose boxes are slightly farther may be tested as well.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn any<M: Met<u32>>(&self, point: Vector3<f64>, reach: f64, met: &M) -> bool {
         self.wide.any(&self.items, point, reach, met)
     }
 
-    /// Visits things in the order of nearness, as far as boxes tell: `bound` is the least that a box may hold,
-    /// `visit` gets a thing and gives the least value so far, beyond which nothing is visited.
+    /// Branch-and-bound search, nearer child first.
+    ///
+    /// `bound` returns a lower bound of the value of all items in a box. `visit` receives an item and the best value,
+    /// and returns the new best value. Boxes whose bound is not below the best value are skipped. Returns the best
+    /// value.
     pub(crate) fn nearest(
         &self,
         mut best: f64,

@@ -1,7 +1,8 @@
-//! A tree of boxes over things of which a few change at a time.
+//! Dynamic AABB tree over items of which a few change at a time.
 //!
-//! What there was keeps its tree, which copies share; what changed since is in a small tree beside it, and what it stood for is passed over. Where
-//! more changed than about the root of all, one tree is made of what there is: a change costs what that many take, whatever else there is.
+//! Unchanged items stay in a large tree, which copies share. Changed items are in a small tree. Replaced items of the
+//! large tree are skipped. Once the number of changes exceeds about the square root of the number of items, all items
+//! move to one new tree.
 
 use std::sync::Arc;
 
@@ -10,7 +11,7 @@ use super::box_tree::BoxTree;
 use super::wide_nodes::Met;
 use crate::spatial::Vector3;
 
-/// Things in the order of their numbers, and a tree over their boxes.
+/// Items in the order of their numbers, and an AABB tree over their boxes.
 #[derive(Clone, Debug)]
 struct Stock<T> {
     numbers: Vec<u64>,
@@ -19,26 +20,26 @@ struct Stock<T> {
     tree: BoxTree,
 }
 
-/// Things with numbers and boxes. Each has a place, by which it is asked for: those that changed come after all others.
+/// Items with numbers and boxes. An index selects an item: first those of `old`, then those of `new`.
 #[derive(Clone, Debug)]
 pub(crate) struct ChangingTree<T> {
     old: Arc<Stock<T>>,
-    /// The places in `old` of what is no more, in order.
+    /// Indices in `old` of removed or replaced items, in order.
     gone: Vec<u32>,
     new: Stock<T>,
 }
 
-/// A thing of a number, and its box; none where there is no more.
+/// A number with its new item and box; `None` removes the item.
 pub(crate) type Changed<T> = (u64, Option<(T, BoundingBox)>);
 
-/// Whether a place is among others, which are in order.
+/// True if an index is in a sorted list.
 #[inline]
 fn is_in(places: &[u32], place: u32) -> bool {
     !places.is_empty() && places.binary_search(&place).is_ok()
 }
 
 impl<T: Clone> ChangingTree<T> {
-    /// Of things in the order of their numbers.
+    /// Builds a tree from items in the order of their numbers.
     pub(crate) fn new(things: impl IntoIterator<Item = (u64, T, BoundingBox)>) -> Self {
         Self {
             old: Arc::new(Stock::new(things)),
@@ -47,7 +48,7 @@ impl<T: Clone> ChangingTree<T> {
         }
     }
 
-    /// The same with some of them changed, in the order of their numbers.
+    /// A copy with changes, which are in the order of their numbers.
     pub(crate) fn changed(&self, changes: Vec<Changed<T>>) -> Self {
         if changes.is_empty() {
             return self.clone();
@@ -86,7 +87,8 @@ impl<T: Clone> ChangingTree<T> {
     }
 }
 
-/// So many may be in the small tree or passed over: two parts in a tree of half of all would be slower than one.
+/// Largest size of the small tree plus the removed items. It is below `old / 8`, since two trees of half the items are
+/// slower than one.
 fn few(old: usize) -> usize {
     (2 * old.isqrt()).min(old / 8)
 }
@@ -94,11 +96,11 @@ fn few(old: usize) -> usize {
 impl<T> ChangingTree<T> {
     getters! {
         pub(crate) fn is_empty(&self) -> bool = self.old.numbers.len() == self.gone.len() && !self.has_new();
-        /// Whether anything is in the small tree.
+        /// True if the small tree holds an item.
         pub(crate) fn has_new(&self) -> bool = !self.new.numbers.is_empty();
     }
 
-    /// The stock that a place is in, and where in that.
+    /// The stock that holds an item, and the item's index in that stock.
     #[inline]
     fn at(&self, place: u32) -> (&Stock<T>, usize) {
         let old = self.old.numbers.len();
@@ -120,26 +122,26 @@ impl<T> ChangingTree<T> {
         &stock.bounds[at]
     }
 
-    /// By which things are in order.
+    /// Number of an item. Items of one tree are in the order of their numbers.
     #[inline]
     pub(crate) fn number(&self, place: u32) -> u64 {
         let (stock, at) = self.at(place);
         stock.numbers[at]
     }
 
-    /// Whether the large tree is another's too.
+    /// True if both share the large tree.
     #[cfg(test)]
     pub(crate) fn shares_old(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.old, &other.old)
     }
 
-    /// Whether a place in the large tree is of what is no more.
+    /// True if an item of the large tree was removed or replaced.
     #[inline]
     fn is_gone(&self, place: u32) -> bool {
         is_in(&self.gone, place)
     }
 
-    /// Whether any thing is met, asked about as [`BoxTree::any`] does.
+    /// True if `met` holds for an item near a point, as [`BoxTree::any`].
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn any<M>(&self, point: Vector3<f64>, reach: f64, met: &M) -> bool
     where
@@ -154,7 +156,7 @@ impl<T> ChangingTree<T> {
         false
     }
 
-    /// Visits places as [`BoxTree::nearest`] does.
+    /// Visits item indices as [`BoxTree::nearest`] does.
     pub(crate) fn nearest(
         &self,
         best: f64,
@@ -170,7 +172,7 @@ impl<T> ChangingTree<T> {
     }
 }
 
-/// Things but for those that are no more.
+/// Predicate over the items of a stock, without the removed ones.
 struct There<'a, T, M> {
     stock: &'a Stock<T>,
     gone: &'a [u32],
@@ -238,7 +240,7 @@ mod tests {
     use super::*;
     use std::cell::RefCell;
 
-    /// Keeps what it is asked about, and is not met.
+    /// Records the tested items; the predicate is never true.
     #[derive(Default)]
     struct Asked(RefCell<Vec<&'static str>>);
 
@@ -253,7 +255,7 @@ mod tests {
         BoundingBox::around([Vector3::new(x, 0.0, 0.0), Vector3::new(x + 0.5, 1.0, 1.0)])
     }
 
-    /// All things whose boxes hold so far along x, in order.
+    /// All items whose boxes contain the coordinate along x, in the order of their numbers.
     fn met(tree: &ChangingTree<&'static str>, x: f64) -> Vec<(u64, &'static str)> {
         let mut met = Vec::new();
         let apart = |bounds: &BoundingBox| bounds.squared_distance(Vector3::new(x, 0.5, 0.5));
@@ -283,7 +285,7 @@ mod tests {
         assert!(moved.shares_old(&first));
         assert!(met(&moved, 10.2).is_empty() && met(&moved, 11.2).is_empty());
         assert_eq!(met(&moved, 20.2), [(10, "new"), (20, "old")]);
-        // One again and again is one.
+        // Repeated changes of one item count as one.
         let mut again = moved.clone();
         for step in 0..500 {
             again = again.changed(vec![(10, Some(("again", around(f64::from(step)))))]);
@@ -294,7 +296,7 @@ mod tests {
         let many = again.changed(others.collect());
         assert!(!many.shares_old(&first) && !many.has_new());
         assert_eq!(met(&many, 77.2), [(77, "old"), (154, "other")]);
-        // As it was.
+        // The first tree is unchanged.
         assert_eq!(met(&first, 10.2), [(10, "old")]);
     }
 }

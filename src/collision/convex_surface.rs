@@ -1,21 +1,22 @@
-//! A closed convex surface of triangles that grows by points, as quickhull's and EPA's do (Barber, Dobkin &
-//! Huhdanpaa 1996). What a facet sees is told exactly, by Shewchuk's predicate, so that points in one plane or on
-//! one line never tear it.
+//! Closed convex surface of triangles that grows by points, for quickhull and EPA (Barber, Dobkin & Huhdanpaa 1996).
+//!
+//! The side of a facet that a point is on is computed exactly, by Shewchuk's predicate. Coplanar and collinear points
+//! therefore never tear the surface.
 
 use robust::{Coord3D, orient3d};
 
 use crate::spatial::Vector3;
 
-/// Facets over points.
+/// Triangular facets over points.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ConvexSurface {
     pub(crate) points: Vec<Vector3<f64>>,
     pub(crate) facets: Vec<Facet>,
-    /// What the last point hid.
+    /// Facets hidden by the last inserted point.
     pub(crate) hidden: Vec<u32>,
-    /// What the last point made.
+    /// Facets made by the last inserted point.
     pub(crate) made: Vec<u32>,
-    /// Along which they meet: from, to, and the facet beyond.
+    /// Boundary of the hidden region: from, to, and the facet beyond.
     rim: Vec<(u32, u32, u32)>,
 }
 
@@ -23,14 +24,14 @@ pub(crate) struct ConvexSurface {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Facet {
     pub(crate) corners: [u32; 3],
-    /// The facets beyond the sides, each side from a corner to the next.
+    /// The adjacent facets across the sides. A side runs from a corner to the next.
     across: [u32; 3],
-    /// Not hidden by a later point.
+    /// True unless a later point hides the facet.
     pub(crate) alive: bool,
 }
 
 impl ConvexSurface {
-    /// A tetrahedron; `None` where it has no volume.
+    /// A tetrahedron; `None` if the points have no volume.
     pub(crate) fn tetrahedron(mut points: [Vector3<f64>; 4]) -> Option<Self> {
         let volume = below([points[0], points[1], points[2]], points[3]);
         if volume == 0.0 {
@@ -44,7 +45,7 @@ impl ConvexSurface {
             across,
             alive: true,
         };
-        // The fourth lies below the first three.
+        // The fourth point lies below the plane of the first three.
         Some(Self {
             points: points.to_vec(),
             facets: vec![
@@ -63,12 +64,12 @@ impl ConvexSurface {
         corners.map(|corner| self.points[corner as usize])
     }
 
-    /// Whether a point is strictly outside a facet's plane.
+    /// True if a point is strictly outside a facet's plane.
     pub(crate) fn sees(&self, facet: u32, point: Vector3<f64>) -> bool {
         below(self.corners(facet), point) < 0.0
     }
 
-    /// Takes up a point that sees the facet `seen`. What it hides and makes is in `hidden` and `made`.
+    /// Inserts a point that sees the facet `seen`. The hidden and the new facets are in `hidden` and `made`.
     pub(crate) fn insert(&mut self, point: Vector3<f64>, seen: u32) {
         self.hidden.clear();
         self.made.clear();
@@ -95,7 +96,7 @@ impl ConvexSurface {
                 }
             }
         }
-        // A facet that was alive when its neighbour was looked at may have been hidden since.
+        // A facet that was alive at the test of its neighbour may be hidden by a later step.
         let facets = &self.facets;
         self.rim
             .retain(|&(_, _, beyond)| facets[beyond as usize].alive);
@@ -105,7 +106,7 @@ impl ConvexSurface {
         let first = self.facets.len() as u32;
         for at in 0..self.rim.len() {
             let (from, to, beyond) = self.rim[at];
-            // The rim is one ring: each corner is where one side begins and another ends.
+            // The rim is one ring: each corner starts one side and ends another.
             let after = self.rim.partition_point(|&(start, _, _)| start < to) as u32;
             self.facets.push(Facet {
                 corners: [from, to, apex],
@@ -129,7 +130,7 @@ impl ConvexSurface {
     }
 }
 
-/// Positive where `point` lies below the plane of three, which are counter-clockwise seen from above; exact in sign.
+/// Positive if `point` lies below the plane of three points, counter-clockwise seen from above. The sign is exact.
 fn below(plane: [Vector3<f64>; 3], point: Vector3<f64>) -> f64 {
     let [a, b, c] = plane.map(coordinates);
     orient3d(a, b, c, coordinates(point))

@@ -1,26 +1,27 @@
-//! Where the meshes that a robot's file names lie.
+//! Resolution of mesh references in robot files.
 
 use std::path::{Path, PathBuf};
 
 use crate::file::{ReadError, ReadProblem, read_bytes};
 use crate::file_access::AllowedFiles;
 
-/// The file of a ROS package that states its name, and the longest that is read.
+/// Name of the manifest of a ROS package, and the largest size that is read, bytes.
 const MANIFEST: &str = "package.xml";
 const MANIFEST_LIMIT: u64 = 1 << 20;
 
-/// Resolves `package://NAME/…`, `model://NAME/…`, `file://…` and paths.
+/// Resolves `package://NAME/…`, `model://NAME/…`, `file://…` and plain paths.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MeshFolders {
-    /// The folder of the robot's file.
+    /// Folder of the robot's file.
     pub(super) beside: Option<PathBuf>,
-    /// Folders that hold packages, or are one.
+    /// Folders that contain packages or are packages.
     pub(super) packages: Vec<PathBuf>,
 }
 
 impl MeshFolders {
-    /// The first place with such a file, or all places that were looked at. A package is a folder of its name, or else a folder
-    /// whose `package.xml` states the name.
+    /// The first existing file for a reference, or all candidate paths as the error.
+    ///
+    /// A package is a folder of its name, or else a folder whose `package.xml` states the name.
     pub(super) fn find(&self, reference: &str) -> Result<PathBuf, Vec<PathBuf>> {
         let mut places = self.places(reference);
         let is_file = |place: &&PathBuf| place.is_file();
@@ -96,9 +97,9 @@ impl MeshFolders {
             .collect()
     }
 
-    /// The folder of the robot's file and those above it.
+    /// The folder of the robot's file and its ancestors.
     fn above(&self) -> impl Iterator<Item = PathBuf> {
-        // The folder of a file without one is where the program runs. A relative name does not end the way up.
+        // A file name without a folder is relative to the working directory. Absolute paths keep all ancestors.
         let whole = |folder: &PathBuf| {
             let whole = std::path::absolute(Path::new(".").join(folder));
             whole.unwrap_or_else(|_| folder.clone())
@@ -119,7 +120,7 @@ impl MeshFolders {
                     places.push(folder.join(rest));
                 }
             }
-            // From the robot's file upward: the package itself, or one beside.
+            // Upward from the robot's file: the package itself, or a package next to an ancestor.
             for folder in self.above() {
                 if is_named(&folder, name) {
                     places.push(folder.join(rest));
@@ -138,14 +139,14 @@ impl MeshFolders {
     }
 }
 
-/// The package and the path in it of `package://NAME/…` or `model://NAME/…`.
+/// The package name and the path within the package of `package://NAME/…` or `model://NAME/…`.
 fn package_of(reference: &str) -> Option<(&str, &str)> {
     let strip = |scheme: &str| reference.strip_prefix(scheme);
     let path = strip("package://").or_else(|| strip("model://"))?;
     path.split_once('/')
 }
 
-/// Whether the manifest of a folder states this package name.
+/// True if the manifest of a folder states this package name.
 fn declares(folder: &Path, name: &str) -> bool {
     let manifest = read_bytes(&folder.join(MANIFEST), MANIFEST_LIMIT);
     manifest.is_ok_and(|bytes| {
@@ -157,7 +158,7 @@ fn declares(folder: &Path, name: &str) -> bool {
     })
 }
 
-/// The folders in a folder, by name.
+/// The subfolders of a folder, sorted by path.
 fn folders_in(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut folders: Vec<PathBuf> = entries

@@ -1,8 +1,8 @@
 //! Shapes, exact distances between them, and worlds of obstacles.
 //!
-//! A [`Shape`] is checked when it is made and cheap to clone. [`separation`] tells how far two of them are
-//! apart, or how deep one is in the other, and where. A [`World`] names obstacles: shapes with a place, some of
-//! them attached to a frame of the robot.
+//! A [`Shape`] is validated when it is made and is cheap to clone. [`separation`] returns the signed distance of two
+//! shapes, negative if they overlap, with the closest points. A [`World`] holds named obstacles: shapes with a
+//! placement, some of them attached to a frame of the robot.
 //!
 //! ```
 //! use kinopt::collision::{Shape, World, separation};

@@ -1,56 +1,59 @@
-//! A tree of boxes eight wide, by which what is near a point is found.
+//! AABB tree with eight boxes a node, for queries near a point.
 //!
-//! Eight boxes are looked at at once, in single precision: they are rounded outward and the point's own rounding is added to how far is
-//! asked, so that what is left out is farther, and who asks looks at the rest exactly.
+//! Eight boxes are compared at once in single precision. The boxes are rounded outward, and the query distance is
+//! enlarged by the rounding of the point. No near item is lost, and the predicate tests the remaining items exactly.
 
 use super::bounding_box::BoundingBox;
 use super::box_tree::{BoxTree, Contents};
 use crate::spatial::Vector3;
 
-/// Boxes of a node: three halvings.
+/// Number of boxes a node, from three halvings.
 const WIDE: usize = 8;
 const HALVINGS: usize = 3;
-/// Of each lane. None is 1, or the compiler would do the first lane by itself.
+/// Bit of each lane. No bit is 1: with it the compiler computes the first lane separately.
 const BITS: [u32; WIDE] = [2, 4, 8, 16, 32, 64, 128, 256];
 const ALL_BITS: u32 = 510;
-/// Squares of more have no place in single precision.
+/// Limit of coordinates and distances, metres: larger squares overflow single precision.
 const LARGE: f64 = 1e18;
-/// More nodes than are open on the way down through 2³¹ things.
+/// Stack size; exceeds the number of open nodes in a descent through 2³¹ items.
 const DEEP: usize = 12;
-/// In place of a number of things: a node.
+/// Value of `count` that marks a child node.
 const NODE: u8 = u8::MAX;
-/// A bit more than half the distance of two single-precision numbers, of their size, and than what their arithmetic loses.
+/// Relative rounding bound, slightly above half the spacing of single-precision numbers. It also covers the rounding of
+/// the arithmetic.
 const ROUNDING: f64 = 1.2e-7;
 
-/// Nodes over the things of a [`BoxTree`].
+/// Nodes over the items of a [`BoxTree`].
 #[derive(Clone, Debug, Default)]
 pub(super) struct WideNodes {
     nodes: Vec<WideNode>,
 }
 
-/// Eight boxes, coordinate by coordinate, and what is in them; four lines of a processor's cache.
+/// Eight boxes, coordinate by coordinate, and their contents; four cache lines.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 struct WideNode {
     min: [[f32; WIDE]; 3],
     max: [[f32; WIDE]; 3],
-    /// A node, or the first of the things.
+    /// Index of the child node, or of the first item.
     first: [u32; WIDE],
-    /// How many things, or [`NODE`].
+    /// Number of items, or [`NODE`].
     count: [u8; WIDE],
 }
 
-/// What a box of a node holds, of the tree that it is made from.
+/// Content of the smallest boxes.
 #[derive(Clone, Copy)]
 pub(super) enum Small {
-    /// A thing each, by its own box.
+    /// One item each, with its box.
     Boxes,
-    /// Up to eight: points, to which boxes are no nearer.
+    /// Up to eight points: single boxes would not be tighter.
     Points,
 }
 
 impl WideNodes {
-    /// Of a tree, where the things of each node begin and end among its items, and the box around each thing.
+    /// Converts a binary tree.
+    ///
+    /// `ranges` holds the range of each node among the tree's items. `bounds` returns the box of an item.
     pub(super) fn new(
         tree: &BoxTree,
         ranges: &[[u32; 2]],
@@ -65,13 +68,13 @@ impl WideNodes {
             let [start, end] = ranges[node as usize];
             (end - start) as usize <= WIDE
         };
-        // A node for each 3 or 4 things, or for each 27 points.
+        // About one node for 3 items, or for 24 points.
         wide.nodes.reserve(match small {
             Small::Boxes => tree.items().len().div_ceil(3),
             Small::Points => tree.items().len().div_ceil(24),
         });
         wide.nodes.push(WideNode::EMPTY);
-        // Nodes that are still to be filled, each with what it is made from.
+        // Nodes that remain to be filled, each with its node of the binary tree.
         let mut left = vec![(0, 0)];
         while let Some((from, node)) = left.pop() {
             if is_small(from) && matches!(small, Small::Boxes) {
@@ -99,8 +102,9 @@ impl WideNodes {
         wide
     }
 
-    /// Whether any of the things, of the tree's `items`, whose boxes are nearer to a point than so far is met; some that are farther are
-    /// asked about as well.
+    /// True if `met` holds for an item whose box is nearer to `point` than `reach`, metres.
+    ///
+    /// `items` are the items of the binary tree. Items whose boxes are slightly farther may be tested as well.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn any<M: Met<u32>>(
         &self,
@@ -115,10 +119,10 @@ impl WideNodes {
         let place = [point.x as f32, point.y as f32, point.z as f32];
         let size = point.x.abs() + point.y.abs() + point.z.abs();
         let reach = (reach.abs() + size * ROUNDING) * (1.0 + 16.0 * ROUNDING);
-        // The squares of what is very near have few digits.
+        // Squares of tiny distances underflow in single precision.
         let within = (reach * reach) as f32 + f32::MIN_POSITIVE;
         let always = if size + reach < LARGE { 0 } else { ALL_BITS };
-        // Nodes with boxes that are still to be opened, bit by bit.
+        // Stack of nodes with boxes left to open, one bit a box.
         let mut closed = [(0_u32, 0_u32); DEEP];
         let mut height = 0;
         let mut node = root;
@@ -159,13 +163,13 @@ impl WideNodes {
     }
 }
 
-/// What is asked about things that are near. Not a closure, as what is in one is compiled for any processor.
+/// Predicate on nearby items. A trait, since closures are not compiled for the selected instruction set.
 pub(crate) trait Met<T> {
-    /// Whether a thing is what is looked for.
+    /// True if the predicate holds for an item.
     fn is_met(&self, thing: T) -> bool;
 }
 
-/// The nodes of a tree three halvings below one, or fewer where they are small, and how many there are.
+/// The nodes up to three levels below a node, or fewer levels for small nodes, and their number.
 fn parted(tree: &BoxTree, node: u32, is_small: impl Fn(u32) -> bool) -> ([u32; WIDE], usize) {
     let (mut parts, mut count) = ([node; WIDE], 1);
     for _ in 0..HALVINGS {
@@ -188,7 +192,7 @@ fn parted(tree: &BoxTree, node: u32, is_small: impl Fn(u32) -> bool) -> ([u32; W
 }
 
 impl WideNode {
-    /// Boxes around nothing, with nothing in them.
+    /// A node of empty boxes without contents.
     const EMPTY: Self = Self {
         min: [[f32::INFINITY; WIDE]; 3],
         max: [[f32::NEG_INFINITY; WIDE]; 3],
@@ -206,21 +210,20 @@ impl WideNode {
         self.count[lane] = count;
     }
 
-    /// Its boxes, bit by bit, that are no farther from a point than so far, squared.
+    /// Bit mask of the boxes whose squared distance to a point is at most `within`.
     #[allow(
         clippy::needless_range_loop,
         reason = "lane by lane, as the compiler takes them together"
     )]
     #[inline(always)]
     fn near(&self, point: [f32; 3], within: f32) -> u32 {
-        // One operation of eight lanes after another, which the compiler takes together, and no comparison, whose bits it gathers
-        // one by one.
+        // Loops over eight lanes vectorise. A comparison would not: the compiler gathers its bits one by one.
         let mut squared = [0.0; WIDE];
         for axis in 0..3 {
             for lane in 0..WIDE {
                 let before = self.min[axis][lane] - point[axis];
                 let behind = point[axis] - self.max[axis][lane];
-                // Not `f32::max`, which asks which of both is no number.
+                // Not `f32::max`: its NaN handling costs extra instructions.
                 let gap = if before > behind { before } else { behind };
                 let gap = if gap > 0.0 { gap } else { 0.0 };
                 squared[lane] += gap * gap;
@@ -235,7 +238,7 @@ impl WideNode {
     }
 }
 
-/// The greatest single-precision number that is not greater.
+/// The greatest single-precision number not above `value`.
 fn below(value: f64) -> f32 {
     let single = value as f32;
     match f64::from(single) > value {
@@ -251,7 +254,7 @@ mod tests {
 
     use crate::collision::test_numbers::Numbers;
 
-    /// Keeps what it is asked about, and is not met.
+    /// Records the tested items; the predicate is never true.
     #[derive(Default)]
     struct Asked(RefCell<Vec<u32>>);
 
@@ -281,7 +284,7 @@ mod tests {
         assert!(*counted.0.borrow() < 100);
     }
 
-    /// Those that are asked about, of which none comes twice.
+    /// The tested items. No item occurs twice.
     fn asked(tree: &BoxTree, point: Vector3<f64>, reach: f64) -> Vec<u32> {
         let all = Asked::default();
         assert!(!tree.any(point, reach, &all));
@@ -336,7 +339,7 @@ mod tests {
                         }
                     }
                 }
-                // Squares of the smallest are nothing in single precision.
+                // Squares of the smallest coordinates underflow in single precision.
                 assert!(scale < 1e-20 || far > 0.0 || 100 * more <= near_ones);
             }
         }

@@ -1,11 +1,11 @@
-//! Promise: the tables of docs/options.md name every option that a builder or a setter takes, and no others.
+//! Promise: the tables of docs/reference/options.md name every option that a builder or a setter takes, and no others.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::BTreeSet;
 
 /// What a section's table has in its column of Rust, between the signs for code.
 fn named(section: &str) -> BTreeSet<String> {
-    let page = std::fs::read_to_string("../docs/options.md").unwrap();
+    let page = std::fs::read_to_string("../docs/reference/options.md").unwrap();
     let (_, part) = page.split_once(&format!("\n## {section}\n")).unwrap();
     let part = part.split("\n## ").next().unwrap();
     let rows = part.lines().filter(|line| line.starts_with('|'));

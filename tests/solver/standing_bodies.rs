@@ -219,7 +219,7 @@ fn feet_stay_where_the_hand_is_beyond_reach() {
     }
 }
 
-/// The recipe of docs/whole-bodies.md, on every frame of its way.
+/// The recipe of docs/guide/whole-bodies.md, on every frame of its way.
 #[test]
 fn a_hand_dragged_ahead_does_not_tip_the_body_over() {
     let robot = support::arms::robot("aldebaran_nao");

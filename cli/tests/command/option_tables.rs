@@ -1,4 +1,4 @@
-//! Promise: the flags that docs/options.md names are those of `kinopt solve` and `kinopt path`.
+//! Promise: the flags that docs/reference/options.md names are those of `kinopt solve` and `kinopt path`.
 
 use std::collections::BTreeSet;
 
@@ -19,7 +19,7 @@ fn explained(help: &str) -> BTreeSet<&str> {
 
 #[test]
 fn every_flag_that_is_named_is_there() {
-    let page = std::fs::read_to_string("../docs/options.md").unwrap();
+    let page = std::fs::read_to_string("../docs/reference/options.md").unwrap();
     let (rest, paths) = page.split_once("\n## Paths\n").unwrap();
     let rows = |text: &str| {
         let rows = text.lines().filter(|line| line.starts_with('|'));

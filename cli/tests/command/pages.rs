@@ -1,4 +1,4 @@
-//! Promise: the commands that the README and the pages of docs/ show do what they say, from the project's root.
+//! Promise: the commands of the README and of the pages of docs/, docs/guide and docs/reference succeed from the project's root.
 
 use std::process::Command;
 
@@ -12,7 +12,9 @@ const COMPILED: &str = "cargo run ";
 fn pages() -> Vec<(String, String)> {
     let readme = std::fs::read_to_string("../README.md").unwrap();
     let mut found = vec![("README".to_owned(), readme)];
-    for entry in std::fs::read_dir("../docs").unwrap() {
+    let folders = ["../docs", "../docs/guide", "../docs/reference"];
+    let entries = folders.map(|folder| std::fs::read_dir(folder).unwrap());
+    for entry in entries.into_iter().flatten() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|extension| extension == "md") {
             let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
@@ -73,20 +75,23 @@ fn their_commands_succeed() {
 }
 
 #[test]
-fn the_page_on_whole_bodies_reaches() {
-    let folder = Folder::new("whole-bodies");
-    let (_, page) = pages()
-        .into_iter()
-        .find(|(name, _)| name == "whole-bodies")
-        .unwrap();
-    for line in blocks(&page, "sh").iter().flat_map(|block| block.lines()) {
+fn commands_of_the_body_pages_reach() {
+    let folder = Folder::new("bodies");
+    let pages = pages();
+    let page = |wanted: &str| {
+        let found = pages.iter().find(|(name, _)| name == wanted);
+        found.map(|(_, page)| page).unwrap()
+    };
+    let bodies = ["whole-bodies", "balance", "ball-joints"].map(page);
+    let commands = bodies.map(|page| blocks(page, "sh")).concat();
+    for line in commands.iter().flat_map(|block| block.lines()) {
         if line.starts_with("kinopt solve") {
             let text = run(&folder, &format!("{line} --json"));
             let answer: Value = serde_json::from_str(&text).unwrap();
             assert_eq!(answer["reached"], true, "{line}");
         }
     }
-    let cones = blocks(&page, "json");
+    let cones = blocks(page("ball-joints"), "json");
     let [cones] = cones.as_slice() else {
         panic!("one block: {cones:?}")
     };

@@ -92,7 +92,7 @@ fn levels_that_say_nothing_are_refused() {
 
 #[test]
 fn the_page_s_commands_let_the_far_hand_alone_give_way() {
-    let page = include_str!("../../../docs/strict-levels.md");
+    let page = include_str!("../../../docs/guide/priorities.md");
     let (_, fenced) = page.split_once("```sh\n").unwrap();
     let lines: Vec<&str> = fenced.split("```").next().unwrap().lines().collect();
     assert_eq!(lines.len(), 2);

@@ -1,6 +1,5 @@
 //! Promise: what a build leaves out says in one line how to get it.
 
-#[cfg(not(feature = "bench"))]
 #[test]
 fn bench_says_how_to_get_it() {
     let how = "--features bench -- bench robot.urdf --problems random:3";

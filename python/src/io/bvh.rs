@@ -1,4 +1,4 @@
-//! Motion as BVH.
+//! BVH writer.
 
 use std::path::PathBuf;
 

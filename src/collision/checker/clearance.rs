@@ -1,4 +1,4 @@
-//! How far a body is to be from everything, as a residual.
+//! Clearance of a robot as a residual.
 
 use std::sync::Arc;
 
@@ -11,13 +11,15 @@ use crate::scalar::Scalar;
 use crate::spatial::{Placement, Vector3};
 use crate::task::{LocalJacobian, Numeric, NumericResidual, Quantity, Residual, Room, Rows};
 
-/// Everything should be at least so far apart: one row a part of the robot, in metres, r = ‖(d₀ − d)₊‖ over the pairs in which
-/// that part comes first, by their exact distances d; 0 where all are farther apart than d₀.
+/// Residual that keeps all checked pairs at least a distance d₀ apart, metres.
 ///
-/// Which pairs are near changes from place to place, their number without a bound; a row for each part keeps the number of
-/// rows, and the cost, ½ Σ (d₀ − d)₊², is the same as with a row for each pair and has a continuous gradient. The
-/// derivatives are exact where the nearest points are unique: a distance grows by n · (velocity of the second's nearest point −
-/// that of the first's), where n is the direction from one to the other.
+/// The residual has one row for each part of the robot. The row is r = ‖(d₀ − d)₊‖ over the pairs with that part first,
+/// with their exact distances d. It is 0 if all are farther apart than d₀.
+///
+/// The number of close pairs varies without bound, so the rows are per part. The cost ½ Σ (d₀ − d)₊² equals that of one
+/// row for each pair and has a continuous gradient. The derivatives are exact where the closest points are unique. A
+/// distance grows by n · (velocity of the second closest point − that of the first), with n the direction from one to
+/// the other.
 ///
 /// ```
 /// use kinopt::collision::{Checker, Clearance, World};
@@ -33,7 +35,7 @@ use crate::task::{LocalJacobian, Numeric, NumericResidual, Quantity, Residual, R
 /// let mut tasks = Problem::builder(robot.model());
 /// tasks.parameters(robot.map().clone());
 /// tasks.add(Point::new(robot.model().frame("flange")?, Vector3::new(0.5, 0.0, 0.4)));
-/// // Rather half a metre away from everything, as far as the hand allows.
+/// // A soft task: half a metre from everything, as far as the pose task allows.
 /// tasks.add(Task::new(Clearance::new(&checker, 0.5)).preference());
 /// let solution = Solver::default().solve_once(&tasks.build()?, &robot.model().neutral())?;
 /// assert!(solution.reached);
@@ -50,7 +52,8 @@ struct Distances {
 }
 
 impl Clearance {
-    /// All pairs that a checker keeps apart should be at least `distance` metres apart, whatever its own margin is.
+    /// A residual over all checked pairs of a checker, with the required `distance` in metres. The checker's margin is
+    /// ignored.
     #[must_use]
     pub fn new(checker: &Checker, distance: f64) -> Self {
         Self(Numeric(Distances {
@@ -61,23 +64,25 @@ impl Clearance {
     }
 
     getters! {
-        /// How far everything should be apart, metres.
+        /// Required distance of all pairs, metres.
         pub fn distance(&self) -> f64 = self.0.0.distance;
     }
 
-    /// Changes how far everything should be apart, metres.
+    /// Sets the required distance of all pairs, metres.
     pub fn set_distance(&mut self, distance: f64) {
         self.0.0.distance = distance;
     }
 
-    /// The same in another world, or of another checker of the same robot with the same obstacles attached.
+    /// Replaces the checker, for instance after a change of the world.
+    ///
+    /// The new checker must have the same robot and the same attached obstacles.
     pub fn set_checker(&mut self, checker: &Checker) {
         self.0.0.scene = Arc::clone(&checker.scene);
     }
 }
 
 impl Distances {
-    /// Visits all pairs that are too near, each with the row that it counts in and by how much.
+    /// Visits all pairs nearer than the required distance, each with its row and the missing distance.
     fn visit(
         &self,
         frames: &[Placement<f64>],
@@ -93,7 +98,7 @@ impl Distances {
         self.rooms.put_back(room);
     }
 
-    /// Writes the derivatives of the rows, times a sign.
+    /// Writes the derivatives of the rows, multiplied by `sign`.
     fn write_slopes(&self, frames: &[Placement<f64>], sign: f64, jacobian: &mut LocalJacobian) {
         let mut squares = vec![0.0; jacobian.rows()];
         self.visit(frames, |pair, row, lack, separation| {
@@ -106,7 +111,7 @@ impl Distances {
                 let turning = jacobian.angular_mut(frame);
                 turning[row] += lever.cross(slope);
             };
-            // What is too near is so by more as the first goes along the normal.
+            // The missing distance grows as the first body moves along the normal.
             let along = separation.normal * lack;
             let (Pair::Standing(first, _) | Pair::Parts(first, _)) = pair;
             add(first, along, separation.on_first);
@@ -114,7 +119,7 @@ impl Distances {
                 add(second, -along, separation.on_second);
             }
         });
-        // d‖l‖ = Σ l dl / ‖l‖, and where nothing is too near 0.
+        // d‖l‖ = Σ l dl / ‖l‖; 0 if no pair is too near.
         for square in &mut squares {
             *square = if *square > 0.0 {
                 sign / square.sqrt()
@@ -162,7 +167,8 @@ impl NumericResidual for Distances {
     }
 }
 
-/// How much nearer than it should be something counts as at the edge, metres.
+/// Slack that is reported for a row without a missing distance, metres. A smaller missing distance still counts as
+/// feasible.
 const FELT: f64 = 5e-10;
 
 impl Residual for Clearance {
@@ -181,8 +187,8 @@ impl Residual for Clearance {
         rows.map(|row| Room::new(row..row + 1, 1)).collect()
     }
 
-    /// How deep within is not known, only that it is: an edge stands where too little is missing to count, so that
-    /// what holds there is felt.
+    /// The slack of a collision-free pair is not evaluated. It is reported as a small constant, so that a pair at the
+    /// boundary counts as active.
     fn depths<S: Scalar>(&self, frames: &[Placement<S>], joints: &[S], depths: &mut [S]) {
         self.0.evaluate(frames, joints, depths);
         for depth in depths {

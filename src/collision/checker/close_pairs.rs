@@ -1,25 +1,27 @@
-//! Links that stand so near each other that the spheres around them nearly always meet.
+//! Pairs of links whose sphere covers nearly always overlap.
 
 use super::sphere_cover::PlacedCover;
 use super::{Checker, CheckerWorkspace};
 use crate::collision::SphereModel;
 use crate::kinematics::KinematicsError;
 
-/// Random configurations that are looked at.
+/// Number of random configurations.
 const SAMPLES: u64 = 64;
 const SEED: u64 = 1;
-/// Spheres that meet in such a share of them tell too little: what they say is not asked.
+/// Share of samples with overlapping covers from which the cover test of a pair is skipped.
 const OFTEN: f64 = 0.5;
 
 impl Checker {
     getters! {
-        /// The pairs of links, by their places in the [model](crate::collision::CollisionModel::links), whose spheres meet in half of all configurations or
-        /// more though they are kept apart, as those of a wrist's links do: only their shapes can tell.
+        /// Enabled pairs of links whose covers overlap in at least half of all configurations, as those of a wrist's
+        /// links do.
+        ///
+        /// The indices are those of [`links`](crate::collision::CollisionModel::links). Such pairs need exact
+        /// distances.
         pub(crate) fn close_pairs(&self) -> &[[usize; 2]] = &self.close_pairs;
     }
 
-    /// Whether each of some pairs of links is at least the margin apart at a configuration of the model, by the exact distances of
-    /// shapes.
+    /// True if each of the given pairs of links is at least the margin apart at a configuration, by exact distances.
     ///
     /// # Errors
     /// As [`collisions`](Self::collisions).
@@ -39,7 +41,7 @@ impl Checker {
         }))
     }
 
-    /// Finds the pairs whose spheres meet in too many configurations; none where they are the shapes themselves.
+    /// Finds the pairs whose covers overlap too often. There are none if the spheres are the shapes themselves.
     pub(super) fn with_close_pairs_found(mut self, spheres: &SphereModel) -> Self {
         let mut met = vec![0_u64; self.scene.pairs().len()];
         let samples = match spheres.overhang() > 0.0 {
@@ -47,7 +49,7 @@ impl Checker {
             false => 0,
         };
         let mut covers: Vec<PlacedCover> = Vec::new();
-        // Where nothing is drawn, no pair is close.
+        // If sampling fails, no pair is close.
         let _ = self.model.visit_samples(samples, SEED, |_, placed| {
             covers.clear();
             covers.resize_with(placed.len(), PlacedCover::default);

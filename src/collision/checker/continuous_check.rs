@@ -1,4 +1,4 @@
-//! Whether the way between two configurations is free, by a bound on how far anything moves: not by samples and hope.
+//! Continuous collision checking of a joint-space motion, by conservative advancement.
 
 use super::parts::Pair;
 use super::scene_placements::SceneRoom;
@@ -8,54 +8,60 @@ use crate::kinematics::KinematicsError;
 use crate::search::Collision;
 use crate::spatial::{Placement, Vector3};
 
-/// So near to the margin nothing is told apart from touching, metres.
+/// Distance from the margin below which a pair counts as touching, metres.
 pub(super) const RESOLUTION: f64 = 1e-6;
 
-/// What is so near to the margin where a way from contact begins is in contact, metres: feet that are held are off by a tolerance.
+/// Distance from the margin below which a pair is an initial contact of a motion, metres. It covers the tolerance of
+/// locked feet.
 const CONTACT: f64 = 1e-5;
 
-/// Steps of more than such a share of what is left are long enough.
+/// Share of the remaining motion above which a step counts as long.
 const LONG: f64 = 0.2;
 
-/// A way that takes more steps is not surely free: each may be no longer than a micrometre.
+/// Largest number of steps. A motion that takes more is not proven collision-free.
 const STEPS: usize = 10_000;
 
-/// How much of a way is free.
+/// Result of a continuous collision check of a motion.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Way {
-    /// The share of the way from its begin that is surely free: 1 where all is.
+    /// Share of the motion from its start that is proven collision-free, from 0 to 1.
     pub free: f64,
-    /// What ends it, [on the way](Collision::on_the_way).
+    /// The pair that ends the collision-free part, marked as [`on_the_way`](Collision::on_the_way).
     pub blocked_by: Option<Collision>,
-    /// How much nearer than the margin what is nearest is where a way from contact begins, metres; 0 where nothing is.
+    /// Initial penetration below the required margin, in metres; 0 if the start is collision-free.
+    ///
+    /// It is always 0 in results of [`Checker::way`].
     pub begins_deep: f64,
 }
 
-/// What is nearer than the margin where a way begins, or hardly farther.
+/// A pair nearer than the margin at the start of a motion, or barely farther.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Contact {
     pair: Pair,
-    /// How far apart it is there, metres.
+    /// Distance at the start, metres.
     distance: f64,
-    /// How far apart it is to be elsewhere.
+    /// Required distance without the initial contact, metres.
     margin: f64,
 }
 
 impl Way {
-    /// Whether something touches where it begins, by more than rounding.
+    /// True if a pair is in contact at the start by more than rounding.
     pub(crate) fn begins_touching(&self) -> bool {
         self.begins_deep > ROUNDING
     }
 }
 
 impl Contact {
-    /// How far apart it is to be on the way: hardly nearer than it begins.
+    /// Required distance in the motion, metres: slightly less than at the start.
     fn on_the_way(&self) -> f64 {
         self.distance.min(self.margin) - 2.0 * RESOLUTION
     }
 
-    /// And at its end: free where it begins so, else as far apart as there; of what only just touches a micrometre is none.
+    /// Required distance at the end of the motion, metres.
+    ///
+    /// A pair that keeps the margin at the start must keep it at the end. Any other pair must be as far apart as at the
+    /// start; a pair that barely touches may lose a micrometre.
     fn at_the_end(&self) -> f64 {
         match self.distance >= self.margin - ROUNDING {
             true => self.margin - ROUNDING,
@@ -64,48 +70,50 @@ impl Contact {
     }
 }
 
-/// What is kept apart, and how long it surely stays so.
+/// A monitored pair or part, with the part of the motion for which it is proven collision-free.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Watched {
     what: What,
-    /// How far it can come together on the whole way, metres.
+    /// Upper bound of its approach in the whole motion, metres.
     motion: f64,
-    /// So far on the way it is surely apart.
+    /// Share of the motion up to which it is proven collision-free.
     free: f64,
-    /// What of it was nearest when it was last measured, metres.
+    /// Closest pair and its distance at the last measurement, metres.
     nearest: Option<(Pair, f64)>,
 }
 
-/// What comes no further in a step than its room over its motion, which is little, and the direction in which it is apart.
+/// A measured pair with a direction that separates it, for longer steps past each other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slow {
     pub(super) pair: Pair,
     pub(super) normal: Vector3<f64>,
-    /// How far apart it is to stay, metres.
+    /// Required distance, metres.
     pub(super) margin: f64,
-    /// How far beyond the margin it is, metres.
+    /// Gap along the normal beyond the required distance, metres.
     pub(super) room: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
 enum What {
-    /// A part and all that stands.
+    /// A part and all fixed obstacles.
     Part(usize),
     Pair([usize; 2]),
 }
 
 impl Checker {
-    /// How much of the way from one configuration to another is free, on which all joints move evenly
+    /// Checks the motion between two configurations, along which all joints move uniformly
     /// ([`Model::interpolate`](crate::Model::interpolate)).
     ///
-    /// Conservative advancement (Mirtich 1996, "Impulse-based dynamic simulation", ch. 3), for each pair by itself: where it is d beyond the
-    /// margin, it does not come to it before d of its motion is used up, and the motion of any place of a part is bounded by what
-    /// the joints turn times how far they are from it; joints above both of a pair move neither against the other. A way that comes within a
-    /// micrometre of the margin counts as blocked, and so does one so close along something for so long that ten thousand steps do not
-    /// get past it.
+    /// The method is conservative advancement (Mirtich 1996, "Impulse-based dynamic simulation", ch. 3), for each pair
+    /// separately. A pair at distance d beyond the margin cannot reach it before its motion bound uses up d. The motion
+    /// of each point of a part is bounded by the joint rotations times their distances from the part. Joints above both
+    /// parts of a pair do not count.
+    ///
+    /// A motion counts as blocked if a pair comes within a micrometre of the margin. It also counts as blocked if ten
+    /// thousand steps do not complete it.
     ///
     /// # Errors
-    /// Configurations of the wrong length or not finite, or a quaternion of length zero.
+    /// Returns an error if a configuration has the wrong length or is not finite, or if a quaternion has length zero.
     pub fn way(
         &self,
         workspace: &mut CheckerWorkspace,
@@ -115,11 +123,12 @@ impl Checker {
         self.way_past(workspace, (from, to), false)
     }
 
-    /// As [`way`](Self::way), but what is nearer than the margin where it begins may be as near all along it, and comes no nearer: a hand
-    /// that touches a table leaves it, and a foot stands on the floor.
+    /// As [`way`](Self::way), but pairs nearer than the margin at the start may remain that near, and no nearer.
+    ///
+    /// For example, a hand in contact with a table departs from it, and a foot remains on the floor.
     ///
     /// # Errors
-    /// As of `way`.
+    /// As [`way`](Self::way).
     pub fn way_from_contact(
         &self,
         workspace: &mut CheckerWorkspace,
@@ -129,14 +138,14 @@ impl Checker {
         self.way_past(workspace, (from, to), true)
     }
 
-    /// Past what it begins in contact with, or not.
+    /// Checks a motion, with or without tolerance of initial contacts.
     fn way_past(
         &self,
         workspace: &mut CheckerWorkspace,
         (from, to): (&[f64], &[f64]),
         past_contacts: bool,
     ) -> Result<Way, KinematicsError> {
-        // Checks both.
+        // Validates both configurations.
         workspace.place(self, to)?;
         workspace.place(self, from)?;
         let mut watched = std::mem::take(&mut workspace.watched);
@@ -200,12 +209,12 @@ impl Checker {
         way
     }
 
-    /// How far apart all is to stay that moves against each other, metres.
+    /// Required distance of pairs that move relative to each other, metres.
     pub(super) fn margin_on_ways(&self) -> f64 {
         self.margin + self.stand_off
     }
 
-    /// All that is kept apart, and how far it can come together on a way.
+    /// Collects all checked pairs with their motion bounds.
     fn watch(
         &self,
         workspace: &mut CheckerWorkspace,
@@ -213,7 +222,7 @@ impl Checker {
         watched: &mut Vec<Watched>,
     ) {
         let (bound, room) = (self.scene.motion_bound(), &mut workspace.bound);
-        // Lengths and numbers were checked.
+        // Lengths and numbers are already validated.
         let bounded = bound.take(self.model.model(), way, room).is_ok();
         let watch = |what, motion: f64| Watched {
             what,
@@ -228,7 +237,7 @@ impl Checker {
         watched.extend(pairs.map(|&pair| watch(What::Pair(pair), bound.of_pair(pair, room))));
     }
 
-    /// Measures again what is surely apart until here and no further; what is in the way, if anything is.
+    /// Measures again what is proven only up to this share of the motion. Returns the closest blocking pair, if any.
     fn advance(
         &self,
         workspace: &mut CheckerWorkspace,
@@ -250,9 +259,9 @@ impl Checker {
                 true => self.margin,
                 false => self.margin_on_ways(),
             };
-            // What is farther apart stays so to the end.
+            // Pairs farther apart cannot reach the margin until the end.
             let within = margin + RESOLUTION + one.motion * (1.0 - here);
-            // How far it is to stay apart.
+            // Required distance of a pair; records initial contacts.
             let mut margin_for = |pair: Pair, distance: f64| {
                 let begins = here == 0.0 && past_contacts;
                 if begins && distance < margin + CONTACT {
@@ -295,12 +304,12 @@ impl Checker {
                 one.free = 1.0;
                 continue;
             };
-            // What stands stays as far apart as it is: by rounding, where both exactly meet.
+            // A pair without relative motion keeps its distance. Rounding decides if it touches exactly.
             if one.motion == 0.0 && room >= -ROUNDING {
                 one.free = 1.0;
                 continue;
             }
-            // What reaches without end may be anywhere once it turns.
+            // The motion of an unbounded shape is unbounded once it rotates.
             if !room.is_finite() || !one.motion.is_finite() || room < RESOLUTION {
                 if blocked.is_none_or(|(_, known)| distance < known) {
                     blocked = Some((pair, distance));
@@ -315,7 +324,7 @@ impl Checker {
         Ok(blocked.map(|(pair, distance)| self.collision(pair, distance).met_on_the_way()))
     }
 
-    /// What of the contacts is nearer at a configuration than where it began.
+    /// The first contact that is nearer at a configuration than its required distance at the end.
     fn come_nearer(
         &self,
         workspace: &mut CheckerWorkspace,
@@ -348,7 +357,7 @@ impl Checker {
         Ok(nearer)
     }
 
-    /// What is apart along a direction: all shapes of both, not only those that are nearest.
+    /// The gap along the normal between all shapes of both, not only the nearest ones.
     fn slow(
         &self,
         pair: Pair,
@@ -366,7 +375,7 @@ impl Checker {
         }
     }
 
-    /// Takes longer steps where something slides past another.
+    /// Extends the step of pairs that slide past each other.
     fn slide(
         &self,
         workspace: &mut CheckerWorkspace,
@@ -391,7 +400,7 @@ impl Checker {
     }
 }
 
-/// How far a pair is to stay apart: what is nearer at the begin, hardly less than there.
+/// Required distance of a pair in the motion, metres; less for initial contacts.
 fn margin_of(contacts: &[Contact], pair: Pair, margin: f64) -> f64 {
     let own = contacts.iter().find(|one| one.pair == pair);
     own.map_or(margin, Contact::on_the_way)

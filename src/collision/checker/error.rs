@@ -1,26 +1,26 @@
-//! What can be wrong with a checker.
+//! Errors of a collision checker.
 
 use crate::bad_option::BadOption;
 use crate::model::UnknownName;
 
-/// Why a robot and a world do not go together.
+/// Reason why a checker of a robot and a world cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CheckerError {
     /// An obstacle attached to a frame that the robot does not have.
     #[error("obstacle `{obstacle}` is attached to what the robot does not have: {unknown}")]
     Attached {
-        /// The obstacle.
+        /// Name of the obstacle.
         obstacle: String,
-        /// The frame, and the valid names.
+        /// Name of the frame, and the valid names.
         unknown: UnknownName,
     },
-    /// An obstacle that may touch what neither the robot nor the world has.
+    /// An obstacle that may collide with an unknown link or obstacle.
     #[error("obstacle `{obstacle}` may touch what is not there: {unknown}")]
     MayTouch {
-        /// The obstacle.
+        /// Name of the obstacle.
         obstacle: String,
-        /// What it may touch, and the valid names.
+        /// Unknown name, and the valid names.
         unknown: UnknownName,
     },
     /// An option out of its range.

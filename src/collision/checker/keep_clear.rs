@@ -1,22 +1,23 @@
-//! A checker as what a body keeps clear of.
+//! Collision avoidance of a problem by a checker.
 
 use super::continuous_check::RESOLUTION;
 use super::{Checker, CheckerWorkspace, Clearance, Way};
 use crate::problem::{ClearanceCheck, Collision, KeepClear};
 use crate::task::{Quantity, Task};
 
-/// How far beyond the margin the clearance leads, metres: a search that comes near enough to it is free.
+/// Width of the band beyond the margin in which the clearance residual acts, metres. It makes an approximate solution
+/// collision-free.
 const BAND: f64 = 1e-3;
-/// A clearance within this share of the band is surely free.
+/// Tolerance of the clearance residual, as a fraction of the band.
 const WITHIN: f64 = 0.9;
-/// What moves stops so far before the margin, metres, so that it can leave again.
+/// Distance before the margin at which motions stop, metres, so that they can depart again.
 const STAND_OFF: f64 = 1e-4;
 
-/// Checks configurations and ways for a [`Problem`](crate::Problem) that keeps clear.
+/// Checks configurations and motions for a [`Problem`](crate::Problem) with collision avoidance.
 #[derive(Clone, Debug)]
 pub struct WayChecker {
     checker: Checker,
-    /// The same farther off, where ways are cut.
+    /// The checker with an additional distance, for truncating motions.
     cautious: Checker,
     workspace: CheckerWorkspace,
 }
@@ -77,7 +78,8 @@ impl ClearanceCheck for WayChecker {
     }
 }
 
-/// Whether a body is to come out of what it touches before it goes on: what it stands on it touches by rounding at most.
+/// True if a body penetrates something and must leave it first. Bodies in support contact penetrate by rounding at
+/// most.
 fn comes_out_first(way: &Way) -> bool {
     way.begins_deep > RESOLUTION
 }

@@ -1,4 +1,4 @@
-//! Whether a robot keeps clear of a world and of itself.
+//! Collision checker of a robot against a world and itself.
 
 mod clearance;
 mod close_pairs;
@@ -33,14 +33,19 @@ use crate::search::Collision;
 use parts::{Pair, Scene};
 use touches::Touches;
 
-/// A robot's shapes among the obstacles of a world: which pairs come nearer to each other than a margin.
+/// Collision checker of a robot's shapes against the obstacles of a world and against each other.
 ///
-/// Its parts are the links that have shapes and the obstacles that are attached to frames. Every part is kept from every
-/// obstacle that stands in the world, and from the parts that its [model](CollisionModel::pairs) keeps it apart from; an
-/// attached obstacle from all parts but those that may hold it: on its own body, on those that it carries (a hand's
-/// fingers), and on the one that carries it beside others (a finger's hand). What [may touch](World::allow_touch) is passed over. What is nearer by no more than a nanometre is
-/// as far as it should be: shapes that exactly meet are so apart, and rounding decides nothing.
-/// It never changes; changed copies share what stays.
+/// The parts are the links with shapes and the obstacles attached to frames. These pairs are checked:
+///
+/// - each part and each fixed obstacle;
+/// - the [enabled pairs](CollisionModel::pairs) of links;
+/// - an attached obstacle and each part, except those that may hold it. Exempt are the parts of its body, the bodies
+///   that it carries (a hand's fingers), and the body that carries it next to others (a finger's hand).
+///
+/// [Allowed collisions](World::allow_touch) are excluded. A pair keeps the margin if its distance falls short by at
+/// most 1e-9 m, so that rounding does not decide about shapes that touch exactly.
+///
+/// A checker is immutable. The copies that its methods return share unchanged data.
 ///
 /// ```
 /// use kinopt::collision::{Checker, World};
@@ -62,21 +67,23 @@ pub struct Checker {
     spheres: Option<Arc<SphereModel>>,
     world: World,
     margin: f64,
-    /// How much farther than the margin what moves keeps off on ways, metres.
+    /// Distance beyond the margin that moving pairs keep in motions, metres.
     stand_off: f64,
     scene: Arc<Scene>,
-    /// Links whose spheres nearly always meet, by their places in the model.
+    /// Pairs of links whose sphere covers nearly always overlap, as link indices of the model.
     close_pairs: Arc<[[usize; 2]]>,
 }
 
 impl Checker {
-    /// A robot by itself, with a margin of 0. Where all its shapes are spheres, they are its sphere model.
+    /// A checker of a robot without a world, with a margin of 0.
+    ///
+    /// If all shapes are spheres, they become the sphere model.
     #[must_use]
     pub fn new(model: CollisionModel) -> Self {
         let spheres = SphereModel::of_spheres(&model).map(Arc::new);
         let world = World::new();
         Self {
-            // A world without obstacles fits every robot.
+            // A world without obstacles is valid for every robot.
             scene: Arc::new(Scene::new(&model, &world).unwrap_or_default()),
             model: Arc::new(model),
             spheres,
@@ -87,9 +94,10 @@ impl Checker {
         }
     }
 
-    /// The same with spheres that cover the robot's shapes, by which [arms](crate::Arm) check eight configurations at once,
-    /// and which tell most pairs of links apart before their shapes are looked at. Those of a model that leaves [gaps](SphereModel::gap)
-    /// are grown by them.
+    /// The checker with spheres that cover the robot's shapes.
+    ///
+    /// With spheres, [arms](crate::Arm) check eight configurations at once, and most pairs of links are rejected
+    /// without an exact distance. If the sphere model has [gaps](SphereModel::gap), its spheres are enlarged by them.
     #[must_use]
     pub fn with_spheres(mut self, spheres: SphereModel) -> Self {
         let spheres = spheres.grown_to_cover();
@@ -100,12 +108,14 @@ impl Checker {
         checker
     }
 
-    /// The same robot in another world, as that stands now. Where that is a changed copy of the one before, what did not change is shared: it takes
-    /// as long as what did.
+    /// The checker in another world, of which it keeps a snapshot.
+    ///
+    /// If `world` is a changed copy of the previous world, unchanged data is shared. The time is then proportional to
+    /// the changes.
     ///
     /// # Errors
-    /// An obstacle that is attached to a frame that the robot does not have, or that may touch what is not there; the error lists the
-    /// valid names.
+    /// Returns an error if an obstacle is attached to a frame that the robot does not have. Returns an error if an
+    /// obstacle is allowed to collide with an unknown name. The error lists the valid names.
     pub fn with_world(mut self, world: &World) -> Result<Self, CheckerError> {
         let changes = self.world.changes(world);
         let mut scene = self.scene.changed(&changes);
@@ -122,10 +132,10 @@ impl Checker {
         Ok(self)
     }
 
-    /// The same with another margin: how far all pairs are to be apart at least, metres.
+    /// The checker with another margin: the required distance of all pairs, metres.
     ///
     /// # Errors
-    /// A number that is negative or not finite.
+    /// Returns an error if the margin is negative or not finite.
     pub fn with_margin(mut self, metres: f64) -> Result<Self, CheckerError> {
         crate::bad_option::BadOption::check("margin", metres, crate::bad_option::NOT_NEGATIVE)?;
         self.margin = metres;
@@ -133,29 +143,28 @@ impl Checker {
     }
 
     getters! {
-        /// The robot's shapes.
+        /// Collision model of the robot.
         pub fn model(&self) -> &CollisionModel = &self.model;
-        /// The spheres that cover them, where there are any.
+        /// Spheres that cover the shapes, if set.
         pub fn spheres(&self) -> Option<&SphereModel> = self.spheres.as_deref();
-        /// The world, as it stood when it was given.
+        /// Snapshot of the world.
         pub fn world(&self) -> &World = &self.world;
-        /// How far all pairs are to be apart at least, metres.
+        /// Required distance of all pairs, metres.
         pub fn margin(&self) -> f64 = self.margin;
     }
 
-    /// The pairs that are nearer to each other than the margin at a configuration of the model, the deepest first, by the exact
-    /// distances of shapes.
+    /// The pairs nearer than the margin at a configuration, by exact distance, the smallest distance first.
     ///
     /// # Errors
-    /// A configuration of the wrong length, or one that is not finite.
+    /// Returns an error if the configuration has the wrong length or is not finite.
     pub fn collisions(&self, q: &[f64]) -> Result<Vec<Collision>, KinematicsError> {
         self.collisions_with(&mut self.workspace(), q)
     }
 
-    /// As [`collisions`](Self::collisions), with a workspace that is used again.
+    /// As [`collisions`](Self::collisions), with a reusable workspace.
     ///
     /// # Errors
-    /// As there.
+    /// As [`collisions`](Self::collisions).
     pub fn collisions_with(
         &self,
         workspace: &mut CheckerWorkspace,
@@ -174,7 +183,7 @@ impl Checker {
         Ok(found)
     }
 
-    /// Whether all pairs are at least the margin apart.
+    /// True if all pairs are at least the margin apart at a configuration.
     ///
     /// # Errors
     /// As [`collisions`](Self::collisions).
@@ -193,7 +202,7 @@ impl Checker {
         Ok(free)
     }
 
-    /// The nearest two things and how far they are apart, if that is at most `within` metres.
+    /// The closest pair at a configuration and its distance, if that is at most `within` metres.
     ///
     /// # Errors
     /// As [`collisions`](Self::collisions).
@@ -215,22 +224,23 @@ impl Checker {
         Ok(nearest.map(|(pair, distance)| self.collision(pair, distance)))
     }
 
-    /// The numbers of what stands that a link may touch, in order: planes of the model, and obstacles of the world.
+    /// Sorted numbers of the fixed solids that a link may touch: planes of the model, and obstacles of the world.
     pub(crate) fn passes_of(&self, link: FrameId) -> Vec<u64> {
         match self.model.links().binary_search(&link) {
             Ok(part) => self.scene.passes(part).to_vec(),
-            // Of a link without shapes, which has spheres alone.
+            // A link without shapes that has spheres only.
             Err(_) => Touches::passes_of(&self.model, &self.world, link),
         }
     }
 
-    /// The same, but what moves on a way keeps off by so many metres more than the margin, so that what stops there can leave.
+    /// The checker whose moving pairs keep an additional distance in motions, metres, so that a stopped motion can
+    /// depart again.
     pub(crate) fn with_stand_off(mut self, metres: f64) -> Self {
         self.stand_off = metres;
         self
     }
 
-    /// What is at least so far apart keeps the margin, metres.
+    /// Smallest distance that counts as keeping the margin, metres.
     fn least(&self) -> f64 {
         self.margin - ROUNDING
     }
@@ -240,7 +250,7 @@ impl Checker {
         Collision::new(first, second, distance).between(first_kind, second_kind)
     }
 
-    /// Memory for checks, one at a time.
+    /// Scratch memory for checks in one thread.
     #[must_use]
     pub fn workspace(&self) -> CheckerWorkspace {
         CheckerWorkspace::new(self)

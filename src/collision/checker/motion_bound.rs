@@ -1,15 +1,15 @@
-//! How far the parts of a model can come towards each other between two configurations.
+//! Upper bounds of the motion of a model's parts between two configurations.
 
 use std::ops::Range;
 
 use crate::model::{FrameId, JointId, Model, ModelError, SegmentKind};
 use crate::spatial::Vector3;
 
-/// What it takes to bound motions of one model's parts.
+/// Joint chains of a model's parts, for motion bounds.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MotionBound {
     parts: Vec<PartChain>,
-    /// The joints above each part, from its own upwards, part by part.
+    /// Joints above each part, from its joint to the root, part by part.
     joints: Vec<usize>,
 }
 
@@ -17,25 +17,25 @@ pub(super) struct MotionBound {
 #[derive(Clone, Debug)]
 struct PartChain {
     joints: Range<usize>,
-    /// From the origin of its own joint to its farthest place.
+    /// Largest distance of a point of the part from the origin of its joint, metres.
     reach: f64,
 }
 
-/// Room for a bound.
+/// Workspace and result of a bound.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BoundRoom {
-    /// From one configuration to the other.
+    /// Velocity from one configuration to the other, over a unit of time.
     velocity: Vec<f64>,
-    /// By joint: how far it turns or slides, and whether that is an angle.
+    /// Rotation or translation of each joint, radians or metres.
     moves: Vec<f64>,
-    /// By joint above each part: how far any place of the part moves at most, as seen from above that joint.
+    /// Bound of the motion of a part relative to the parent of each joint above it, metres.
     motion: Vec<f64>,
-    /// By part: the bound on the acceleration of its places.
+    /// Bound of the acceleration of the points of each part.
     bends: Vec<f64>,
 }
 
 impl MotionBound {
-    /// Of parts that are on frames, each with balls around its shapes in the frame.
+    /// Bounds for parts, each on a frame, with bounding balls of its shapes in that frame.
     pub(super) fn new(
         model: &Model,
         parts: impl Iterator<Item = (FrameId, Vec<(Vector3<f64>, f64)>)>,
@@ -60,8 +60,10 @@ impl MotionBound {
         bound
     }
 
-    /// Bounds how far the parts move on the way from one configuration to another, on which all joints move evenly: by each joint above
-    /// them at most by its turn times how far it is from there to the part's farthest place, or by its slide.
+    /// Bounds the motion of all parts between two configurations, along which all joints move uniformly.
+    ///
+    /// Each joint above a part moves it by at most its rotation times the distance to the part's farthest point, or by
+    /// its translation.
     pub(super) fn take(
         &self,
         model: &Model,
@@ -79,7 +81,7 @@ impl MotionBound {
                 let joint = &model.joints()[index];
                 let slides = joint.kind.slides();
                 let moves = room.moves[index];
-                // What stands still keeps still, however far it reaches.
+                // A joint that does not move contributes nothing, even if the reach is infinite.
                 if moves > 0.0 {
                     motion += moves * if slides { 1.0 } else { reach };
                     turns += if slides { 0.0 } else { moves };
@@ -96,25 +98,27 @@ impl MotionBound {
         Ok(())
     }
 
-    /// The most that any place of a part moves in the world.
+    /// Upper bound of the motion of a part's points in the world, metres.
     pub(super) fn of_part(&self, part: usize, room: &BoundRoom) -> f64 {
         self.beyond(part, 0, room)
     }
 
-    /// The most that any place of a part is accelerated by in the world, the way taken in a unit of time: joints that turn at rates ω accelerate
-    /// a place by Σ ωᵢ rᵢ (ωᵢ + 2 Σ ωⱼ) over the joints j above i at most, which is no more than twice all rates times its motion.
+    /// Upper bound of the acceleration of a part's points in the world, for a motion of unit duration, metres.
+    ///
+    /// Joints with rates ω accelerate a point by at most Σ ωᵢ rᵢ (ωᵢ + 2 Σ ωⱼ) over the joints j above i. That is at
+    /// most twice the sum of the rates times the motion.
     pub(super) fn bend_of(&self, part: usize, room: &BoundRoom) -> f64 {
         room.bends[part]
     }
 
-    /// The most that two parts come towards each other: joints above both move neither against the other.
+    /// Upper bound of the approach of two parts, metres. Joints above both do not move them relative to each other.
     pub(super) fn of_pair(&self, [a, b]: [usize; 2], room: &BoundRoom) -> f64 {
         let above = |part: usize| self.joints[self.parts[part].joints.clone()].iter().rev();
         let shared = above(a).zip(above(b)).take_while(|(a, b)| a == b).count();
         self.beyond(a, shared, room) + self.beyond(b, shared, room)
     }
 
-    /// The motion of a part as seen from below the uppermost so many joints.
+    /// Bound of the motion of a part relative to the frame below the uppermost `shared` joints, metres.
     fn beyond(&self, part: usize, shared: usize, room: &BoundRoom) -> f64 {
         let joints = &self.parts[part].joints;
         match joints.len().checked_sub(shared + 1) {
@@ -124,7 +128,7 @@ impl MotionBound {
     }
 }
 
-/// How far each joint turns or slides.
+/// Computes the rotation or translation of each joint.
 fn take_moves(model: &Model, room: &mut BoundRoom) {
     room.moves.clear();
     room.moves.resize(model.joints().len(), 0.0);
@@ -136,7 +140,7 @@ fn take_moves(model: &Model, room: &mut BoundRoom) {
             SegmentKind::Scalar => room.moves[joint(at)] = v[0].abs(),
             SegmentKind::Ball => room.moves[joint(at)] = norm(&v[..3]),
             SegmentKind::Free => {
-                // Its origin's way is as long as its velocity, whichever slides make it.
+                // The displacement of its origin is as long as its velocity, for any split over its prismatic joints.
                 room.moves[joint(at)] = norm(&v[..3]);
                 room.moves[joint(at + 3)] = norm(&v[3..6]);
             }

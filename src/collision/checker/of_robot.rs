@@ -1,18 +1,20 @@
-//! A checker of a robot as it comes.
+//! Checkers of a robot with default options.
 
 use super::Checker;
 use crate::collision::{CollisionModel, CollisionModelError, Fineness, SphereModel};
 use crate::robot::Robot;
 
-/// Configurations that are drawn to find pairs that cannot touch or always do.
+/// Number of random configurations for the pairs that never or always collide.
 const SAMPLES: u64 = 1000;
 const SEED: u64 = 0;
-/// How far spheres may stick out, as a share of the largest shape.
+/// Maximum protrusion of the spheres, relative to the largest bounding radius of a shape.
 const OVERHANG: f64 = 0.1;
 
 impl Checker {
-    /// A robot by itself, with the shapes of its file ([`CollisionModel::of`]), without the pairs that cannot touch, or always do in a thousand random
-    /// configurations ([`CollisionModel::with_pairs_sampled`]), and with spheres that cover the shapes.
+    /// A checker of a robot without a world, with default options.
+    ///
+    /// It has the shapes of the robot's file ([`CollisionModel::of`]) and spheres that cover them. Pairs that never or
+    /// almost always collide in a thousand random configurations are disabled ([`CollisionModel::with_pairs_sampled`]).
     ///
     /// # Errors
     /// As [`CollisionModel::of`].
@@ -20,13 +22,14 @@ impl Checker {
         Ok(Self::sampled(CollisionModel::of(robot)?))
     }
 
-    /// As [`covered`](Self::covered), without the pairs that cannot touch, or always do in a thousand random configurations.
+    /// As [`covered`](Self::covered), without the pairs that never or almost always collide in a thousand random
+    /// configurations.
     #[must_use]
     pub fn sampled(model: CollisionModel) -> Self {
         Self::covered(usual_pairs(model))
     }
 
-    /// As [`sampled`](Self::sampled), but with spheres that cover the shapes already, which takes far less time.
+    /// As [`sampled`](Self::sampled), with given spheres, which takes far less time.
     #[must_use]
     pub fn sampled_with_spheres(model: CollisionModel, spheres: SphereModel) -> Self {
         Self::new(usual_pairs(model)).with_spheres(spheres)
@@ -44,7 +47,7 @@ impl Checker {
         let overhang = OVERHANG * largest.fold(0.0, f64::max);
         match SphereModel::of(&checker.model, Fineness::Overhang(overhang)) {
             Ok(spheres) => checker.with_spheres(spheres),
-            // Without spheres all is checked by its shapes.
+            // Without spheres, all pairs are checked by exact distances.
             Err(_) => checker,
         }
     }
@@ -52,6 +55,6 @@ impl Checker {
 
 fn usual_pairs(model: CollisionModel) -> CollisionModel {
     let sampled = model.clone().with_pairs_sampled(SAMPLES, SEED);
-    // Nothing is drawn where a joint cannot be; all pairs are kept then.
+    // If sampling fails, all pairs stay enabled.
     sampled.unwrap_or(model)
 }

@@ -1,4 +1,4 @@
-//! The parts of a robot and the obstacles of a world, put together.
+//! Parts of a robot and obstacles of a world, combined for checks.
 
 use std::sync::Arc;
 
@@ -19,41 +19,41 @@ use crate::model::{FrameId, FrameRef};
 use crate::problem::BodyKind;
 use crate::spatial::{Placement, Vector3};
 
-/// The numbers of a model's planes, beyond those of any world.
+/// Number of the first plane of a model; numbers of obstacles are smaller.
 pub(crate) const FIRST_PLANE: u64 = 1 << 63;
 
-/// What moves with one frame.
+/// Shapes that move with one frame: those of a link, or of an attached obstacle.
 #[derive(Clone, Debug)]
 pub(super) struct Part {
     name: String,
     kind: BodyKind,
     frame: FrameId,
     pub(super) shapes: Vec<PartShape>,
-    /// Around all of its shapes, where that was given.
+    /// Spheres that cover all shapes, if set.
     cover: Option<Cover>,
-    /// The numbers of what stands that it may touch, in order: of the model's planes, and of obstacles.
+    /// Sorted numbers of the model's planes and the obstacles that it may touch.
     passes: Vec<u64>,
 }
 
-/// Two of them, by place.
+/// A checked pair, by index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Pair {
-    /// A part, and something that stands.
+    /// A part and a fixed obstacle.
     Standing(usize, usize),
     /// Two parts.
     Parts(usize, usize),
 }
 
-/// All of them.
+/// All parts and fixed obstacles, with the checked pairs.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scene {
     pub(super) parts: Arc<Vec<Part>>,
-    /// Where the shapes of each part end, among those of all.
+    /// End of each part's range among all shapes.
     pub(super) shape_ends: Arc<[usize]>,
-    /// Parts that are kept apart, by place.
+    /// Checked pairs of parts, by index.
     pairs: Arc<[[usize; 2]]>,
     motion_bound: Arc<MotionBound>,
-    /// What stands in the world, by the numbers that it has there.
+    /// Fixed obstacles, by their numbers in the world.
     standing: ChangingTree<Arc<Obstacle>>,
 }
 
@@ -72,7 +72,7 @@ impl Scene {
         scene.with_attached(model, world)
     }
 
-    /// The same after changes of the world, none of them of what is attached.
+    /// A copy after changes of the world that do not affect attached obstacles.
     pub(super) fn changed(&self, changes: &[Change<'_>]) -> Self {
         let changes = changes.iter();
         let changes = changes.map(|change| (change.number, change.after.and_then(standing)));
@@ -82,7 +82,7 @@ impl Scene {
         }
     }
 
-    /// The same with the parts of a model, without the spheres that cover them, and with what is attached in a world.
+    /// A copy with the parts of a model, without sphere covers, and the attached obstacles of a world.
     pub(super) fn with_attached(
         self,
         model: &CollisionModel,
@@ -139,7 +139,7 @@ impl Scene {
         })
     }
 
-    /// The same with spheres that cover the links' shapes, which tell most pairs apart before the shapes are looked at.
+    /// A copy with spheres that cover the links' shapes.
     pub(super) fn covered_by(mut self, spheres: &SphereModel) -> Self {
         let parts = Arc::make_mut(&mut self.parts);
         for group in spheres.groups() {
@@ -151,12 +151,12 @@ impl Scene {
         self
     }
 
-    /// The frames that carry the parts.
+    /// Frames of the parts.
     pub(super) fn frames(&self) -> impl ExactSizeIterator<Item = FrameId> + '_ {
         self.parts.iter().map(|part| part.frame)
     }
 
-    /// The names of both, and what they are.
+    /// Names and kinds of both bodies of a pair.
     pub(super) fn bodies(&self, pair: Pair) -> [(&str, BodyKind); 2] {
         let part = |at: usize| (&*self.parts[at].name, self.parts[at].kind);
         match pair {
@@ -172,13 +172,13 @@ impl Scene {
         }
     }
 
-    /// The numbers of what stands that the part may touch, in order.
+    /// Sorted numbers of the fixed solids that a part may touch.
     pub(super) fn passes(&self, part: usize) -> &[u64] {
         &self.parts[part].passes
     }
 
     getters! {
-        /// The parts that are kept apart, by place.
+        /// Checked pairs of parts, by index.
         pub(super) fn pairs(&self) -> &[[usize; 2]] = &self.pairs;
         pub(super) fn motion_bound(&self) -> &MotionBound = &self.motion_bound;
     }
@@ -216,7 +216,8 @@ impl Scene {
         }
     }
 
-    /// Finds what stands at most `within` from a part, each by the shape that is nearest to it, into the room.
+    /// Finds the fixed obstacles at most `within` metres from a part. Writes each with the separation of its closest
+    /// shape to `room.near`.
     pub(super) fn find_standing(
         &self,
         part: usize,
@@ -250,7 +251,7 @@ impl Scene {
         near.sort_by_key(|(standing, _)| self.standing.number(*standing));
     }
 
-    /// How far two parts are apart, if that is at most `within`.
+    /// The separation of two parts, if it is at most `within` metres.
     pub(super) fn apart(
         &self,
         [a, b]: [usize; 2],
@@ -264,7 +265,7 @@ impl Scene {
         self.apart_by_shapes([a, b], placements, within, room)
     }
 
-    /// Whether the spheres around two parts meet, or may as there are none.
+    /// True if the sphere covers of two parts are within `within` metres, or if a cover is missing.
     pub(super) fn covers_meet(
         &self,
         [a, b]: [usize; 2],
@@ -286,7 +287,7 @@ impl Scene {
         !covers[a].is_apart(&covers[b], within)
     }
 
-    /// How far two parts are apart, if that is at most `within`, whatever their spheres say.
+    /// The separation of two parts if it is at most `within` metres, without a test of the sphere covers.
     pub(super) fn apart_by_shapes(
         &self,
         [a, b]: [usize; 2],
@@ -303,13 +304,13 @@ impl Scene {
         part_to_part(placed(a), placed(b), within)
     }
 
-    /// Something that stands, and where.
+    /// Shape and placement of a fixed obstacle.
     pub(super) fn standing_at(&self, index: usize) -> (&Shape, &Placement<f64>) {
         let standing = self.standing.thing(index as u32);
         (&standing.shape, &standing.placement)
     }
 
-    /// Visits what stands at most `within` from a part's shapes.
+    /// Visits the fixed obstacles at most `within` metres from a part's shapes.
     fn near(
         &self,
         (shapes, placed): PlacedShapes<'_>,
@@ -319,7 +320,7 @@ impl Scene {
         for (own, at) in shapes.iter().zip(placed) {
             let reach = own.ball.radius + within;
             let apart = |bounds: &BoundingBox| bounds.squared_distance(at.centre);
-            // Nothing is ever nearer than the bound: all whose boxes the ball meets are visited.
+            // The bound never decreases: the search visits all boxes that the ball meets.
             self.standing
                 .nearest((reach * reach).next_up(), apart, |index, bound| {
                     if is_over() {
@@ -347,7 +348,7 @@ impl Scene {
     }
 }
 
-/// An obstacle that stands in the world, and the box around it there.
+/// A fixed obstacle with its bounding box in the world; `None` for attached obstacles.
 fn standing(obstacle: &Arc<Obstacle>) -> Option<(Arc<Obstacle>, BoundingBox)> {
     let bounds = obstacle.shape.bounding_box().placed(&obstacle.placement);
     obstacle
@@ -356,7 +357,7 @@ fn standing(obstacle: &Arc<Obstacle>) -> Option<(Arc<Obstacle>, BoundingBox)> {
         .then(|| (Arc::clone(obstacle), bounds))
 }
 
-/// The numbers of the planes that what is on a frame may be through.
+/// Numbers of the planes that the shapes on a frame may penetrate.
 fn passes(model: &CollisionModel, frame: FrameId) -> Vec<u64> {
     let planes = (FIRST_PLANE..).zip(model.planes());
     let passed = planes.filter(|(_, plane)| !plane.holds(model.model(), frame));
@@ -364,7 +365,7 @@ fn passes(model: &CollisionModel, frame: FrameId) -> Vec<u64> {
 }
 
 impl Part {
-    /// Its frame, and balls around its shapes there.
+    /// The frame, and bounding balls of the shapes in the frame.
     fn balls(&self) -> (FrameId, Vec<(Vector3<f64>, f64)>) {
         let ball = |own: &PartShape| {
             let middle = own.part_from_shape.apply(own.ball.centre);
@@ -374,7 +375,7 @@ impl Part {
     }
 }
 
-/// Parts that are kept apart: links as the model has it, attached obstacles from all but what may hold them.
+/// Checked pairs of parts: enabled pairs of links, and attached obstacles with all parts that cannot hold them.
 fn pairs(
     model: &CollisionModel,
     parts: &[Part],
@@ -389,7 +390,7 @@ fn pairs(
     let frames: Vec<FrameId> = parts.iter().map(|part| part.frame).collect();
     let bodies = Bodies::new(model.model(), &frames);
     for attached in own..parts.len() {
-        // Where a body carries the holding one and no other, as a forearm its hand, it does not hold.
+        // A body cannot hold an obstacle if it only carries the holding body, as a forearm carries its hand.
         let kept = (0..attached).filter(|&other| {
             bodies.are_apart(other, attached)
                 || other < own && bodies.is_above_alone(other, attached)

@@ -1,4 +1,4 @@
-//! Shapes of a part where they stand.
+//! Shapes of a part with their placements.
 
 use crate::collision::{Ball, Separation, Shape, separation_within};
 use crate::spatial::{Placement, Vector3};
@@ -8,15 +8,16 @@ use crate::spatial::{Placement, Vector3};
 pub(super) struct PartShape {
     pub(super) shape: Shape,
     pub(super) part_from_shape: Placement<f64>,
-    /// Around it, in its own coordinates: a hull of thousands of corners takes as long to bound as to check.
+    /// Bounding sphere in the shape's frame. Stored, since bounding a hull of thousands of vertices takes as long as a
+    /// check.
     pub(super) ball: Ball,
 }
 
-/// Where one stands.
+/// Placement of a shape.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placed {
     pub(super) world_from_shape: Placement<f64>,
-    /// The middle of its ball.
+    /// Centre of its bounding sphere in the world.
     pub(super) centre: Vector3<f64>,
 }
 
@@ -29,7 +30,7 @@ impl Placed {
     }
 }
 
-/// The shapes of a part where they stand.
+/// The shapes of a part, with their placements in the same order.
 pub(super) type PlacedShapes<'a> = (&'a [PartShape], &'a [Placed]);
 
 impl PartShape {
@@ -50,7 +51,7 @@ impl PartShape {
     }
 }
 
-/// The least distance of two parts, if that is at most `within`.
+/// The smallest separation of two parts, if it is at most `within` metres.
 pub(super) fn part_to_part(
     a: PlacedShapes<'_>,
     b: PlacedShapes<'_>,
@@ -59,7 +60,7 @@ pub(super) fn part_to_part(
     let mut nearest: Option<Separation> = None;
     for (first, first_at) in a.0.iter().zip(a.1) {
         for (second, second_at) in b.0.iter().zip(b.1) {
-            // By the balls around them.
+            // Rejects by bounding spheres.
             let reach = first.ball.radius + second.ball.radius + within;
             if (first_at.centre - second_at.centre).norm_squared() > reach * reach {
                 continue;

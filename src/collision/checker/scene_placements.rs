@@ -1,4 +1,4 @@
-//! Where the parts of a scene stand, as far as anybody asked.
+//! Placements of a scene's parts, computed on demand.
 
 use std::ops::Range;
 
@@ -8,19 +8,20 @@ use super::sphere_cover::PlacedCover;
 use crate::collision::Separation;
 use crate::spatial::Placement;
 
-/// Memory for checks of one configuration after another: what was placed by now, as most is told apart before, and what a part is near to.
+/// Workspace of checks at one configuration after another: the shapes and covers placed so far, and the obstacles near
+/// a part.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SceneRoom {
     pub(super) shapes: Vec<Placed>,
-    /// By part, whether its shapes are there.
+    /// True for each part whose shapes are placed.
     has_shapes: Vec<bool>,
     pub(super) covers: Vec<PlacedCover>,
-    /// What stands near a part, by place.
+    /// Fixed obstacles near a part, by index.
     pub(super) near: Vec<(u32, Separation)>,
 }
 
 impl Scene {
-    /// Forgets where anything stood.
+    /// Starts a new configuration: no part is placed.
     pub(super) fn begin(&self, room: &mut SceneRoom) {
         room.has_shapes.clear();
         room.has_shapes.resize(self.parts.len(), false);
@@ -33,7 +34,7 @@ impl Scene {
         }
     }
 
-    /// The shapes of a part where they stand.
+    /// The shapes of a part with their placements.
     pub(super) fn placed<'a>(
         &'a self,
         part: usize,
@@ -44,7 +45,7 @@ impl Scene {
         (&self.parts[part].shapes, &room.shapes[self.shapes_of(part)])
     }
 
-    /// Places the shapes of a part, once.
+    /// Computes the placements of a part's shapes on first use.
     pub(super) fn place(&self, part: usize, placements: &[Placement<f64>], room: &mut SceneRoom) {
         if !std::mem::replace(&mut room.has_shapes[part], true) {
             let own = &self.parts[part].shapes;
@@ -55,7 +56,7 @@ impl Scene {
         }
     }
 
-    /// Where a part's shapes are among those of all.
+    /// Range of a part's shapes among all shapes.
     pub(super) fn shapes_of(&self, part: usize) -> Range<usize> {
         let end = |part: usize| self.shape_ends[part];
         part.checked_sub(1).map_or(0, end)..end(part)

@@ -1,9 +1,10 @@
-//! What slides past something stays apart for longer than its room over its motion says.
+//! Longer steps of conservative advancement for pairs that slide past each other.
 //!
-//! Along a fixed direction n the gap between two bodies is min n·b − max n·a over their places. Each place's n·p(t) is off the straight line between
-//! its values at both ends of a span of the way by at most K/8 times the span squared, where K bounds its acceleration; so the gap is nowhere less than at
-//! the ends by more than that, however far the bodies go across n. Where conservative advancement alone creeps by a hair's breadth a step along a
-//! table, this goes by the square root of it.
+//! Along a fixed direction n, the gap between two bodies is min n·b − max n·a over their points. Over a span s of the
+//! motion, n·p(t) of a point deviates from linear interpolation by at most K s²/8. K bounds the point's acceleration.
+//! The gap is therefore at least the smaller end gap minus that amount, for any tangential motion. Conservative
+//! advancement along a table takes steps proportional to the clearance; these steps are proportional to its square
+//! root.
 
 use super::continuous_check::Slow;
 use super::motion_bound::BoundRoom;
@@ -13,12 +14,14 @@ use super::{Checker, CheckerWorkspace};
 use crate::kinematics::KinematicsError;
 use crate::spatial::{Placement, Vector3};
 
-/// Shorter spans are tried so often, each half as long.
+/// Number of spans tried, each half as long as the last.
 const TRIES: usize = 3;
 
 impl Checker {
-    /// How far what is slow stays surely apart by more than `least` beyond the margin, found along the directions in which it is apart
-    /// `here`; no less than is known.
+    /// Share of the motion up to which the given pairs stay farther apart than `least` beyond their margins. At least
+    /// `known`.
+    ///
+    /// The gaps are measured along the directions that separate the pairs at `here`.
     pub(super) fn slides_until(
         &self,
         workspace: &mut CheckerWorkspace,
@@ -28,7 +31,7 @@ impl Checker {
         slow: &[(usize, Slow)],
         least: f64,
     ) -> Result<f64, KinematicsError> {
-        // Half of the least room for what the way bends.
+        // The curvature uses up half of the smallest gap.
         let span = |one: &Slow| {
             let room = one.room.max(0.0);
             (4.0 * room / self.bend(one.pair, &workspace.bound)).sqrt()
@@ -37,7 +40,7 @@ impl Checker {
             .iter()
             .map(|(_, one)| span(one))
             .fold(f64::INFINITY, f64::min);
-        // Not a number where nothing bounds the way.
+        // NaN if the acceleration is unbounded.
         let mut span = if longest.is_nan() {
             0.0
         } else {
@@ -47,7 +50,7 @@ impl Checker {
         q.resize(from.len(), 0.0);
         let mut until = Ok(known);
         for _ in 0..TRIES {
-            // Worth a look only where it goes well beyond.
+            // Only a substantial gain is worth a check.
             if here + span <= here + 2.0 * (known - here) {
                 break;
             }
@@ -70,7 +73,7 @@ impl Checker {
         until
     }
 
-    /// Whether what was apart at the begin of a span, which ends at q, is so all along it.
+    /// True if all pairs stay apart along a span that ends at `q`.
     fn stay_apart(
         &self,
         workspace: &mut CheckerWorkspace,
@@ -79,18 +82,19 @@ impl Checker {
         slow: &[(usize, Slow)],
         least: f64,
     ) -> Result<bool, KinematicsError> {
+        // Deviation K s²/8, without the factor K.
         let bends: f64 = 0.125 * span * span;
         let (placements, room, bound) = workspace.place_on_way(q)?;
         self.scene.begin(room);
         Ok(slow.iter().all(|(_, one)| {
             let bends = bends * self.bend(one.pair, bound);
             let gap = self.scene.gap_along(one.pair, one.normal, placements, room);
-            // Not a number is no gap.
+            // A NaN gap fails the comparison.
             gap.is_some_and(|gap| one.room.min(gap - one.margin) - bends > least)
         }))
     }
 
-    /// A bound on the acceleration with which two come together, on the whole way.
+    /// Upper bound of the acceleration with which a pair approaches in the whole motion, metres.
     fn bend(&self, pair: Pair, room: &BoundRoom) -> f64 {
         let bound = self.scene.motion_bound();
         match pair {
@@ -101,7 +105,7 @@ impl Checker {
 }
 
 impl Scene {
-    /// How much room is between two along a direction from the first to the second; `None` for what is not convex.
+    /// Gap of a pair along a direction from the first to the second, metres; `None` if a shape is not convex.
     pub(super) fn gap_along(
         &self,
         pair: Pair,
@@ -112,7 +116,7 @@ impl Scene {
         let (first, normal, second) = match pair {
             Pair::Standing(part, standing) => {
                 let (shape, at) = self.standing_at(standing);
-                // A plane has no end but along its own normal.
+                // A half-space is bounded only along its normal.
                 let normal = match shape.is_half_space() {
                     true => -at.rotation.z,
                     false => normal,
@@ -128,7 +132,7 @@ impl Scene {
         Some(-second - self.reach_of(first, normal, placements, room)?)
     }
 
-    /// How far a part reaches along a direction.
+    /// Largest coordinate of a part along a direction, metres; `None` if a shape is not convex.
     fn reach_of(
         &self,
         part: usize,

@@ -1,24 +1,24 @@
-//! Spheres around a part, by which most pairs of parts are told apart before their shapes are looked at.
+//! Sphere covers of parts, which reject most pairs before exact distances.
 
 use crate::collision::{Ball, SphereGroup};
 use crate::spatial::Placement;
 
-/// What of a reach is rounding.
+/// Relative margin for rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Spheres around the shapes of a part, and a ball around them all.
+/// Spheres that cover the shapes of a part, and their bounding sphere, in the part's frame.
 #[derive(Clone, Debug)]
 pub(super) struct Cover {
     bound: Ball,
     spheres: Vec<Ball>,
 }
 
-/// Where one stands.
+/// A cover in world coordinates.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PlacedCover {
     bound: Ball,
     spheres: Vec<Ball>,
-    /// Whether the bound is there, and whether the spheres are: most parts' are never asked for.
+    /// True once the bound and the spheres are computed. Most parts never need them.
     has_bound: bool,
     has_spheres: bool,
 }
@@ -33,24 +33,24 @@ impl Cover {
 }
 
 impl PlacedCover {
-    /// Stands nowhere.
+    /// Marks the bound and the spheres as not computed.
     pub(super) fn forget(&mut self) {
         (self.has_bound, self.has_spheres) = (false, false);
     }
 
-    /// Stands where the part does.
+    /// Computes the bounding sphere on first use.
     pub(super) fn place(&mut self, own: &Cover, at: &Placement<f64>) {
         if !std::mem::replace(&mut self.has_bound, true) {
             self.bound = placed(&own.bound, at);
         }
     }
 
-    /// Whether the ball around all meets another's.
+    /// True if the bounding spheres are at most `within` metres apart.
     pub(super) fn meets(&self, other: &Self, within: f64) -> bool {
         meet(&self.bound, &other.bound, within)
     }
 
-    /// Places the spheres, once.
+    /// Computes the spheres on first use.
     pub(super) fn place_spheres(&mut self, own: &Cover, at: &Placement<f64>) {
         if !std::mem::replace(&mut self.has_spheres, true) {
             self.spheres.clear();
@@ -58,7 +58,7 @@ impl PlacedCover {
         }
     }
 
-    /// Whether what two of them are around is surely further apart, by their spheres.
+    /// True if the covered shapes are certainly farther apart than `within` metres.
     pub(super) fn is_apart(&self, other: &Self, within: f64) -> bool {
         let near = |own: &&Ball| meet(own, &other.bound, within);
         let touches = |own: &Ball| {
@@ -77,7 +77,7 @@ fn placed(own: &Ball, at: &Placement<f64>) -> Ball {
 }
 
 fn meet(a: &Ball, b: &Ball, within: f64) -> bool {
-    // Spheres that are the shapes themselves are not to be lost by rounding.
+    // If the spheres are the shapes themselves, rounding must not lose a pair.
     let reach = (a.radius + b.radius + within) * (1.0 + ROUNDING);
     (a.centre - b.centre).norm_squared() <= reach * reach
 }

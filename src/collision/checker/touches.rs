@@ -1,19 +1,21 @@
-//! What may touch an obstacle, by the names of both.
+//! Allowed collisions of obstacles, by name.
 
 use super::CheckerError;
 use crate::collision::{CollisionModel, World};
 use crate::model::{FrameId, FrameRef, UnknownName};
 
-/// Obstacles that may touch something, with their numbers and what that is.
+/// Obstacles with allowed collisions.
 pub(super) struct Touches<'a> {
     world: &'a World,
-    /// By their numbers: an obstacle, and what it may touch.
+    /// Number and name of each obstacle, and the names that it may collide with.
     of: Vec<(u64, &'a str, &'a [String])>,
 }
 
 impl<'a> Touches<'a> {
+    /// Collects the allowed collisions of a world.
+    ///
     /// # Errors
-    /// What neither the robot nor the world has.
+    /// Returns an error if a name belongs neither to the robot nor to the world.
     pub(super) fn of(model: &CollisionModel, world: &'a World) -> Result<Self, CheckerError> {
         let mut of = Vec::new();
         for (number, obstacle) in world.touching() {
@@ -34,22 +36,23 @@ impl<'a> Touches<'a> {
         Ok(Self { world, of })
     }
 
-    /// The numbers of the obstacles that a link may touch, in order.
+    /// Sorted numbers of the obstacles that a link may touch.
     pub(super) fn passes_of(model: &CollisionModel, world: &World, link: FrameId) -> Vec<u64> {
         let mut passes = Vec::new();
-        // Names were looked up when both came together.
+        // The names are validated when robot and world are combined.
         if let Ok(touches) = Touches::of(model, world) {
             touches.add_passes(model.name_of(link), &mut passes);
         }
         passes
     }
 
-    /// Whether two things may touch, of which one is an obstacle.
+    /// True if two bodies may collide, of which at least one is an obstacle.
     pub(super) fn may(&self, one: &str, other: &str) -> bool {
         !self.of.is_empty() && self.world.may_touch(one, other)
     }
 
-    /// Adds the numbers of the obstacles that what bears a name may touch, in order; those that move with the robot have none that counts.
+    /// Adds the numbers of the obstacles that a named body may touch, and sorts all. Numbers of attached obstacles have
+    /// no effect.
     pub(super) fn add_passes(&self, name: &str, passes: &mut Vec<u64>) {
         if self.of.is_empty() {
             return;

@@ -1,4 +1,4 @@
-//! Memory for checks.
+//! Scratch memory for checks.
 
 use std::sync::Arc;
 
@@ -11,21 +11,22 @@ use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::FrameId;
 use crate::spatial::Placement;
 
-/// Places the parts of a [`Checker`] again and again. Where other parts are attached than before, or the checker is of another robot, what
-/// is kept of the one before is made anew.
+/// Scratch memory for the checks of a [`Checker`].
+///
+/// Some of it is rebuilt when it is used with another robot or other attached obstacles.
 #[derive(Clone, Debug)]
 pub struct CheckerWorkspace {
     kinematics: ForwardKinematics<f64>,
-    /// What it places.
+    /// Parts whose frames `kinematics` computes.
     parts: Arc<Vec<Part>>,
     scene: SceneRoom,
     pub(super) bound: BoundRoom,
-    /// A configuration on a way, and what is watched there.
+    /// A configuration in a motion, and the pairs monitored there.
     pub(super) between: Vec<f64>,
     pub(super) watched: Vec<Watched>,
-    /// What is nearer than the margin where a way begins, and may be.
+    /// Initial contacts of a motion.
     pub(super) contacts: Vec<Contact>,
-    /// What slides, by the place of what is watched, and where that is looked at.
+    /// Sliding pairs by the index of their monitor, and the configuration at which they are tested.
     pub(super) slow: Vec<(usize, Slow)>,
     pub(super) there: Vec<f64>,
 }
@@ -45,7 +46,7 @@ impl CheckerWorkspace {
         }
     }
 
-    /// Where the parts stand at a configuration, and room for a visit.
+    /// World placements of the parts at a configuration, and the workspace for a visit.
     pub(super) fn place(
         &mut self,
         checker: &Checker,
@@ -58,7 +59,7 @@ impl CheckerWorkspace {
         Ok((self.kinematics.place(q)?, &mut self.scene))
     }
 
-    /// The same on a way whose bound was taken.
+    /// As [`place`](Self::place) within a motion whose bound is computed.
     pub(super) fn place_on_way(
         &mut self,
         q: &[f64],

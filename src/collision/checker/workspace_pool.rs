@@ -1,10 +1,10 @@
-//! Memory that a residual lends itself, which is asked by many threads and changes nothing.
+//! Pool of workspaces for a residual that many threads evaluate.
 
 use std::sync::{Mutex, PoisonError};
 
 use super::scene_placements::SceneRoom;
 
-/// Room for as many visits as there were at once.
+/// As many workspaces as there were simultaneous visits.
 #[derive(Debug, Default)]
 pub(super) struct Rooms(Mutex<Vec<SceneRoom>>);
 
@@ -22,7 +22,7 @@ impl Rooms {
     }
 }
 
-/// A copy makes its own.
+/// A copy starts with an empty pool.
 impl Clone for Rooms {
     fn clone(&self) -> Self {
         Self::default()

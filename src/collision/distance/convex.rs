@@ -1,14 +1,14 @@
-//! Two convex bodies: cores and the radii around them.
+//! Signed distance of two convex bodies, given as cores with radii.
 
 use super::core_and_radius::{Core, Corner, Gap, Pair};
 use super::{cylinder_refinement, epa, gjk};
 use crate::collision::shape::{Nearest, nearest_on_cuboid, nearest_on_cylinder};
 use crate::spatial::Vector3;
 
-/// Of the size of both: how far the widest gap may stay behind the distance of two places.
+/// Tolerance between the upper bound of a distance and the lower bound along the normal, relative to the pair's scale.
 const OPEN: f64 = 1e-13;
 
-/// How far they are apart; `None` where that is told to be more than `within`.
+/// The signed distance. `None` if the search finds that it is more than `within`.
 pub(crate) fn gap(pair: &Pair<'_>, radius_a: f64, radius_b: f64, within: f64) -> Option<Gap> {
     let radii = radius_a + radius_b;
     let core = match closed_form(pair) {
@@ -36,8 +36,8 @@ fn searched(pair: &Pair<'_>, within: f64) -> Option<Gap> {
         gjk::Found::Apart(gap) => gap,
     };
     let gap = refined(apart);
-    // Two places are that far apart, so the distance is no more; it is no less than the gap along any direction. Where
-    // both differ, nearly touching, the direction was lost: what the polytope's faces say is tried, too.
+    // The distance is at most that of the two points, and at least the gap along any direction. If the bounds differ,
+    // the cores nearly touch and GJK lost the direction, so EPA is tried too.
     if apart.distance - pair.gap_along(gap.normal) <= OPEN * pair.scale() {
         return Some(gap);
     }
@@ -57,7 +57,7 @@ fn searched(pair: &Pair<'_>, within: f64) -> Option<Gap> {
     })
 }
 
-/// A point and another point, a segment, a box or a cylinder.
+/// Gap of a point and a point, segment, box or cylinder; `None` for other cores.
 fn closed_form(pair: &Pair<'_>) -> Option<Gap> {
     let of_point = |p: Vector3<f64>, core: &Core<'_>| {
         let (distance, on_core) = match core {
@@ -82,8 +82,9 @@ fn closed_form(pair: &Pair<'_>) -> Option<Gap> {
     }
 }
 
-/// The gap of a core and a point in its coordinates. Where the point is on the surface or on a segment,
-/// the core tells the way out.
+/// The gap of a core and a point in the core's frame.
+///
+/// If the point is on the surface or on a segment, the core defines the normal.
 fn from_point(p: Vector3<f64>, core: &Core<'_>, (distance, on_a): Nearest) -> Gap {
     let offset = (p - on_a) * distance.signum();
     let length = offset.norm();

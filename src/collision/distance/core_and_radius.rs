@@ -1,18 +1,18 @@
-//! Convex bodies as cores with a radius around them: a sphere is a point, a capsule a segment.
+//! Convex bodies as a core and a radius: a sphere is a point, a capsule a segment.
 
 use crate::collision::bounding_box::BoundingBox;
 use crate::collision::shape::{ConvexHull, ShapeKind};
 use crate::spatial::{Placement, Vector3};
 
-/// A convex body without its radius, in its own coordinates.
+/// A convex body without its radius, in the frame of its shape.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Core<'a> {
-    /// One place.
+    /// A single point.
     Point(Vector3<f64>),
-    /// Along z, this far to either side.
+    /// A segment along z, with half its length.
     Segment(f64),
     Triangle([Vector3<f64>; 3]),
-    /// From the middle to the sides.
+    /// A box, with half its lengths.
     Box(Vector3<f64>),
     Cylinder {
         radius: f64,
@@ -22,7 +22,7 @@ pub(crate) enum Core<'a> {
 }
 
 impl<'a> Core<'a> {
-    /// Of a shape that is convex and bounded, with the radius around it.
+    /// Core and radius of a convex bounded shape; `None` for other shapes.
     pub(crate) fn of(kind: &'a ShapeKind) -> Option<(Self, f64)> {
         Some(match kind {
             ShapeKind::Sphere { radius } => (Self::Point(Vector3::zero()), *radius),
@@ -38,7 +38,7 @@ impl<'a> Core<'a> {
         })
     }
 
-    /// A point of it that is farthest along a direction.
+    /// Support point: a point that is farthest along a direction.
     pub(crate) fn support(&self, along: Vector3<f64>) -> Vector3<f64> {
         match self {
             Self::Point(at) => *at,
@@ -51,7 +51,7 @@ impl<'a> Core<'a> {
             ),
             Self::Cylinder { radius, half } => {
                 let across = (along.x * along.x + along.y * along.y).sqrt();
-                // Straight along the axis any point of the disc is as far.
+                // Along the axis all points of the disc are equally far.
                 let scale = if across > 0.0 { radius / across } else { 0.0 };
                 Vector3::new(along.x * scale, along.y * scale, half.copysign(along.z))
             }
@@ -59,7 +59,7 @@ impl<'a> Core<'a> {
         }
     }
 
-    /// The same, or by rounding nearly so, which of a hull of many corners is found much sooner.
+    /// Support point up to rounding. Faster than [`support`](Self::support) for large hulls.
     pub(super) fn support_nearly(&self, along: Vector3<f64>) -> Vector3<f64> {
         match self {
             Self::Hull(hull) => hull.climbed(along),
@@ -67,12 +67,12 @@ impl<'a> Core<'a> {
         }
     }
 
-    /// Whether that may differ.
+    /// True if [`support_nearly`](Self::support_nearly) and [`support`](Self::support) may differ.
     fn is_climbed(&self) -> bool {
         matches!(self, Self::Hull(hull) if hull.is_climbed())
     }
 
-    /// How far its points are from its origin at most.
+    /// Upper bound of the distance of its points from its origin, metres.
     fn reach(&self) -> f64 {
         let farthest = |points: &[Vector3<f64>]| {
             let lengths = points.iter().map(|p| p.norm_squared());
@@ -88,7 +88,7 @@ impl<'a> Core<'a> {
         }
     }
 
-    /// The box around it.
+    /// The axis-aligned bounding box.
     pub(crate) fn bounds(&self) -> BoundingBox {
         let points = Vector3::UNITS
             .into_iter()
@@ -96,7 +96,7 @@ impl<'a> Core<'a> {
         BoundingBox::around(points)
     }
 
-    /// A way out at a place on the surface of a box or cylinder, on a segment or at a point.
+    /// An outward unit normal at a point on the surface of a box or cylinder; +x for other cores.
     pub(crate) fn outward(&self, p: Vector3<f64>) -> Vector3<f64> {
         let side = |axis: usize| {
             let sign = 1_f64.copysign(p.to_array()[axis]);
@@ -121,7 +121,7 @@ impl<'a> Core<'a> {
         }
     }
 
-    /// Some point within.
+    /// A point inside.
     pub(crate) fn middle(&self) -> Vector3<f64> {
         let mean = |points: &[Vector3<f64>]| {
             let sum = points.iter().fold(Vector3::zero(), |sum, &p| sum + p);
@@ -147,7 +147,7 @@ fn farthest(points: &[Vector3<f64>], along: Vector3<f64>) -> Vector3<f64> {
     best.1
 }
 
-/// Two cores in the coordinates of the first.
+/// Two cores, with the pose of B in the frame of A.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pair<'a> {
     pub(crate) a: Core<'a>,
@@ -155,7 +155,7 @@ pub(crate) struct Pair<'a> {
     pub(crate) a_from_b: Placement<f64>,
 }
 
-/// A corner of the difference A − B: the points of both that make it.
+/// A vertex of the Minkowski difference A − B, with its points on A and B in the frame of A.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Corner {
     pub(crate) on_a: Vector3<f64>,
@@ -170,7 +170,7 @@ impl Corner {
 }
 
 impl Pair<'_> {
-    /// The corner of A − B that is farthest along a direction.
+    /// The vertex of A − B that is farthest along a direction.
     pub(crate) fn support(&self, along: Vector3<f64>) -> Corner {
         let back = self.a_from_b.rotation.transpose_mul(-along);
         Corner {
@@ -179,7 +179,7 @@ impl Pair<'_> {
         }
     }
 
-    /// The same, or by rounding nearly so, which of hulls of many corners is found much sooner.
+    /// As [`support`](Self::support) up to rounding. Faster for large hulls.
     pub(super) fn support_nearly(&self, along: Vector3<f64>) -> Corner {
         let back = self.a_from_b.rotation.transpose_mul(-along);
         Corner {
@@ -188,30 +188,31 @@ impl Pair<'_> {
         }
     }
 
-    /// Whether that may differ.
+    /// True if [`support_nearly`](Self::support_nearly) and [`support`](Self::support) may differ.
     pub(super) fn is_climbed(&self) -> bool {
         self.a.is_climbed() || self.b.is_climbed()
     }
 
-    /// How much room there is between both along a unit direction from A to B; less than none where they overlap
-    /// along it.
+    /// Width of the gap between both along a unit direction from A to B, metres; negative if they overlap along it.
     pub(crate) fn gap_along(&self, normal: Vector3<f64>) -> f64 {
         -self.support(normal).difference().dot(normal)
     }
 
-    /// From a point within B to one within A.
+    /// Vector from an interior point of B to an interior point of A.
     pub(crate) fn middle(&self) -> Vector3<f64> {
         self.a.middle() - self.a_from_b.apply(self.b.middle())
     }
 
-    /// How large both are and how far from each other: what rounding is measured by.
+    /// Sum of the sizes of both and the distance of their origins, metres: the scale of rounding errors.
     pub(crate) fn scale(&self) -> f64 {
         self.a.reach() + self.b.reach() + self.a_from_b.translation.norm()
     }
 }
 
-/// How far two cores are apart, in the coordinates of the first: `normal` is of unit length and points from A to B
-/// where they are apart, and where they overlap the way by which B leaves soonest. `distance` is negative then.
+/// Signed distance of two cores in the frame of A.
+///
+/// `normal` is a unit vector. It points from A to B if they are apart. If they overlap, it is the direction of the
+/// shortest translation of B that separates them, and `distance` is negative.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Gap {
     pub(crate) distance: f64,
@@ -221,7 +222,7 @@ pub(crate) struct Gap {
 }
 
 impl Gap {
-    /// The same told of B first, in the coordinates that `b_from_a` leads to.
+    /// The gap with A and B swapped, in the frame that `b_from_a` maps to.
     pub(crate) fn flipped(&self, b_from_a: &Placement<f64>) -> Self {
         Self {
             distance: self.distance,

@@ -1,26 +1,26 @@
-//! The last digits of distances of cylinders.
+//! Refinement of distances of cylinders to full precision.
 //!
-//! The signed distance of convex bodies is the most that any direction's gap is: −h_B(−n) − h_A(n), with the support
-//! functions h. Searches through corners approach a round one's direction by halves only, so it is solved for here:
-//! a rim is a circle, a side is the axis with the radius, and of what has corners those at hand and the lines between
-//! them. Where two such features are stationary gives a direction; the one with the widest gap is taken, which can
-//! only be nearer to the truth.
+//! The signed distance of convex bodies is the maximum over directions n of the gap −h_B(−n) − h_A(n), with the support
+//! functions h. Simplex searches converge only linearly to the direction of a round body. The refinement solves for it.
+//! A rim is a circle, a side is the axis with a radius, and a polyhedron contributes nearby vertices and the lines
+//! between them. Each pair of features gives a stationary direction. The direction with the widest gap wins, which
+//! cannot increase the error.
 
 use crate::spatial::{Placement, Vector3};
 
 use super::core_and_radius::{Core, Gap, Pair};
 use super::nearest_features::{Candidate, Feature, across, stationary, unit};
 
-/// Corners within this share of the size are at hand.
+/// Depth below the support point up to which vertices are candidates, relative to the scale of the pair.
 const AT_HAND: f64 = 1e-4;
-/// And this near a place is the one that was found.
+/// Largest offset from the found point at which a candidate's point replaces it, relative to the scale of the pair.
 const NEAR: f64 = 1e-3;
-/// Of the size: gaps that differ by less are alike.
+/// Difference below which two gaps count as equal, relative to the scale of the pair.
 const ROUNDING: f64 = 1e-15;
-/// A direction this near to straight is straight onto a face.
+/// Sine of the angle below which a direction counts as perpendicular to a face.
 const FACE: f64 = 1e-9;
 
-/// The gap with the digits that its search left.
+/// The gap, refined to full precision.
 pub(super) fn refined(pair: &Pair<'_>, found: Gap) -> Gap {
     let scale = pair.scale();
     let a = features(&pair.a, &Placement::identity(), found.normal, scale);
@@ -32,7 +32,7 @@ pub(super) fn refined(pair: &Pair<'_>, found: Gap) -> Gap {
             candidates.extend(stationary(on_a, on_b, &found));
         }
     }
-    // Last, as directions that are solved for have more digits where gaps are alike.
+    // Last: among equal gaps, a computed direction is more accurate.
     candidates.push((found.normal, None));
     let mut best = Gap {
         distance: f64::NEG_INFINITY,
@@ -42,9 +42,9 @@ pub(super) fn refined(pair: &Pair<'_>, found: Gap) -> Gap {
         let turned = normal.dot(found.normal) < 0.0;
         let normal = if turned { -normal } else { normal };
         let gap = pair.gap_along(normal);
-        // Alike but for rounding, the earlier one stays.
+        // Among equal gaps the first remains.
         if gap > best.distance + ROUNDING * scale {
-            // Another part of a face is another place; of a side the place is on the axis.
+            // A distant point is on another part of a face; for the side of a cylinder, the point is on the axis.
             let off = |p: Vector3<f64>| across(p - found.on_a, normal).norm();
             let near = on_a.filter(|&p| off(p) <= NEAR * scale);
             best = Gap {
@@ -58,7 +58,7 @@ pub(super) fn refined(pair: &Pair<'_>, found: Gap) -> Gap {
     placed(pair, best)
 }
 
-/// With the places moved onto the parts of both that are farthest along the normal: first the one with less room.
+/// The gap with its points projected onto the parts of both bodies that are farthest along the normal.
 fn placed(pair: &Pair<'_>, gap: Gap) -> Gap {
     let Gap {
         distance,
@@ -70,7 +70,7 @@ fn placed(pair: &Pair<'_>, gap: Gap) -> Gap {
     let onto_a = |p| touched(&pair.a, &Placement::identity(), normal, p);
     let onto_b = |p| touched(&pair.b, &pair.a_from_b, -normal, p);
     let (room_a, room_b) = (onto_a(on_a).0, onto_b(on_a + way).0);
-    // What has more room has the last word: it does not leave the other's part any more.
+    // The part of higher dimension comes last: its projection does not move the point off the other part.
     let on_a = match room_a <= room_b {
         true => onto_b(onto_a(on_a).1 + way).1 - way,
         false => onto_a(onto_b(on_a + way).1 - way).1,
@@ -82,8 +82,7 @@ fn placed(pair: &Pair<'_>, gap: Gap) -> Gap {
     }
 }
 
-/// The place of a core's farthest part along a direction that is next to another, and in how many directions that
-/// part extends.
+/// Dimension of a core's farthest part along a direction, and the point of that part next to `near`.
 fn touched(
     core: &Core<'_>,
     at: &Placement<f64>,
@@ -91,7 +90,7 @@ fn touched(
     near: Vector3<f64>,
 ) -> (usize, Vector3<f64>) {
     let Core::Cylinder { radius, half } = core else {
-        // Corners, sides or faces: across them the place is as found.
+        // Vertex, edge or face: a point across the normal remains as found.
         let top = at
             .apply(core.support(at.rotation.transpose_mul(along)))
             .dot(along);
@@ -146,7 +145,7 @@ fn features(
     let mut corners: Vec<_> = corners.into_iter().map(|p| at.apply(p)).collect();
     corners.sort_by(|p, q| q.dot(along).total_cmp(&p.dot(along)));
     let least = corners[0].dot(along) - AT_HAND * scale;
-    // More are no corners of one face; what they are of is round to the eye.
+    // More vertices do not belong to one face but to a finely faceted round surface.
     corners.truncate(
         corners
             .iter()

@@ -1,7 +1,7 @@
-//! How deep convex cores are in each other, by an expanding polytope (van den Bergen 2001).
+//! Penetration depth of convex cores by the expanding polytope algorithm (EPA; van den Bergen 2001).
 //!
-//! The polytope is grown from any four corners of A − B, so it need not hold the origin at first: where the two
-//! just touch, its faces tell the way out as well as where they overlap.
+//! The polytope grows from any four vertices of A − B. It need not contain the origin at first: for cores that just
+//! touch, its faces give the direction as they do for overlapping cores.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -11,23 +11,25 @@ use crate::spatial::Vector3;
 
 use super::core_and_radius::{Corner, Gap, Pair};
 
-/// Round bodies about one axis would take all there are; what is left then is far below their offset.
+/// Iteration limit. Coaxial round bodies would use any number; the remaining error is then negligible.
 const ITERATIONS: usize = 400;
-/// Of the size of both: what is taken as no gap.
+/// Tolerance of convergence, relative to the scale of the pair.
 const CLOSED: f64 = 1e-14;
-/// Of the size of both: thinner than this A − B has no volume.
+/// Thickness below which A − B counts as flat, relative to the scale of the pair.
 const FLAT: f64 = 1e-13;
 
-/// A facet's plane.
+/// Plane of a facet.
 #[derive(Clone, Copy, PartialEq)]
 struct Plane {
-    /// How far the origin is within.
+    /// Distance of the plane from the origin; positive if the origin is inside.
     depth: f64,
     normal: Vector3<f64>,
     facet: u32,
 }
 
-/// The way by which B leaves A soonest, or by how little they are apart; `meeting` is where they do.
+/// The shortest translation of B that separates it from A, or the small gap between them.
+///
+/// `meeting` holds the points where both meet.
 pub(super) fn depth(pair: &Pair<'_>, meeting: Corner) -> Gap {
     let (scale, climbed) = (pair.scale(), pair.is_climbed());
     let corners = match spanning(pair, scale, meeting) {
@@ -38,7 +40,7 @@ pub(super) fn depth(pair: &Pair<'_>, meeting: Corner) -> Gap {
         return across(pair, meeting, Vector3::UNITS[2]);
     };
     let mut corners = corners.to_vec();
-    // `tetrahedron` may have turned the first two.
+    // `tetrahedron` may have swapped the first two.
     if corners[0].difference() != surface.points[0] {
         corners.swap(0, 1);
     }
@@ -51,7 +53,7 @@ pub(super) fn depth(pair: &Pair<'_>, meeting: Corner) -> Gap {
             continue;
         }
         let mut corner = pair.support_nearly(nearest.normal);
-        // Along any direction the two are free of each other after as much.
+        // The overlap along a direction is an upper bound of the depth.
         let enough = |corner: &Corner| corner.difference().dot(nearest.normal);
         let closed = |corner: &Corner| enough(corner) - nearest.depth <= CLOSED * scale;
         if climbed && closed(&corner) {
@@ -64,7 +66,7 @@ pub(super) fn depth(pair: &Pair<'_>, meeting: Corner) -> Gap {
             break;
         }
         let point = corner.difference();
-        // A sliver's normal may be off by so much; its neighbours know better.
+        // The normal of a sliver may be wrong by rounding; its neighbours are more accurate.
         if !surface.sees(nearest.facet, point) {
             continue;
         }
@@ -74,13 +76,13 @@ pub(super) fn depth(pair: &Pair<'_>, meeting: Corner) -> Gap {
     }
     let (mut depth, normal) = best.unwrap_or((0.0, Vector3::UNITS[2]));
     if climbed && best.is_some() {
-        // Of all corners, where one of few may have been told before.
+        // The exact support replaces the climbed one, which may stop early.
         depth = -pair.gap_along(normal);
     }
     witness(&surface, &corners, normal, depth)
 }
 
-/// Four corners that span a volume, or the gap across what is flat.
+/// Four vertices that span a volume. The error is the gap along the normal if A − B is flat.
 fn spanning(pair: &Pair<'_>, scale: f64, meeting: Corner) -> Result<[Corner; 4], Gap> {
     let least = FLAT * scale;
     let widest = Vector3::UNITS.map(|axis| [pair.support_nearly(axis), pair.support_nearly(-axis)]);
@@ -94,7 +96,7 @@ fn spanning(pair: &Pair<'_>, scale: f64, meeting: Corner) -> Result<[Corner; 4],
     });
     let along = b.difference() - a.difference();
     if along.norm() <= least {
-        // One place alone: straight away from it.
+        // A single point: the direction from it to the origin.
         let offset = a.difference();
         let away = -offset;
         return Err(across(
@@ -117,7 +119,7 @@ fn spanning(pair: &Pair<'_>, scale: f64, meeting: Corner) -> Result<[Corner; 4],
             }
         });
     if from_line(&c) <= least {
-        // A line: across it, away from the origin.
+        // A line: the direction from it to the origin, perpendicular to it.
         let offset = a.difference();
         let out = offset - along * (offset.dot(along) / along.norm_squared());
         let out = if out.norm() > least { unit(-out) } else { None };
@@ -129,7 +131,7 @@ fn spanning(pair: &Pair<'_>, scale: f64, meeting: Corner) -> Result<[Corner; 4],
     let [up, down] = [normal, -normal].map(|direction| pair.support_nearly(direction));
     let d = if above(&up) >= above(&down) { up } else { down };
     if above(&d) <= least {
-        // A plane: out on the side where the origin is.
+        // A plane: its normal on the side of the origin.
         let out = if a.difference().dot(normal) > 0.0 {
             -normal
         } else {
@@ -140,7 +142,7 @@ fn spanning(pair: &Pair<'_>, scale: f64, meeting: Corner) -> Result<[Corner; 4],
     Ok([a, b, c, d])
 }
 
-/// The gap along the normal of a difference without volume.
+/// The gap along the normal of a flat difference.
 fn across(pair: &Pair<'_>, meeting: Corner, normal: Vector3<f64>) -> Gap {
     let depth = -pair.gap_along(normal);
     Gap {
@@ -156,7 +158,7 @@ fn unit(v: Vector3<f64>) -> Option<Vector3<f64>> {
     (length > 0.0).then(|| v * length.recip())
 }
 
-/// A unit vector across another, along the axis that it is least along.
+/// A unit vector perpendicular to another, from the coordinate axis with the smallest component.
 fn perpendicular(v: Vector3<f64>) -> Vector3<f64> {
     let [x, y, z] = v.to_array().map(f64::abs);
     let axis = if x <= y && x <= z {
@@ -169,12 +171,12 @@ fn perpendicular(v: Vector3<f64>) -> Vector3<f64> {
     unit(v.cross(Vector3::UNITS[axis])).unwrap_or(Vector3::UNITS[2])
 }
 
-/// A facet's plane, if it is wide enough to have one.
+/// The plane of a facet, if the facet is wide enough to define it.
 fn plane(surface: &ConvexSurface, facet: u32) -> Option<Plane> {
     let [a, b, c] = surface.corners(facet);
     let sides = [b - a, c - b, a - c];
     let longest = sides.iter().map(|s| s.norm_squared()).fold(0.0, f64::max);
-    // Across the two shorter sides, where rounding is least.
+    // The cross product of the two shorter sides has the least rounding.
     let i = (0..3).find(|&i| sides[i].norm_squared() == longest)?;
     let normal = sides[(i + 1) % 3].cross(sides[(i + 2) % 3]);
     let area = normal.norm();
@@ -188,8 +190,8 @@ fn plane(surface: &ConvexSurface, facet: u32) -> Option<Plane> {
     })
 }
 
-/// Where both touch after leaving `depth` along `normal`: the place of the surface next to that end of the way.
-/// Facets in one plane are as near, so that all are asked.
+/// Contact points after the separation by `depth` along `normal`: the point of the surface next to the end of that
+/// translation. All facets are searched, since coplanar facets are equally near.
 fn witness(surface: &ConvexSurface, corners: &[Corner], normal: Vector3<f64>, depth: f64) -> Gap {
     let end = normal * depth;
     let mut best = (f64::INFINITY, Vector3::zero());
@@ -210,7 +212,9 @@ fn witness(surface: &ConvexSurface, corners: &[Corner], normal: Vector3<f64>, de
     }
 }
 
-/// The weights of the place of a triangle that is nearest to a point of its plane; of a sliver one on its sides.
+/// Barycentric weights of the point of a triangle that is nearest to a point of its plane.
+///
+/// For a sliver the point lies on a side.
 fn weights_of(p: Vector3<f64>, [a, b, c]: [Vector3<f64>; 3]) -> [f64; 3] {
     let area = (b - a).cross(c - a);
     let scale = area.norm_squared().recip();
@@ -248,7 +252,7 @@ impl PartialOrd for Plane {
     }
 }
 
-/// The nearest first, the oldest of those as near.
+/// The plane nearest to the origin first; among equally near planes the oldest.
 impl Ord for Plane {
     fn cmp(&self, other: &Self) -> Ordering {
         let nearer = other.depth.total_cmp(&self.depth);

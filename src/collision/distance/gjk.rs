@@ -1,31 +1,32 @@
-//! The distance of convex cores that are apart, by Gilbert, Johnson and Keerthi (1988).
+//! Distance of separated convex cores by the GJK algorithm (Gilbert, Johnson & Keerthi 1988).
 
 use crate::spatial::Vector3;
 
 use super::core_and_radius::{Corner, Gap, Pair};
 use super::simplex::Simplex;
 
-/// Of both, round ones included: flat ones need a dozen.
+/// Iteration limit. Polyhedra need a dozen iterations, round bodies more.
 const ITERATIONS: usize = 200;
-/// Of the size of both: what rounding leaves of a distance.
+/// Tolerance of convergence, relative to the scale of the pair: the rounding of a distance.
 const ROUNDING: f64 = 4e-16;
-/// Of the size of both: nearer than this the distance's direction is rounding, and faces tell it better.
+/// Distance below which the cores count as touching, relative to the scale of the pair. The direction is then dominated
+/// by rounding, and the faces of EPA give a better one.
 const TOUCHING: f64 = 1e-12;
 
-/// Of the size of both: farther beyond what was asked for than going from corner to corner may lose to rounding.
+/// Excess over the query bound, relative to the scale of the pair, that exceeds the error of hill climbing.
 const SURELY: f64 = 1e-9;
 
-/// What became of a search.
+/// Result of GJK.
 pub(super) enum Found {
-    /// Apart, by as much.
+    /// Separated by the gap.
     Apart(Gap),
-    /// Farther apart than was asked for.
+    /// Farther apart than the query bound.
     Beyond,
-    /// Touching or overlapping, here.
+    /// Touching or overlapping, at these points.
     Meeting(Corner),
 }
 
-/// The distance of two cores, or that it is more than `most`.
+/// The distance of two cores, unless it is more than `most`.
 pub(super) fn distance(pair: &Pair<'_>, most: f64) -> Found {
     let scale = pair.scale();
     let toward = pair.middle();
@@ -44,12 +45,12 @@ pub(super) fn distance(pair: &Pair<'_>, most: f64) -> Found {
         if length <= TOUCHING * scale {
             return Found::Meeting(nearest);
         }
-        // Rounding alone is left where it falls no further.
+        // A length that does not decrease is at the limit of rounding.
         let stuck = length >= apart;
         apart = length;
         let normal = face_normal(&simplex, offset);
         let mut corner = pair.support_nearly(-normal);
-        // No point of A − B is nearer than the plane through the farthest corner against the way.
+        // The plane through the support point bounds the distance of A − B from below.
         let mut least = corner.difference().dot(normal);
         if least > most + SURELY * scale {
             return Found::Beyond;
@@ -87,15 +88,14 @@ pub(super) fn distance(pair: &Pair<'_>, most: f64) -> Found {
     })
 }
 
-/// The unit direction of `offset`; where a triangle is nearest its own normal, which does not lose digits with the
-/// distance.
+/// Unit direction of `offset`. For a triangle it is the triangle's normal, which keeps its accuracy at small distances.
 fn face_normal(simplex: &Simplex, offset: Vector3<f64>) -> Vector3<f64> {
     let direction = offset * offset.norm().recip();
     if let [a, b, c] = simplex.corners() {
         let sides = [b, c].map(|corner| corner.difference() - a.difference());
         let normal = sides[0].cross(sides[1]);
         let area = normal.norm();
-        // Of slivers, as round bodies make, the offset tells more.
+        // Slivers, as round bodies cause, have an inaccurate normal.
         if area > 1e-4 * sides[0].norm() * sides[1].norm() {
             let normal = normal * area.recip();
             let normal = if normal.dot(direction) < 0.0 {

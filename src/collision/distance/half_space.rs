@@ -1,11 +1,11 @@
-//! A half-space and any shape: the shape's lowest point.
+//! Signed distance of a half-space and any shape, from the shape's lowest point.
 
 use crate::collision::shape::ShapeKind;
 use crate::spatial::{Placement, Vector3};
 
 use super::core_and_radius::{Core, Gap};
 
-/// How far a shape is above z = 0.
+/// The gap of the half-space z < 0 and a shape; `None` for a shape without a lowest point.
 pub(super) fn gap(other: &ShapeKind, half_from_other: &Placement<f64>) -> Option<Gap> {
     let up = half_from_other.rotation.transpose_mul(Vector3::UNITS[2]);
     let (lowest, radius) = match other {
@@ -45,7 +45,7 @@ fn bottomless(at: Vector3<f64>) -> Gap {
     }
 }
 
-/// Apart where they face away from each other exactly, else they meet without end.
+/// Two half-spaces. They are apart only if they face exactly away from each other, else they meet without bound.
 fn two(half_from_other: &Placement<f64>) -> Gap {
     let origin = half_from_other.translation;
     match half_from_other.rotation.z.z <= -1.0 {

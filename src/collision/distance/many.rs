@@ -1,4 +1,4 @@
-//! Shapes of many parts: meshes, height fields and clouds, through the boxes around their parts.
+//! Signed distance of shapes with many parts: meshes, height fields and point clouds, by AABB trees.
 
 use crate::clock::cut_short::is_over;
 use crate::collision::bounding_box::BoundingBox;
@@ -9,7 +9,7 @@ use crate::spatial::{Placement, Vector3};
 use super::convex;
 use super::core_and_radius::{Core, Gap, Pair};
 
-/// A shape as convex parts.
+/// A shape as a set of convex parts.
 pub(super) enum Parts<'a> {
     One(Core<'a>, f64),
     Mesh(&'a TriangleMesh, &'a Shape),
@@ -18,7 +18,7 @@ pub(super) enum Parts<'a> {
 }
 
 impl<'a> Parts<'a> {
-    /// Of any shape but a half-space, which has none.
+    /// Parts of any shape. A half-space has no parts and becomes a point.
     pub(super) fn of(shape: &'a Shape) -> Self {
         match shape.kind() {
             ShapeKind::Mesh(mesh) => Self::Mesh(mesh, shape),
@@ -50,7 +50,7 @@ impl<'a> Parts<'a> {
         }
     }
 
-    /// Around each of its parts.
+    /// Radius of the sphere around each part, metres.
     fn radius(&self) -> f64 {
         match self {
             Self::One(_, radius) => *radius,
@@ -59,7 +59,7 @@ impl<'a> Parts<'a> {
         }
     }
 
-    /// Those with an inside that their parts do not fill.
+    /// The shape, if it has an inside that its parts do not fill.
     fn hollow(&self) -> Option<&'a Shape> {
         match self {
             Self::Mesh(mesh, shape) => mesh.is_closed().then_some(*shape),
@@ -68,7 +68,7 @@ impl<'a> Parts<'a> {
         }
     }
 
-    /// The box around a node of its tree, without the radius.
+    /// Box of a tree node, without the radius.
     fn node_bounds(&self, node: u32) -> BoundingBox {
         match (self, self.tree()) {
             (_, Some(tree)) => tree.node_bounds(node),
@@ -78,7 +78,7 @@ impl<'a> Parts<'a> {
     }
 }
 
-/// How far they are apart; `None` where that is more than `within`.
+/// The signed distance; `None` if it is more than `within`.
 pub(super) fn gap(
     a: &Parts<'_>,
     b: &Parts<'_>,
@@ -99,7 +99,7 @@ pub(super) fn gap(
     best
 }
 
-/// A part of B that lies within A by how deep its middle is there.
+/// The gap of a part of B inside A, with the depth of the part's middle.
 fn enclosed(a: &Parts<'_>, b: &Parts<'_>, a_from_b: &Placement<f64>) -> Option<Gap> {
     let hollow = a.hollow()?;
     let at = |b: Vector3<f64>| {
@@ -138,7 +138,7 @@ fn enclosed(a: &Parts<'_>, b: &Parts<'_>, a_from_b: &Placement<f64>) -> Option<G
     })
 }
 
-/// The least distance of any part of A and any of B.
+/// The smallest distance of a part of A and a part of B.
 fn surfaces(a: &Parts<'_>, b: &Parts<'_>, a_from_b: &Placement<f64>, within: f64) -> Option<Gap> {
     let radii = (a.radius(), b.radius());
     let least = |node_a: u32, node_b: u32| {
@@ -189,7 +189,7 @@ fn surfaces(a: &Parts<'_>, b: &Parts<'_>, a_from_b: &Placement<f64>, within: f64
             }
         };
         let [near, far] = pairs.map(|(i, j)| (i, j, least(i, j)));
-        // The nearer one is looked at first.
+        // The nearer pair is on top of the stack.
         stack.extend(if near.2 <= far.2 {
             [far, near]
         } else {
@@ -206,8 +206,9 @@ fn items<'t>(contents: &'t Option<Contents<'t>>) -> &'t [u32] {
     }
 }
 
-/// No more than how far two boxes are apart, less than none where they may overlap: the depth of any two parts in
-/// them is at most as much.
+/// Lower bound of the distance of two boxes, by separating axes; negative if they may overlap.
+///
+/// The penetration depth of any two parts in the boxes is at most its absolute value.
 fn boxes_apart(a: &BoundingBox, b: &BoundingBox, a_from_b: &Placement<f64>) -> f64 {
     let (half_a, half_b) = ((a.max - a.min) * 0.5, (b.max - b.min) * 0.5);
     let offset = a_from_b.apply(b.centre()) - a.centre();

@@ -1,4 +1,4 @@
-//! How far two shapes are apart, or how deep one is in the other.
+//! Signed distance between two shapes, with the closest points.
 
 mod convex;
 mod core_and_radius;
@@ -19,31 +19,39 @@ use many::Parts;
 pub(crate) use self::core_and_radius::{Core, Pair};
 pub(crate) use convex::gap as convex_gap;
 
-/// Solids of a robot's size that are made to meet exactly are told apart or deep by far less than that, metres.
+/// Distances below this count as touching, metres. It is far above the rounding of distances of robot-sized solids.
 pub(crate) const ROUNDING: f64 = 1e-9;
 
-/// How far two shapes are apart, in world coordinates.
+/// Signed distance of two shapes, with the closest points in world coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Separation {
-    /// In metres: positive apart, 0 touching, negative overlapping, by the shortest way that frees them.
+    /// Signed distance, metres: positive if the shapes are apart, 0 if they touch.
+    ///
+    /// If the shapes overlap, it is minus the penetration depth: the length of the shortest translation that separates
+    /// them.
     pub distance: f64,
-    /// The point of the first shape that is nearest to the second, or deepest in it.
+    /// Point of the first shape that is closest to the second, or deepest in it, metres.
     pub on_first: Vector3<f64>,
-    /// The point of the second shape that is nearest to the first, or deepest in it.
+    /// Point of the second shape that is closest to the first, or deepest in it, metres.
     pub on_second: Vector3<f64>,
-    /// Of unit length, from the first to the second: the distance grows by as much as the second moves this way.
+    /// Unit direction from the first to the second shape. A translation of the second along it increases the distance
+    /// by the same length.
     pub normal: Vector3<f64>,
 }
 
-/// How far two shapes are apart, each by where it stands in the world.
+/// The signed distance of two shapes, each with its placement in the world.
 ///
-/// The distance of shapes that are apart is exact to some 1e-14 of their size and distance from each other, and so
-/// is the depth of convex ones (spheres, capsules, cylinders, boxes, hulls and half-spaces) in each other. A mesh,
-/// height field or cloud is deep by its deepest triangle or point, or where a shape lies wholly within by how deep
-/// a point of that is: never more than the true depth. Of an open mesh the surface alone counts. Two half-spaces
-/// that meet are infinitely deep. Where many points are as near, as between faces, one pair of them is told; the points are
-/// within 1e-6 of their shapes.
+/// The distance of separated shapes is exact to about 1e-14 of their size and of the distance between their origins.
+/// The same holds for the penetration depth of convex shapes: spheres, capsules, cylinders, boxes, hulls and
+/// half-spaces.
+///
+/// A mesh, height field or point cloud is as deep as its deepest triangle or point. If it contains the other shape
+/// entirely, the depth is that of one point of the other shape. Both never exceed the true depth. Only the surface of
+/// an open mesh counts. Two half-spaces that meet are infinitely deep.
+///
+/// If several pairs of points are equally close, as between parallel faces, the result holds one of them. The points
+/// are within 1e-6 m of their shapes.
 #[must_use]
 pub fn separation(
     first: &Shape,
@@ -58,13 +66,14 @@ pub fn separation(
         world_from_second,
         f64::INFINITY,
     );
-    // Without a bound there is always one.
+    // A query without an upper bound always has a result.
     gap.map_or_else(Separation::none, |gap| {
         Separation::placed(&gap, world_from_first)
     })
 }
 
-/// The same, if it is at most `within`, which may be told much sooner; else `None`.
+/// [`separation`], if the distance is at most `within` metres, else `None`. Faster than [`separation`] for distant
+/// shapes.
 #[must_use]
 pub fn separation_within(
     first: &Shape,
@@ -97,7 +106,7 @@ impl Separation {
     }
 }
 
-/// In the coordinates of the first; `None` where it is more than `within`.
+/// The signed distance in the frame of the first shape. May be `None` if it is more than `within`.
 fn gap(
     first: &Shape,
     world_from_first: &Placement<f64>,

@@ -1,24 +1,25 @@
-//! Where two features of bodies, corners, lines and circles, are nearest to each other or deepest in each other.
+//! Stationary distance between pairs of features: corners, lines and circles.
 
 use super::core_and_radius::Gap;
 use crate::spatial::Vector3;
 
+/// Iterations of Newton's method.
 const NEWTON: usize = 12;
 
-/// What of a body may touch.
+/// A feature of a body that may be in contact.
 #[derive(Clone, Copy)]
 pub(super) enum Feature {
     Point(Vector3<f64>),
-    /// A place and a unit direction.
+    /// A point and a unit direction.
     Line(Vector3<f64>, Vector3<f64>),
-    /// Its centre, two unit directions across each other in its plane, and the radius.
+    /// Centre, two perpendicular unit vectors in the plane, and radius.
     Circle(Vector3<f64>, [Vector3<f64>; 2], f64),
 }
 
-/// Directions that are tried, and where A is touched if that is known.
+/// A direction to try, and the contact point on A if it is known.
 pub(super) type Candidate = (Vector3<f64>, Option<Vector3<f64>>);
 
-/// The direction in which two features are nearest to each other, or farthest in each other, next to the one found.
+/// The direction along which the distance of two features is stationary, near the direction of `found`.
 pub(super) fn stationary(a: Feature, b: Feature, found: &Gap) -> Option<Candidate> {
     match (a, b) {
         (Feature::Point(p), Feature::Point(q)) => Some((unit(q - p)?, Some(p))),
@@ -45,9 +46,11 @@ pub(super) fn stationary(a: Feature, b: Feature, found: &Gap) -> Option<Candidat
     }
 }
 
-/// The direction between two lines along `u` through two places; of one line the way that was found, or any.
+/// The direction between two parallel lines along `u` through two points.
+///
+/// If the lines coincide, it is the direction of `found`. `None` if that is along `u`.
 fn beside(p: Vector3<f64>, q: Vector3<f64>, u: Vector3<f64>, found: &Gap) -> Option<Vector3<f64>> {
-    // Twice, as what is left of a long offset is rounding along the line, too.
+    // Projected twice: the first projection of a long offset leaves rounding along the line.
     let square = |v: Vector3<f64>| {
         let once = unit(across(v, u))?;
         let twice = across(once, u);
@@ -60,12 +63,12 @@ fn beside(p: Vector3<f64>, q: Vector3<f64>, u: Vector3<f64>, found: &Gap) -> Opt
     square(q - p).or_else(|| square(found.normal))
 }
 
-/// The place of a line next to another.
+/// The point of a line that is closest to a point `q`.
 fn foot(p: Vector3<f64>, along: Vector3<f64>, q: Vector3<f64>) -> Vector3<f64> {
     p + along * (q - p).dot(along)
 }
 
-/// A circle and a line or a place: by Newton's method on the angle, the line's part of the offset left out.
+/// A circle and a line or point, by Newton's method on the angle. The offset excludes its part along the line.
 fn circle(
     round: Feature,
     flat: Feature,
@@ -94,7 +97,7 @@ fn circle(
     Some((normal, on.place()))
 }
 
-/// Two circles: by Newton's method on both angles.
+/// Two circles, by Newton's method on both angles.
 fn circles(a: Feature, b: Feature, found: &Gap) -> Option<Candidate> {
     let mut on_a = OnCircle::toward(a, found.normal)?;
     let mut on_b = OnCircle::toward(b, -found.normal)?;
@@ -119,14 +122,14 @@ fn circles(a: Feature, b: Feature, found: &Gap) -> Option<Candidate> {
     Some((normal, Some(on_a.place())))
 }
 
-/// The unit direction across two that cross each other well, which does not lose digits with the distance.
+/// Unit vector perpendicular to two vectors at a large angle. It keeps its accuracy at small distances.
 fn crossing(u: Vector3<f64>, v: Vector3<f64>) -> Option<Vector3<f64>> {
     let common = u.cross(v);
     let fine = common.norm() > 0.1 * u.norm() * v.norm() && common.norm() > 0.0;
     if fine { unit(common) } else { None }
 }
 
-/// A place on a circle by cosine and sine.
+/// A point on a circle, given by cosine and sine.
 #[derive(Clone, Copy)]
 struct OnCircle {
     centre: Vector3<f64>,
@@ -137,7 +140,7 @@ struct OnCircle {
 }
 
 impl OnCircle {
-    /// The place that is farthest along a direction.
+    /// The point that is farthest along a direction.
     fn toward(circle: Feature, along: Vector3<f64>) -> Option<Self> {
         let Feature::Circle(centre, axes, radius) = circle else {
             return None;
@@ -162,19 +165,19 @@ impl OnCircle {
         self.centre - self.bend()
     }
 
-    /// The place's derivative by the angle.
+    /// Derivative of the point by the angle.
     fn tangent(&self) -> Vector3<f64> {
         let [x, y] = self.axes;
         (y * self.cos - x * self.sin) * self.radius
     }
 
-    /// Its second derivative.
+    /// Second derivative of the point by the angle.
     fn bend(&self) -> Vector3<f64> {
         let [x, y] = self.axes;
         (x * self.cos + y * self.sin) * -self.radius
     }
 
-    /// By a small angle, to third order and back onto the circle: near enough for steps that become nothing.
+    /// Rotates by a small angle, to third order, and normalises. The error vanishes with the Newton step.
     fn turn(&mut self, by: f64) {
         let (cos, sin) = (1.0 - 0.5 * by * by, by - by * by * by / 6.0);
         let (x, y) = (
@@ -186,7 +189,7 @@ impl OnCircle {
     }
 }
 
-/// What is left of a vector without its part along a unit direction.
+/// The component of a vector perpendicular to a unit direction.
 pub(super) fn across(v: Vector3<f64>, along: Vector3<f64>) -> Vector3<f64> {
     v - along * v.dot(along)
 }

@@ -1,4 +1,4 @@
-//! How far a shape reaches along a direction.
+//! Extent of a shape along a direction.
 
 use super::core_and_radius::Core;
 use crate::collision::{Shape, ShapeKind};
@@ -9,8 +9,9 @@ impl Shape {
         matches!(self.kind(), ShapeKind::HalfSpace)
     }
 
-    /// How far it reaches along a unit direction from where it stands, in the world; a half-space along its own normal. `None` for what is
-    /// not convex.
+    /// The largest coordinate along a unit world direction of the shape at a placement, metres.
+    ///
+    /// For a half-space, `along` must be its normal. `None` for shapes that are not convex.
     pub(crate) fn reach_along(&self, at: &Placement<f64>, along: Vector3<f64>) -> Option<f64> {
         if self.is_half_space() {
             return Some(at.translation.dot(along));

@@ -1,10 +1,10 @@
-//! The point of a simplex that is nearest to the origin.
+//! Closest point of a simplex to the origin.
 
 use crate::spatial::Vector3;
 
 use super::core_and_radius::Corner;
 
-/// Up to four corners and the weights of the point of their hull that is nearest to the origin.
+/// Up to four vertices, with the weights of the point of their hull that is closest to the origin.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Simplex {
     corners: [Corner; 4],
@@ -25,7 +25,7 @@ impl Simplex {
         &self.corners[..self.len]
     }
 
-    /// What its weights give: the nearest point of A − B, and those of A and B.
+    /// The weighted point of A − B, as its points on A and B.
     pub(super) fn nearest(&self) -> Corner {
         let sum = |part: fn(&Corner) -> Vector3<f64>| {
             let weighted = self.corners().iter().zip(&self.weights);
@@ -39,8 +39,9 @@ impl Simplex {
         }
     }
 
-    /// The part of this simplex and one corner more that holds the nearest point. Every face of every number of
-    /// corners is tried, fewest first, so that a face without area is never needed.
+    /// The face that holds the closest point to the origin, among those of this simplex extended by a vertex.
+    ///
+    /// All faces are tried, those with the fewest vertices first, so that a degenerate face is never needed.
     pub(super) fn with(&self, corner: Corner) -> Self {
         let mut all = *self;
         all.corners[all.len] = corner;
@@ -57,7 +58,7 @@ impl Simplex {
             if let Some(weights) = face.inner_weights() {
                 face.weights = weights;
                 let far = face.length_squared();
-                // A larger face only where it is nearer by more than rounding.
+                // A larger face must be closer by more than rounding.
                 if far < least * (1.0 - 1e-15) || (far <= least && face.len <= best.len) {
                     (best, least) = (face, far);
                 }
@@ -74,8 +75,7 @@ impl Simplex {
         nearest.norm_squared()
     }
 
-    /// The weights of the point of the plane (line, place) through all corners that is nearest to the origin, if it
-    /// is strictly within.
+    /// Weights of the closest point to the origin in the affine hull of all vertices, if it is strictly inside.
     fn inner_weights(&self) -> Option<[f64; 4]> {
         let at = |i: usize| self.corners[i].difference();
         let sides = [1, 2, 3].map(|i| at(i.min(self.len - 1)) - at(0));

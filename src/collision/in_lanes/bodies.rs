@@ -4,28 +4,28 @@ use crate::collision::Ball;
 use crate::lanes::{Chain, Links};
 use crate::spatial::{Placement, Vector3};
 
-/// What moves with one joint of a chain, or stands with its base.
+/// The part of a robot that moves with one joint of a chain, or that is fixed to its base.
 #[derive(Clone, Debug)]
 pub(crate) struct Body {
-    /// How many joints move it: 0 for what stands with the base.
+    /// Number of joints that move it; 0 if it is fixed to the base.
     pub(crate) joints: usize,
-    /// Around all its spheres.
+    /// Bounding sphere of all its spheres.
     pub(crate) bound: Ball,
     pub(crate) spheres: Vec<Ball>,
 }
 
-/// A chain's links and its bodies, base to tip, each in the frame after the last joint that moves it.
+/// A chain's links and its bodies from base to tip. Each body is in the frame after the last joint that moves it.
 #[derive(Clone, Debug)]
 pub(crate) struct BodyChain {
     pub(super) links: Links,
     pub(super) bodies: Vec<Body>,
-    /// Where the spheres of each body begin among all.
+    /// Index of the first sphere of each body among all spheres.
     pub(super) first_sphere: Vec<usize>,
-    /// Those that are kept apart.
+    /// Enabled collision pairs.
     pub(super) pairs: Vec<BodyPair>,
 }
 
-/// Two bodies, by place, and the sum of their bounds' radii.
+/// Two bodies by index, and the sum of the radii of their bounds, metres.
 #[derive(Clone, Debug)]
 pub(super) struct BodyPair {
     pub(super) bodies: [usize; 2],
@@ -33,7 +33,7 @@ pub(super) struct BodyPair {
 }
 
 impl BodyChain {
-    /// The bodies of a chain, each with the placement of what its spheres are given in, in the base's frame at `q`.
+    /// Attaches bodies to a chain. Each comes with the placement of its spheres' frame in the base frame at `q`.
     pub(crate) fn new(
         chain: &Chain,
         q: &[f64],
@@ -67,11 +67,11 @@ impl BodyChain {
         }
     }
 
-    /// Balls in the base's frame that the bounds of the bodies never leave, however the joints turn.
+    /// Balls in the base frame that contain the bodies' bounds at all joint values.
     pub(crate) fn rooms(&self) -> Vec<Ball> {
         let links = &self.links;
         let middle = links.base_from_first.translation * links.metres_per_length;
-        // How far the origin after so many joints can be from there; a slide goes as far as it is told to.
+        // Largest distance of the origin after each joint; unbounded after a prismatic joint.
         let mut reach = vec![0.0];
         for link in &links.links {
             let way = Vector3::new(link.along_x, link.along_y, 0.0).norm();

@@ -1,18 +1,19 @@
-//! Picks the instructions for a check.
+//! Selection of the instruction set for a check.
 
 use super::bodies::BodyChain;
 use super::near::{self, Room};
 use super::solids::Solids;
 use crate::lanes::lane::{LaneScalar, Lanes};
 
-/// Configurations that are checked at once.
+/// Number of configurations a check.
 pub(crate) const CHECKED: usize = 8;
 
-/// So few take half the lanes, and half the time: the answer that most questions end with is checked alone.
+/// Largest number of configurations for half the lanes, which take half the time. Most queries end with few
+/// configurations.
 #[cfg(target_arch = "x86_64")]
 const FEW: usize = 4;
 
-/// Room for checks, whichever instructions they take.
+/// Workspaces for checks, one for each instruction set.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rooms {
     portable: Room<Lanes<CHECKED, false>>,
@@ -22,13 +23,14 @@ pub(crate) struct Rooms {
     fused_few: Room<Lanes<FEW, true>>,
 }
 
-/// In which of up to [`CHECKED`] configurations, bit by bit, something comes nearer than the solids' margin; the joint values
-/// (radians and metres) of one after another.
+/// Bit mask of the configurations in which a body is nearer than the margin to a solid or to another body.
+///
+/// `q` holds up to [`CHECKED`] configurations one after another, with joint values in radians and metres.
 pub(crate) fn near(chain: &BodyChain, solids: &Solids, q: &[f64], rooms: &mut Rooms) -> u32 {
     #[cfg(target_arch = "x86_64")]
     if crate::processor::has_avx2_and_fma() {
-        // SAFETY: the processor has the instructions the function is compiled for. Measured: four times as fast
-        // as the portable lanes.
+        // SAFETY: the processor has the instructions the function is compiled for. Four times as fast as the portable
+        // lanes.
         #[allow(unsafe_code)]
         return unsafe {
             match q.len() > FEW * chain.links.links.len() {
@@ -51,7 +53,7 @@ fn near_fused<const L: usize>(
     near_any(chain, solids, q, room)
 }
 
-/// Fills the lanes; those without a configuration repeat the last.
+/// Fills the lanes and runs the check. Surplus lanes repeat the last configuration.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn near_any<V: LaneScalar>(
     chain: &BodyChain,

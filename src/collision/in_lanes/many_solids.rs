@@ -1,24 +1,24 @@
-//! Solids that are too many to be looked at one after another.
+//! Large sets of solids, with an AABB tree.
 
 use crate::collision::changing_tree::{Changed, ChangingTree};
 use crate::collision::wide_nodes::Met;
 use crate::collision::{BoundingBox, Shape};
 use crate::spatial::{Placement, Vector3};
 
-/// A shape, and what takes a point of the chain's base into its own coordinates.
+/// A shape and the inverse of its placement in the chain's base frame.
 type Placed = (Shape, Placement<f64>);
 
-/// Shapes in their places, and a tree over their boxes.
+/// Placed shapes with an AABB tree over their boxes.
 #[derive(Clone, Debug)]
 pub(super) struct ManySolids {
     solids: ChangingTree<Placed>,
 }
 
-/// A shape of a number by where it stands in the base; nothing where there is no more.
+/// A number with its new shape and placement in the base frame; `None` removes the shape.
 pub(super) type SolidChange<'a> = (u64, Option<(&'a Shape, Placement<f64>)>);
 
 impl ManySolids {
-    /// Shapes that are bounded.
+    /// Builds the tree. The shapes must be bounded.
     pub(super) fn new<'a>(
         solids: impl IntoIterator<Item = (u64, &'a Shape, Placement<f64>)>,
     ) -> Self {
@@ -31,7 +31,7 @@ impl ManySolids {
         }
     }
 
-    /// The same with some of them changed, in the order of their numbers.
+    /// A copy with changes, which are in the order of their numbers.
     pub(super) fn changed(&self, changes: &[SolidChange<'_>]) -> Self {
         let changes = changes.iter().map(|(number, now)| -> Changed<Placed> {
             (*number, now.map(|(shape, at)| placed(shape, &at)))
@@ -45,14 +45,14 @@ impl ManySolids {
         self.solids.is_empty()
     }
 
-    /// Whether a point, in the base, is nearer than so far to any, or in it.
+    /// True if a point in the base frame is in a shape or nearer to it than `reach` metres.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn near(&self, point: Vector3<f64>, reach: f64) -> bool {
         self.solids.any(point, reach, &Within { point, reach })
     }
 }
 
-/// A solid that is nearer to a point than so far.
+/// Predicate: a shape is nearer to the point than `reach`.
 struct Within {
     point: Vector3<f64>,
     reach: f64,
@@ -86,7 +86,7 @@ mod tests {
             Placement::new(turned, self.point(1.0))
         }
 
-        /// A die with a bite taken from it, open or closed.
+        /// A cube with one corner moved, open or closed.
         fn mesh(&mut self, size: f64) -> Result<Shape, ShapeError> {
             let corner = |i: u32| {
                 let along = |bit| if i & bit == 0 { -size } else { size };
@@ -138,7 +138,7 @@ mod tests {
         solids.iter().any(near)
     }
 
-    /// Asks about points, each told as one solid after another tells.
+    /// Compares point queries with a linear search over all solids.
     fn ask(many: &ManySolids, solids: &[Known], numbers: &mut Numbers, told: &mut [usize; 2]) {
         for _ in 0..4_000 {
             let about = numbers.point(1.3);

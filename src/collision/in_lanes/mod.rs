@@ -1,7 +1,7 @@
-//! Whether the bodies of a chain, as spheres, come near solids or each other: for eight configurations at once.
+//! SIMD collision check of a chain's bodies, as spheres, against solids and each other: eight configurations at once.
 //!
-//! Broad and fine, as in VAMP (Thomason, Kingston & Kavraki 2024, "Motions in microseconds via vectorized
-//! sampling-based planning"): a sphere round each body first, and its own spheres where that one comes near.
+//! The check has two phases, as in VAMP (Thomason, Kingston & Kavraki 2024, "Motions in microseconds via vectorized
+//! sampling-based planning"). The bounding sphere of each body comes first, its spheres follow if the bound is near.
 
 mod bodies;
 mod instruction_set;

@@ -1,4 +1,4 @@
-//! The check itself.
+//! SIMD collision check of up to one configuration a lane.
 
 use std::ops::Range;
 
@@ -9,24 +9,24 @@ use crate::collision::Ball;
 use crate::lanes::lane::LaneScalar;
 use crate::spatial::{Matrix3, Placement, Vector3};
 
-/// Room for checks.
+/// Workspace of a check.
 #[derive(Clone, Debug)]
 pub(crate) struct Room<V> {
     /// Joint values in lanes, radians and metres.
     pub(super) q: Vec<V>,
-    /// So many lanes, the first, have a configuration of their own.
+    /// Number of lanes with a configuration; these are the first lanes.
     pub(super) asked: usize,
-    /// After so many joints.
+    /// Frames after 0, 1, … joints, in the base frame.
     frames: Vec<Placement<V>>,
-    /// The middles of the bodies' bounds.
+    /// Centres of the bodies' bounding spheres.
     middles: Vec<Vector3<V>>,
-    /// The middles of all spheres, body by body, where they were asked for.
+    /// Centres of all spheres, body by body; valid for placed bodies only.
     spheres: Vec<Vector3<V>>,
-    /// Whether a body's spheres are there.
+    /// True for each body whose spheres are computed.
     placed: Vec<bool>,
-    /// The solids that a body's bound is near.
+    /// Indices of the solids near a body's bounding sphere.
     near_solids: Vec<u32>,
-    /// The spheres of a body, by place, that another's bound is near, and their radii.
+    /// Index and radius of each sphere of a body that is near another body's bounding sphere.
     near: Vec<(usize, f64)>,
 }
 
@@ -45,17 +45,20 @@ impl<V> Default for Room<V> {
     }
 }
 
-/// The lanes, bit by bit, in which some body comes nearer than the margin to a solid, or to a body that it is kept
-/// apart from, at the room's q. Masks stay masks as long as they are only asked whether any lane is left: to gather their bits takes as
-/// long as the distances.
+/// Bit mask of the lanes in which a body is nearer than the margin to a solid or to a body of an enabled pair.
+///
+/// The configurations are in the workspace's `q`.
+///
+/// Masks stay in SIMD form as long as possible: gathering their bits takes as long as the distances.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn near<V: LaneScalar>(chain: &BodyChain, solids: &Solids, room: &mut Room<V>) -> u32 {
     let margin = solids.margin();
     place(chain, room);
     let mut touched = unasked(room);
-    // Hands first, as they are where things are.
+    // The end of the chain first: it is the most likely to be in contact.
     for index in (0..chain.bodies.len()).rev() {
-        // What stands with the base is as near as it is: its spheres may stick out into what it stands on.
+        // Fixed bodies are excluded: their distances are constant, and their spheres may protrude into the mounting
+        // surface.
         if chain.bodies[index].joints == 0 {
             continue;
         }
@@ -80,7 +83,7 @@ pub(super) fn near<V: LaneScalar>(chain: &BodyChain, solids: &Solids, room: &mut
     V::mask_bits(touched)
 }
 
-/// The lanes without a configuration of their own: nothing is asked about them.
+/// Mask of the lanes without a configuration, which are ignored.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn unasked<V: LaneScalar>(room: &Room<V>) -> V::Mask {
     let mut unasked = V::zero();
@@ -93,7 +96,7 @@ fn unasked<V: LaneScalar>(room: &Room<V>) -> V::Mask {
     V::zero().less_than(unasked)
 }
 
-/// Where the bodies stand.
+/// Computes the frames and the centres of the bounding spheres.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn place<V: LaneScalar>(chain: &BodyChain, room: &mut Room<V>) {
     let c = V::constant;
@@ -126,7 +129,7 @@ fn place<V: LaneScalar>(chain: &BodyChain, room: &mut Room<V>) {
     room.spheres.resize(count, Vector3::zero());
 }
 
-/// Places the spheres of a body, once: where they are among all.
+/// Computes the spheres of a body on first use and returns their index range.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn place_spheres<V: LaneScalar>(
     chain: &BodyChain,
@@ -145,7 +148,7 @@ fn place_spheres<V: LaneScalar>(
     range
 }
 
-/// Those lanes, beside the ones known already, in which a body is near solids.
+/// Mask of the known lanes and those in which a body is near the listed solids.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn near_solids<V: LaneScalar>(
     chain: &BodyChain,
@@ -170,7 +173,7 @@ fn near_solids<V: LaneScalar>(
     touched
 }
 
-/// Those lanes, beside the ones known already, in which a body is near some of many solids.
+/// Mask of the known lanes and those in which a body is near any of `many`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn near_many<V: LaneScalar>(
     chain: &BodyChain,
@@ -187,7 +190,7 @@ fn near_many<V: LaneScalar>(
         if known_bits >> lane & 1 != 0 {
             continue;
         }
-        // The ball about all spheres first, by one call: what is called is long, and written out here.
+        // One loop with one call for the bounding sphere and the spheres: the callee is long and is inlined here.
         let (mut next, mut ball, mut middle) = (0, &body.bound, room.middles[index]);
         let mut placed = 0..0;
         loop {
@@ -211,7 +214,7 @@ fn near_many<V: LaneScalar>(
     known | V::zero().less_than(touched)
 }
 
-/// Those lanes, beside the ones known already, in which two bodies are near each other.
+/// Mask of the known lanes and those in which two bodies are near each other.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn near_each_other<V: LaneScalar>(
     chain: &BodyChain,
@@ -220,12 +223,12 @@ fn near_each_other<V: LaneScalar>(
     room: &mut Room<V>,
     known: V::Mask,
 ) -> V::Mask {
-    // No closure: what is in one is compiled for any processor.
+    // No closures: they are not compiled for the selected instruction set.
     let of_a = place_spheres(chain, a, room);
     let of_b = place_spheres(chain, b, room);
     let (about_a, about_b) = (room.middles[a], room.middles[b]);
     let (a, b) = (&chain.bodies[a], &chain.bodies[b]);
-    // Of either those that are near the other's bound.
+    // Spheres of B near the bound of A, then spheres of A near the bound of B.
     room.near.clear();
     let placed = &room.spheres[of_b.clone()];
     for ((place, middle), ball) in of_b.zip(placed).zip(&b.spheres) {
@@ -250,13 +253,13 @@ fn near_each_other<V: LaneScalar>(
     touched
 }
 
-/// The middle of a ball of a body.
+/// Centre of a ball of a body, in the base frame.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn at<V: LaneScalar>(frame: &Placement<V>, ball: &Ball) -> Vector3<V> {
     frame.apply(Vector3::constant(ball.centre))
 }
 
-/// The lanes in which two points are nearer than so far.
+/// Mask of the lanes in which two points are nearer than `reach` metres.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn within<V: LaneScalar>((a, b): (Vector3<V>, Vector3<V>), reach: f64) -> V::Mask {
     (a - b).norm_squared().less_than(V::constant(reach * reach))

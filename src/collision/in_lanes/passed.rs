@@ -1,10 +1,10 @@
-//! What bodies of a chain may touch.
+//! Allowed collisions of a chain's bodies.
 
-/// Which solids each body may touch, by number and in order; none at all where there is none.
+/// Numbers of the solids that each body may touch, sorted. All empty if there are none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Passed {
     of_body: Vec<Vec<u64>>,
-    /// Of all bodies.
+    /// The union over all bodies, sorted.
     all: Vec<u64>,
 }
 
@@ -20,7 +20,7 @@ impl Passed {
         Self { of_body, all }
     }
 
-    /// Whether some body may touch a solid.
+    /// True if some body may touch a solid.
     pub(super) fn has(&self, number: u64) -> bool {
         self.all.binary_search(&number).is_ok()
     }

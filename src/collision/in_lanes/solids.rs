@@ -1,4 +1,4 @@
-//! What stands still around a chain, and how near points in lanes are to it.
+//! Fixed solids around a chain, and distance tests of points in SIMD lanes.
 
 use std::sync::Arc;
 
@@ -9,70 +9,71 @@ use crate::collision::{Ball, BoundingBox, Shape, ShapeKind};
 use crate::lanes::lane::LaneScalar;
 use crate::spatial::{Placement, Vector3};
 
-/// So many solids are looked at one after another.
+/// Largest number of solids that are searched linearly.
 const LISTED: usize = 512;
-/// So are so many points or triangles of one.
+/// Largest number of points or triangles of a shape that is searched linearly.
 const FEW: usize = 32;
 
-/// A shape whose distance from a point has a closed form in lanes, or another; lengths in metres.
+/// A shape with a closed-form distance in lanes, or any other shape. Lengths are in metres.
 #[derive(Clone, Debug)]
 enum Solid {
-    /// Half its lengths along the axes.
+    /// Half lengths along the axes.
     Box([f64; 3]),
-    /// Along z: radius and half the length.
+    /// Along z: radius and half length.
     Cylinder(f64, f64),
-    /// Along z: radius and half the length of the cylinder in it.
+    /// Along z: radius and half length of the segment.
     Capsule(f64, f64),
     Sphere(f64),
-    /// All below z = 0.
+    /// The half-space below z = 0.
     HalfSpace,
-    /// One point after another.
+    /// Evaluated lane by lane.
     Other(Shape),
 }
 
-/// A solid in its place.
+/// A solid with its placement and bounds.
 #[derive(Clone, Debug)]
 struct Placed {
-    /// Around it, in the base.
+    /// Bounding sphere in the base frame.
     bound: Ball,
     bounds: BoundingBox,
     solid_from_base: Placement<f64>,
     solid: Solid,
 }
 
-/// What a chain is kept away from.
+/// Solids that a chain must not touch.
 #[derive(Clone, Debug)]
 pub(crate) struct Solids {
     listed: Arc<Listed>,
-    /// All others.
+    /// Solids in an AABB tree, if any.
     many: Option<ManySolids>,
     passed: Passed,
-    /// How many there are of one shape that is soon looked at.
+    /// Number of [simple](is_simple) solids.
     simple: usize,
-    /// How near to a solid, or to each other, bodies are not to come, metres.
+    /// Required distance of the bodies from solids and from each other, metres.
     margin: f64,
 }
 
-/// Solids that are looked at one after another.
+/// Solids that are searched linearly.
 #[derive(Clone, Debug, Default)]
 struct Listed {
-    /// In the order of their numbers.
+    /// Sorted.
     numbers: Vec<u64>,
     placed: Vec<Placed>,
-    /// Those of them that each body can ever come near to, by place, and the balls around them; two together.
+    /// Solids that each body can reach, by index, with their bounding spheres; in pairs.
     within_reach: Vec<Vec<([u32; 2], [Reached; 2])>>,
 }
 
-/// A solid of two worlds that is not in both the same, by its shape and where it stands in the chain's base.
+/// A difference between two worlds: a solid whose shape or placement in the chain's base frame changed.
 pub(crate) struct SolidMoved<'a> {
-    /// Solids are in the order of their numbers.
+    /// Number of the solid. Solids are in the order of their numbers.
     pub(crate) number: u64,
     pub(crate) before: Option<&'a Shape>,
     pub(crate) after: Option<(&'a Shape, Placement<f64>)>,
 }
 
-/// The ball around a solid, as one body's ball meets it: |c − s|² < r² as |c|² − (r² − |s|²) − 2 s·c < 0, which takes three products where
-/// |c|² is known.
+/// Bounding sphere of a solid, prepared for the test against one body's bounding sphere.
+///
+/// |c − s|² < r² is |c|² − (r² − |s|²) − 2 s·c < 0, which takes three products once |c|² is known.
 #[derive(Clone, Copy, Debug)]
 struct Reached {
     /// −2 s.
@@ -82,7 +83,7 @@ struct Reached {
 }
 
 impl Reached {
-    /// What rounding may take from either side, of the squares that are subtracted.
+    /// Rounding of the difference, relative to the squares in it.
     const ROUNDING: f64 = 1e-14;
 
     fn new(solid: &Ball, body: &Ball, margin: f64) -> Self {
@@ -94,7 +95,7 @@ impl Reached {
         }
     }
 
-    /// Two of them together, the last with one that is met nowhere.
+    /// Pairs of entries. An odd last entry is paired with one that never matches.
     fn paired(reached: &[(u32, Self)]) -> Vec<([u32; 2], [Self; 2])> {
         let nowhere = Self {
             slope: Vector3::zero(),
@@ -107,7 +108,7 @@ impl Reached {
         paired.collect()
     }
 
-    /// Below zero where a ball about a point, of which the squared length is given too, meets it.
+    /// Negative if the body's bounding sphere at `centre` meets it. `squared` is the squared norm of `centre`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn beyond<V: LaneScalar>(&self, centre: Vector3<V>, squared: V) -> V {
         let side = squared - V::constant(self.below);
@@ -118,8 +119,9 @@ impl Reached {
 }
 
 impl Solids {
-    /// Shapes with their numbers, each by where it stands in the chain's base; how near to a solid the bodies are not to
-    /// come, metres, but for those that they may touch.
+    /// Prepares shapes, each with its number and its placement in the chain's base frame.
+    ///
+    /// `margin` is the required distance in metres from all solids except the allowed ones in `passed`.
     pub(crate) fn new<'a>(
         shapes: impl IntoIterator<Item = (u64, &'a Shape, Placement<f64>)>,
         chain: &BodyChain,
@@ -143,8 +145,9 @@ impl Solids {
         }
     }
 
-    /// The same with some of them changed, in the order of their numbers; `None` where so many became so few, or the other way, that all
-    /// are looked at in another way, and where bodies may touch others.
+    /// A copy with changes, which are in the order of their numbers.
+    ///
+    /// `None` if the allowed collisions differ, or if the number of solids requires the other search method.
     pub(crate) fn changed(
         &self,
         changes: &[SolidMoved<'_>],
@@ -198,17 +201,19 @@ impl Solids {
         })
     }
 
-    /// Those that are not listed.
+    /// Solids in an AABB tree.
     pub(super) fn many(&self) -> Option<&ManySolids> {
         self.many.as_ref()
     }
 
-    /// How near to a solid, or to each other, bodies are not to come, metres.
+    /// Required distance of the bodies from solids and from each other, metres.
     pub(super) fn margin(&self) -> f64 {
         self.margin
     }
 
-    /// Those listed that the ball about a body comes nearer to in any lane than the margin, by number: by the balls around them first.
+    /// Indices of the listed solids nearer than the margin to the bounding sphere of a body in any lane.
+    ///
+    /// The bounding spheres of the solids come first.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn near<V: LaneScalar>(
         &self,
@@ -223,7 +228,7 @@ impl Solids {
         // Two at a time, as most are far away.
         for (numbers, [a, b]) in &self.listed.within_reach[body] {
             let beyond = [a.beyond(centre, squared), b.beyond(centre, squared)];
-            // One comparison of the lesser: masks of both would be put together bit by bit.
+            // One comparison of the minimum: merging two masks is slower.
             if !V::any(beyond[0].min(beyond[1]).less_than(V::zero())) {
                 continue;
             }
@@ -233,7 +238,7 @@ impl Solids {
                 }
             }
         }
-        // In a loop of its own, so that the first has room for the centre in registers.
+        // A loop of its own, so that the first loop keeps the centre in registers.
         let mut near = 0;
         for place in 0..found.len() {
             let number = found[place];
@@ -245,7 +250,8 @@ impl Solids {
         found.truncate(near);
     }
 
-    /// The lanes in which a point is nearer than so far to a solid, or in it: by the ball around that first.
+    /// Mask of the lanes in which a point is in a solid or nearer than `reach`. The solid's bounding sphere comes
+    /// first.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn near_one<V: LaneScalar>(
         &self,
@@ -263,7 +269,7 @@ impl Solids {
         }
     }
 
-    /// The lanes in which a point is nearer than so far to a solid, or in it.
+    /// Mask of the lanes in which a point is in a solid or nearer than `reach`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_near<V: LaneScalar>(&self, number: u32, point: Vector3<V>, reach: f64) -> V::Mask {
         let c = V::constant;
@@ -314,7 +320,7 @@ impl Listed {
             let kept = kept.filter(|(_, number)| !passed.is_passed(index, **number));
             let near = kept.map(|(solid, _)| solid).filter(|(_, solid)| {
                 let apart = solid.bounds.squared_distance(room.centre);
-                // Not a number about a half-space's corner at infinity.
+                // NaN at a half-space's corner at infinity.
                 apart.is_nan() || apart <= reach * reach
             });
             let near = near.map(|(n, solid)| (n, Reached::new(&solid.bound, &body.bound, margin)));
@@ -333,7 +339,7 @@ impl Listed {
         }
     }
 
-    /// The same with some of them changed.
+    /// A copy with changes.
     fn changed(
         &self,
         changes: &[SolidChange<'_>],
@@ -376,17 +382,17 @@ impl Placed {
     }
 }
 
-/// Whether so many that are soon looked at are not looked at one after another.
+/// True if the number of simple solids requires a tree.
 fn are_many(simple: usize) -> bool {
     simple > LISTED
 }
 
-/// Whether a shape is looked at by itself, where there are so many that are simple; a half-space, which has no bounds, is always.
+/// True if a shape is searched linearly, given the number of simple solids. Unbounded half-spaces always are.
 fn is_listed(shape: &Shape, simple: usize) -> bool {
     shape.is_half_space() || is_simple(shape) && !are_many(simple)
 }
 
-/// Whether a shape is soon looked at, in place of many by itself.
+/// True if the distance to a shape is cheap without a tree.
 fn is_simple(shape: &Shape) -> bool {
     match shape.kind() {
         ShapeKind::Mesh(mesh) => mesh.triangles().len() <= FEW,
@@ -409,7 +415,7 @@ impl Solid {
     }
 }
 
-/// How far a value is beyond so far from zero.
+/// Excess of the absolute value over `half`, at least 0.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn beyond<V: LaneScalar>(value: V, half: f64) -> V {
     (value.abs() - V::constant(half)).max(V::zero())

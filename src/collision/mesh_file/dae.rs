@@ -1,5 +1,7 @@
-//! COLLADA: the triangles of the scene, each part where its nodes put it, in metres. `<up_axis>` is not applied, as
-//! in RViz and MoveIt: robots' files are written for that.
+//! COLLADA reader.
+//!
+//! Reads the triangles of the scene, each geometry transformed by its nodes, in metres. `<up_axis>` is ignored, as in
+//! RViz and MoveIt, since robots' meshes are written for that.
 
 use roxmltree::{Document, Node};
 
@@ -12,7 +14,7 @@ use crate::spatial::Vector3;
 pub(super) fn parse(bytes: &[u8], file: &str) -> FromFile<MeshFile> {
     let text = text::of(bytes, file)?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    // Without a document type, whose entities could stand for any amount of memory.
+    // Document type declarations are rejected: their entities could expand to any amount of memory.
     let document = Document::parse(text).map_err(|error| {
         let place = Place::Line(error.pos().row as usize);
         ReadError::malformed(file, place, error.to_string())
@@ -46,7 +48,7 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> FromFile<MeshFile> {
 impl<'a> Collada<'a> {
     fn geometry(&self, geometry: Node<'a, 'a>) -> FromFile<MeshFile> {
         let mut mesh = MeshFile::default();
-        // Of a spline there are no triangles.
+        // A spline has no triangles.
         let Some(part) = named(geometry, "mesh") else {
             return Ok(mesh);
         };
@@ -77,7 +79,7 @@ impl<'a> Collada<'a> {
                 vertices = Some((offset, self.referred(input, "source")?));
             }
         }
-        // Without corners there is nothing to be read.
+        // Without a VERTEX input there are no corners.
         let Some((offset, vertices)) = vertices else {
             return Ok(());
         };
@@ -122,7 +124,7 @@ impl<'a> Collada<'a> {
         Ok(())
     }
 
-    /// The points of a `<vertices>`.
+    /// Appends the positions of a `<vertices>` element.
     fn positions(&self, vertices: Node<'a, 'a>, points: &mut Vec<Vector3<f64>>) -> FromFile<()> {
         let position = |input: &Node<'a, 'a>| input.attribute("semantic") == Some("POSITION");
         let input = children(vertices, "input").find(position);

@@ -1,4 +1,4 @@
-//! COLLADA's elements, and what is wrong with them.
+//! Access to the elements of a COLLADA document, with errors.
 
 use std::collections::HashMap;
 
@@ -6,7 +6,7 @@ use roxmltree::{Document, Node};
 
 use crate::file::{FromFile, Place, ReadError};
 
-/// A document, its name for errors and its elements by their ids.
+/// A document with its file name for errors and its elements by id.
 pub(super) struct Collada<'a> {
     pub(super) file: &'a str,
     document: &'a Document<'a>,
@@ -14,7 +14,7 @@ pub(super) struct Collada<'a> {
 }
 
 impl<'a> Collada<'a> {
-    /// A document, with its elements by their ids.
+    /// Indexes the elements of a document by id.
     pub(super) fn new(document: &'a Document<'a>, file: &'a str) -> Self {
         let ids = document.descendants();
         let by_id = ids.filter_map(|node| Some((node.attribute("id")?, node)));
@@ -34,7 +34,7 @@ impl<'a> Collada<'a> {
         ReadError::malformed(self.file, Place::Line(row as usize), problem)
     }
 
-    /// The element that an attribute `#id` names.
+    /// The element that an attribute `#id` refers to.
     pub(super) fn referred(&self, node: Node<'a, 'a>, attribute: &str) -> FromFile<Node<'a, 'a>> {
         let reference = node.attribute(attribute).unwrap_or_default();
         let found = self.by_id.get(reference.trim_start_matches('#')).copied();
@@ -46,7 +46,7 @@ impl<'a> Collada<'a> {
         })
     }
 
-    /// The numbers in an element, at most as many as there may be corners.
+    /// The numbers in the text of an element.
     pub(super) fn numbers<T: std::str::FromStr>(&self, node: Node<'a, 'a>) -> FromFile<Vec<T>> {
         let words = node.text().unwrap_or_default().split_ascii_whitespace();
         let number = |word: &str| {
@@ -57,7 +57,7 @@ impl<'a> Collada<'a> {
     }
 }
 
-/// The first child of a name.
+/// The first child with a tag.
 pub(super) fn named<'a>(node: Node<'a, 'a>, tag: &str) -> Option<Node<'a, 'a>> {
     children(node, tag).next()
 }

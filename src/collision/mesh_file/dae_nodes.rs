@@ -1,4 +1,4 @@
-//! Which geometries a COLLADA scene shows, and where its nodes put them.
+//! Geometry instances of a COLLADA scene, with their transforms.
 
 use roxmltree::Node;
 
@@ -7,12 +7,12 @@ use crate::file::FromFile;
 use crate::scalar::elementary;
 use crate::spatial::{Matrix3, Vector3};
 
-/// Nodes within nodes, and instances of instances, as deep as this.
+/// Largest depth of nested nodes and instances.
 const DEPTH_LIMIT: usize = 64;
-/// So many nodes and instances at most: each may be shown by several.
+/// Largest number of nodes and of geometry instances: instances of nodes can multiply.
 const COUNT_LIMIT: usize = 100_000;
 
-/// A map of points: scaled, sheared and mirrored ones too.
+/// An affine map, which may scale, shear and mirror.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Affine {
     linear: Matrix3<f64>,
@@ -36,14 +36,14 @@ impl Affine {
         Self::new(self.linear * inner.linear, self.apply(inner.shift))
     }
 
-    /// Whether what it maps is turned inside out.
+    /// True if the map reverses orientation.
     pub(super) fn mirrors(&self) -> bool {
         let Matrix3 { x, y, z } = self.linear;
         x.cross(y).dot(z) < 0.0
     }
 }
 
-/// The geometries of a scene and where they stand.
+/// The geometry instances of a scene, with their transforms.
 pub(super) struct Instances<'c, 'a> {
     collada: &'c Collada<'a>,
     found: Vec<(Node<'a, 'a>, Affine)>,
@@ -51,7 +51,8 @@ pub(super) struct Instances<'c, 'a> {
 }
 
 impl<'c, 'a> Instances<'c, 'a> {
-    /// Of the scene that the file shows, else of its first one; of a file without scenes all geometries as they are.
+    /// Instances of the displayed scene, or else of the first scene. Without scenes, all geometries without a
+    /// transform.
     pub(super) fn of(collada: &'c Collada<'a>) -> FromFile<Vec<(Node<'a, 'a>, Affine)>> {
         let root = collada.root();
         let shown = named(root, "scene").and_then(|scene| named(scene, "instance_visual_scene"));

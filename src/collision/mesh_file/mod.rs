@@ -1,8 +1,7 @@
-//! Triangle meshes from files: OBJ, STL, COLLADA (DAE) and PLY.
+//! Triangle mesh files: OBJ, STL, COLLADA (DAE) and PLY.
 //!
-//! Read here rather than by a crate: mesh-loader 0.1.13, which knows all three, multiplies a COLLADA node's
-//! placement with its parents' in the wrong order, keeps one instance of a geometry that stands twice, and counts
-//! vertices of merged parts from the last triangle. roxmltree is there already.
+//! kinopt has readers of its own because mesh-loader 0.1.13 reads COLLADA wrongly. It multiplies nested transforms in
+//! the wrong order, keeps only one instance of a geometry, and miscounts the vertices of merged parts.
 
 mod dae;
 mod dae_document;
@@ -18,38 +17,39 @@ use std::path::Path;
 use crate::file::{FromFile, Place, ReadError, read_bytes};
 use crate::spatial::Vector3;
 
-/// The longest file that is read.
+/// Largest file that is read, bytes.
 const LENGTH_LIMIT: u64 = 512 << 20;
-/// So many corners of triangles at most: instances of instances may ask for any number.
+/// Largest number of triangle corners: nested instances could multiply without bound.
 const CORNER_LIMIT: usize = 1 << 26;
 
-/// The triangles of a file, all its parts in one, in the file's own unit but COLLADA's, which says it in metres.
+/// The triangles of a mesh file, all parts merged. Lengths are in the file's unit, except COLLADA's, which are in
+/// metres.
 ///
-/// Indices are in range and numbers finite; triangles may be flat, turned inside out, or leave holes.
+/// Indices are in range and coordinates are finite. Triangles may be degenerate, inside out, or leave holes.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct MeshFile {
-    /// The corners.
+    /// Vertices.
     pub points: Vec<Vector3<f64>>,
-    /// Indices into the points, counter-clockwise seen from outside where the file keeps to that.
+    /// Vertex indices, counter-clockwise seen from outside if the file follows that convention.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// The formats that are read.
+/// Supported formats, by file name extension.
 const FORMATS: [&str; 4] = ["obj", "stl", "dae", "ply"];
 
 impl MeshFile {
-    /// Reads a file, whose name's end says its format: `.obj`, `.stl`, `.dae` or `.ply`.
+    /// Reads a file. The file name extension selects the format: `.obj`, `.stl`, `.dae` or `.ply`.
     ///
     /// # Errors
-    /// A file that cannot be read, of another format, damaged, or without triangles.
+    /// Returns an error if the file cannot be read, has another format, is malformed, or has no triangles.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, ReadError> {
         let path = path.as_ref();
         let bytes = read_bytes(path, LENGTH_LIMIT)?;
         Self::parse(&bytes, &path.display().to_string())
     }
 
-    /// Reads a file's bytes; `file` is its name, which says the format and stands in errors.
+    /// Parses the bytes of a file. The extension of `file` selects the format, and errors report `file`.
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -78,7 +78,7 @@ impl MeshFile {
         Ok(mesh)
     }
 
-    /// The same mesh with its lengths multiplied along x, y and z. One that is mirrored is turned inside out again.
+    /// The mesh scaled by factors along x, y and z. If the factors mirror it, the winding of the triangles is reversed.
     #[must_use]
     pub fn scaled(mut self, factors: [f64; 3]) -> Self {
         for point in &mut self.points {
@@ -93,7 +93,7 @@ impl MeshFile {
         self
     }
 
-    /// Adds a polygon as a fan around its first corner.
+    /// Adds a polygon as a triangle fan around its first corner.
     fn add_polygon(&mut self, corners: &[u32]) {
         for pair in corners.get(1..).unwrap_or_default().windows(2) {
             self.triangles.push([corners[0], pair[0], pair[1]]);
@@ -110,7 +110,7 @@ fn ply(bytes: &[u8], file: &str) -> FromFile<MeshFile> {
     })
 }
 
-/// Points that stand once, to the bit.
+/// Vertices without duplicates, compared bitwise.
 #[derive(Debug, Default)]
 struct Points {
     index: HashMap<[u64; 3], u32>,
@@ -120,7 +120,7 @@ struct Points {
 impl Points {
     fn index_of(&mut self, point: [f64; 3]) -> u32 {
         let next = self.points.len() as u32;
-        // Adding zero makes one of the two zeros.
+        // Makes −0 and +0 equal.
         let key = point.map(|x| (x + 0.0).to_bits());
         *self.index.entry(key).or_insert_with(|| {
             self.points.push(Vector3::from(point));

@@ -1,20 +1,20 @@
-//! Wavefront OBJ: points (`v`) and polygons (`f`) of all objects and groups; the rest is passed over.
+//! Wavefront OBJ reader: vertices (`v`) and polygons (`f`) of all objects and groups. Other statements are ignored.
 
 use super::{CORNER_LIMIT, MeshFile, text};
 use crate::file::{FromFile, Place, ReadError};
 use crate::spatial::Vector3;
 
 pub(super) fn parse(bytes: &[u8], file: &str) -> FromFile<MeshFile> {
-    // Comments may be in any encoding.
+    // Comments may have any encoding.
     let text = String::from_utf8_lossy(bytes);
     let mut mesh = MeshFile::default();
     let mut corners = Vec::new();
     let mut joined = String::new();
-    // One more, for a last one that would go on.
+    // An additional empty line ends a continued last line.
     for (number, line) in text.lines().chain([""]).enumerate() {
         let fail = |problem: &str| ReadError::malformed(file, Place::Line(number + 1), problem);
         let line = line.split('#').next().unwrap_or_default().trim_end();
-        // A backslash at the end goes on in the next line.
+        // A trailing backslash continues the line.
         if let Some(part) = line.strip_suffix('\\') {
             joined.push_str(part);
             joined.push(' ');
@@ -51,7 +51,7 @@ pub(super) fn parse(bytes: &[u8], file: &str) -> FromFile<MeshFile> {
     Ok(mesh)
 }
 
-/// The point of `12`, `12/3`, `12//4` or `12/3/4`; negative ones count back from the last.
+/// Index of the vertex in `12`, `12/3`, `12//4` or `12/3/4`. Negative numbers count back from the last vertex.
 fn corner(word: &str, points: usize) -> Option<u32> {
     let index: i64 = word.split('/').next()?.parse().ok()?;
     let points = i64::try_from(points).ok()?;

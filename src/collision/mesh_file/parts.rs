@@ -1,11 +1,11 @@
-//! A mesh in its connected parts.
+//! Connected parts of a mesh.
 
 use std::collections::HashMap;
 
 use super::MeshFile;
 
 impl MeshFile {
-    /// The parts that no triangle joins, in the order of their first triangles. Points at one place count as one.
+    /// The connected parts, in the order of their first triangles. Vertices at the same position count as one.
     #[must_use]
     pub fn parts(&self) -> Vec<Self> {
         let mut above: Vec<u32> = (0..self.points.len() as u32).collect();
@@ -35,12 +35,12 @@ impl MeshFile {
         order.iter().map(part).collect()
     }
 
-    /// Without points that no triangle has: a stray one would widen a hull.
+    /// The mesh without unused vertices: a stray vertex would enlarge a hull.
     pub(in crate::collision) fn without_loose_points(&self) -> Self {
         self.with_triangles(&self.triangles)
     }
 
-    /// Some of its triangles and their points alone.
+    /// A mesh of some of the triangles and their vertices.
     fn with_triangles(&self, triangles: &[[u32; 3]]) -> Self {
         let mut renamed: HashMap<u32, u32> = HashMap::new();
         let mut points = Vec::new();

@@ -1,4 +1,4 @@
-//! STL, binary and text. Corners at one place become one point; normals are not read.
+//! STL reader, binary and text. Vertices at the same position are merged; normals are ignored.
 
 use super::{MeshFile, Points, text};
 use crate::file::{FromFile, Place, ReadError};
@@ -7,7 +7,7 @@ const HEADER: usize = 84;
 const RECORD: usize = 50;
 
 pub(super) fn parse(bytes: &[u8], file: &str) -> FromFile<MeshFile> {
-    // Many binary files begin with `solid` as well, so that their length is asked first.
+    // The length decides first, since many binary files begin with `solid` too.
     let announced = bytes.get(80..HEADER).map(|count| {
         let count = count
             .iter()

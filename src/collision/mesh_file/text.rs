@@ -1,8 +1,8 @@
-//! Numbers in text.
+//! Text decoding and number parsing.
 
 use crate::file::{FromFile, Place, ReadError};
 
-/// A file's bytes as text.
+/// Decodes a file's bytes as UTF-8.
 pub(super) fn of<'a>(bytes: &'a [u8], file: &str) -> FromFile<&'a str> {
     std::str::from_utf8(bytes).map_err(|error| {
         let at = Place::Byte(error.valid_up_to());
@@ -10,7 +10,7 @@ pub(super) fn of<'a>(bytes: &'a [u8], file: &str) -> FromFile<&'a str> {
     })
 }
 
-/// The next three words as numbers.
+/// The next three words as finite numbers.
 pub(super) fn three<'a>(words: &mut impl Iterator<Item = &'a str>) -> Option<[f64; 3]> {
     let mut next = || words.next()?.parse::<f64>().ok().filter(|x| x.is_finite());
     Some([next()?, next()?, next()?])

@@ -1,8 +1,8 @@
-//! What moves as one, and what is next to each other.
+//! Bodies and their adjacency.
 
 use crate::model::{FrameId, JointId, Model};
 
-/// The joint that moves a frame: the first moving one above it; `None` for what stands in the world.
+/// The joint that moves a frame: its first moving ancestor; `None` for a fixed frame.
 pub(crate) fn carrier(model: &Model, frame: FrameId) -> Option<JointId> {
     moving(model, model.frames()[frame.index()].joint)
 }
@@ -18,12 +18,13 @@ fn moving(model: &Model, mut joint: Option<JointId>) -> Option<JointId> {
     None
 }
 
-/// Of links with shapes, by index: the body of each link, and the next body towards the root.
+/// Bodies of the links with shapes, by link index: the body of each link, and the next body towards the root.
 ///
-/// A body is what moves with one joint. Joints that carry no frame, as all but the last of a free joint, make none.
+/// A body is the set of frames that move with one joint. Joints without frames, as all but the last of a free joint,
+/// form no body.
 pub(crate) struct Bodies {
     carriers: Vec<Option<JointId>>,
-    /// `None` where there is none.
+    /// `None` for the fixed body, which has no body above it.
     above: Vec<Option<Option<JointId>>>,
 }
 
@@ -47,13 +48,13 @@ impl Bodies {
         }
     }
 
-    /// Whether two links are of two bodies that no single joint connects.
+    /// True if two links belong to different bodies that no single joint connects.
     pub(crate) fn are_apart(&self, a: usize, b: usize) -> bool {
         self.carriers[a] != self.carriers[b] && !self.is_above(a, b) && !self.is_above(b, a)
     }
 
-    /// Whether the body of `a` is next above that of `b` and above no other, as a forearm is above its hand: a hand is
-    /// above several fingers.
+    /// True if the body of `a` is the parent of that of `b` and of no other body. A forearm is the parent of a hand
+    /// alone; a hand is the parent of several fingers.
     pub(crate) fn is_above_alone(&self, a: usize, b: usize) -> bool {
         let mut below = (0..self.carriers.len()).filter(|k| self.is_above(a, *k));
         self.is_above(a, b) && below.all(|k| self.carriers[k] == self.carriers[b])

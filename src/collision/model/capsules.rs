@@ -1,13 +1,14 @@
-//! URDF has no capsule: files write a cylinder and a sphere at either end.
+//! Detection of capsules in URDF files, which write them as a cylinder with a sphere at each end.
 
 use super::CollisionObject;
 use crate::collision::{Shape, ShapeKind};
 use crate::spatial::Vector3;
 
-/// So much of the radius may be between an end and a sphere's centre, and between the radii.
+/// Tolerance of the spheres' centres and radii, relative to the radius.
 const ROUNDING: f64 = 1e-4;
 
-/// Makes one capsule of each cylinder that has a sphere of its radius at either end; spheres may serve several.
+/// Replaces each cylinder that has a sphere of its radius at both ends by a capsule. A sphere may serve several
+/// cylinders.
 pub(super) fn joined(objects: Vec<CollisionObject>) -> Vec<CollisionObject> {
     let sphere_at = |end: Vector3<f64>, radius: f64| {
         objects.iter().position(|object| match object.shape.kind() {

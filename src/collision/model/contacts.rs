@@ -1,4 +1,4 @@
-//! Which links an MJCF file keeps apart.
+//! Collision pairs of MJCF files.
 
 use super::CollisionModel;
 use super::planes::{Plane, standing};
@@ -6,7 +6,8 @@ use crate::model::FrameId;
 use crate::robot::Contacts;
 
 impl CollisionModel {
-    /// The same model with the pairs that MuJoCo lets touch, and over the planes of the file; links are its bodies.
+    /// The model with the collision pairs that MuJoCo checks, and with the planes of the file. Links are MuJoCo's
+    /// bodies.
     pub(super) fn with_contacts(mut self, contacts: &Contacts) -> Self {
         let links = self.links.iter().enumerate();
         let pairs = links.flat_map(|(at, a)| self.links[at + 1..].iter().map(move |b| [*a, *b]));

@@ -1,4 +1,4 @@
-//! Whether two links can be brought to touch: down the slope of their distance.
+//! Minimisation of the distance of two links, to find out if they can touch.
 
 use std::sync::Arc;
 
@@ -12,13 +12,13 @@ use crate::solver::{LevenbergMarquardt, Silent, SolverState, Stopping, minimise}
 use crate::spatial::Placement;
 use crate::task::{LocalJacobian, Numeric, NumericResidual, Quantity, Rows};
 
-/// So deep a descent aims, metres: aimed at touching alone, it ends a hair before it.
+/// Penetration depth that a descent aims at, metres. A descent to depth 0 ends slightly before contact.
 const DEPTH: f64 = 1e-3;
-/// Steps of a descent, and of those that do not halve what is left.
+/// Largest number of iterations of a descent, and of iterations that do not halve the cost.
 const STEPS: usize = 60;
 const PATIENCE: usize = 12;
 
-/// How far two links are apart; nothing where they touch.
+/// Residual: the distance of two links; 0 if they touch.
 #[derive(Clone, Debug)]
 struct Apart {
     links: [FrameId; 2],
@@ -54,7 +54,7 @@ impl NumericResidual for Apart {
         jacobian: &mut LocalJacobian,
     ) -> bool {
         if let Some(found) = self.separation(frames) {
-            // The distance grows as the second goes along the normal, and as the first goes back.
+            // The distance grows as the second link moves along the normal or the first against it.
             let slopes = [
                 (-found.normal, found.on_first),
                 (found.normal, found.on_second),
@@ -70,11 +70,12 @@ impl NumericResidual for Apart {
 }
 
 impl CollisionModel {
-    /// Whether a descent within all limits on the distance of two links, of which the shapes are given, ends where they touch, from one of
-    /// some samples.
+    /// True if minimising the distance of two links with the given shapes makes them touch, from one of the samples.
+    ///
+    /// The joints stay within their limits.
     ///
     /// # Errors
-    /// The model's lengths are no numbers.
+    /// Returns an error if a sampled configuration contains NaN.
     pub(super) fn can_touch(
         &self,
         links: [FrameId; 2],
@@ -85,7 +86,7 @@ impl CollisionModel {
         let mut tasks = Problem::builder(&self.model);
         tasks.parameters(self.map.clone());
         tasks.add(Numeric(Apart { links, shapes }));
-        // Where nothing is free to move, nothing comes to touch.
+        // Without a free variable the links cannot be brought into contact.
         let Ok(problem) = tasks.build() else {
             return Ok(false);
         };
@@ -104,7 +105,7 @@ impl CollisionModel {
                 &mut Silent,
                 &mut state,
             );
-            // Rows of loops come after.
+            // The rows of loop closures follow the distance.
             if ended.is_ok() && state.residual().first() == Some(&0.0) {
                 return Ok(true);
             }
@@ -124,7 +125,7 @@ mod tests {
     use crate::spatial::{Placement, Vector3, rotation_exp};
     use crate::task::{LocalJacobian, Numeric, NumericResidual, Residual, Rows};
 
-    /// The same without slopes of its own, which are measured then.
+    /// The same residual with numerical derivatives.
     #[derive(Clone)]
     struct Measured(Apart);
 
@@ -139,7 +140,7 @@ mod tests {
         }
     }
 
-    /// Of two capsules, whose nearest points move smoothly, wherever their links stand.
+    /// For two capsules, whose closest points move smoothly with the links.
     #[test]
     #[allow(clippy::unwrap_used)]
     fn its_slope_is_that_of_the_distance() {

@@ -1,4 +1,4 @@
-//! What can be wrong with a collision model.
+//! Errors of collision models.
 
 use std::path::PathBuf;
 
@@ -11,80 +11,80 @@ use crate::file::ReadError;
 use crate::kinematics::KinematicsError;
 use crate::model::UnknownName;
 
-/// Why there is no such collision model.
+/// Reason why a collision model cannot be made.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CollisionModelError {
-    /// A frame, link or pair that is not there.
+    /// An unknown frame, link or pair.
     #[error(transparent)]
     Unknown(#[from] UnknownName),
-    /// A shape that is none.
+    /// An invalid shape.
     #[error("link `{link}`: collision shape `{object}`: {source}")]
     Shape {
-        /// The link.
+        /// Name of the link.
         link: String,
-        /// The shape.
+        /// Name of the shape.
         object: String,
-        /// What is wrong with it.
+        /// Reason why the shape is invalid.
         source: ShapeError,
     },
-    /// A mesh that is in no place where it could be.
+    /// A mesh file that was not found.
     #[error("link `{link}`: mesh `{file}` is not there; {}", looked(.looked_at))]
     MeshNotFound {
-        /// The link.
+        /// Name of the link.
         link: String,
-        /// As the robot's file names it.
+        /// Reference to the mesh, as the robot's file writes it.
         file: String,
-        /// Where it was looked for.
+        /// Paths that were searched.
         looked_at: Vec<PathBuf>,
     },
-    /// A mesh that cannot be read.
+    /// A mesh file that cannot be read.
     #[error("link `{link}`: {source}")]
     Mesh {
-        /// The link.
+        /// Name of the link.
         link: String,
-        /// What is wrong with its file.
+        /// Read error of the file.
         source: Box<ReadError>,
     },
-    /// Placed by what is no rotation, or not finite.
+    /// A placement that is not rigid or not finite.
     #[error("collision shape `{object}`: its place on its link is not rigid")]
     NotRigid {
-        /// The shape.
+        /// Name of the shape.
         object: String,
     },
-    /// Placed so far away that no distance could be told.
+    /// A placement so far from its link that distances would be inaccurate.
     #[error(
         "collision shape `{object}` is placed {metres:e} m from its link, which is more than {LARGEST:e}"
     )]
     TooFar {
-        /// The shape.
+        /// Name of the shape.
         object: String,
-        /// How far, metres.
+        /// Distance from the link, metres.
         metres: f64,
     },
-    /// Weights of another mesh or skeleton.
+    /// Skin weights that do not match the mesh or the skeleton.
     #[error(transparent)]
     Size(#[from] SizeMismatch),
-    /// No pieces at all.
+    /// An invalid number of pieces.
     #[error(transparent)]
     Option(#[from] BadOption),
-    /// A configuration that is none.
+    /// An invalid configuration.
     #[error(transparent)]
     Kinematics(#[from] KinematicsError),
     /// A parameter map of another model.
     #[error("the parameter map is for {given} coordinates, the model has {expected}")]
     ForeignMap {
-        /// Those of the map.
+        /// Number of coordinates of the map.
         given: usize,
-        /// Those of the model.
+        /// Number of coordinates of the model.
         expected: usize,
     },
-    /// A half-space or a height field, which no link is.
+    /// A half-space or a height field, which a link cannot carry.
     #[error(
         "collision shape `{object}`: a half-space or a height field cannot be carried by a link"
     )]
     Boundless {
-        /// The shape.
+        /// Name of the shape.
         object: String,
     },
 }
@@ -100,7 +100,7 @@ fn looked(places: &[PathBuf]) -> String {
     }
 }
 
-/// How far a rotation may be from one.
+/// Tolerance of rigid rotations.
 const ROUNDING: f64 = 1e-6;
 
 pub(super) fn check(object: &CollisionObject) -> Result<(), CollisionModelError> {

@@ -1,4 +1,4 @@
-//! From a robot's links to its collision model.
+//! Construction of a collision model from a robot.
 
 use std::path::PathBuf;
 
@@ -12,7 +12,7 @@ use crate::file::ReadError;
 use crate::file_access::AllowedFiles;
 use crate::robot::{self, Geometry, Robot};
 
-/// Makes a [`CollisionModel`] of a robot's shapes.
+/// Builder of a [`CollisionModel`] from a robot's shapes.
 #[derive(Clone, Debug)]
 pub struct CollisionModelBuilder<'r> {
     robot: &'r Robot,
@@ -38,27 +38,28 @@ impl<'r> CollisionModelBuilder<'r> {
     }
 
     setters! {
-        /// Looks for `package://NAME/…` in this folder too, which holds packages or is one, and for paths that are
-        /// relative.
+        /// Adds a folder to the search path of `package://NAME/…` and relative paths.
+        ///
+        /// The folder contains packages or is a package.
         pub fn with_package_folder(mut self, folder: impl Into<PathBuf>) {
             self.folders.packages.push(folder.into());
         }
-        /// What meshes count as: their convex hulls, unless said otherwise.
+        /// Sets the representation of meshes. The default is their convex hulls.
         pub fn with_meshes(mut self, meshes: MeshUse) {
             self.meshes = meshes;
         }
-        /// Leaves meshes out that are not found, with a note each, instead of failing.
+        /// Leaves out meshes that are not found, with a note each, instead of returning an error.
         pub fn leaving_out_missing_meshes(mut self) {
             self.leaves_out = true;
         }
-        /// Opens meshes only below the folder of the robot's file and below the package folders, as of a robot that is
-        /// [confined](Robot::confined).
+        /// Restricts mesh files to the folder of the robot's file and the package folders, as for a
+        /// [confined](Robot::confined) robot.
         pub fn confined(mut self) {
             self.confined = true;
         }
     }
 
-    /// The model.
+    /// Builds the model.
     ///
     /// # Errors
     /// As [`CollisionModel::of`].
@@ -154,7 +155,7 @@ impl<'r> CollisionModelBuilder<'r> {
         }
     }
 
-    /// The files that a confined robot may name.
+    /// The folders whose files a confined robot may read.
     fn allowed(&self) -> AllowedFiles {
         let folders = self.folders.beside.iter().chain(&self.folders.packages);
         AllowedFiles::below(folders.map(PathBuf::as_path))

@@ -1,4 +1,4 @@
-//! Capsules for the bones of a figure, as thick as its skin.
+//! Capsules for the bones of a character, fitted to its skin.
 
 use super::{CollisionModel, CollisionModelError, CollisionObject};
 use crate::SizeMismatch;
@@ -10,15 +10,18 @@ use crate::skeleton::{BallSkeleton, BoneId, Skeleton};
 use crate::skinning::SkinWeights;
 use crate::spatial::{Matrix3, Placement, Vector3};
 
-/// Bones with less skin get no shape.
+/// Smallest number of vertices for which a bone gets a shape.
 const LEAST_VERTICES: usize = 8;
-/// So much of a bone's skin is on either side of what counts, as blends reach far into neighbours.
+/// Fraction of a bone's vertices that is cut off at each end of an extent, as blend weights reach into neighbouring
+/// bones.
 const BEYOND: f64 = 0.05;
 
 impl CollisionModel {
-    /// Capsules along the bones of a skeleton, as thick as the skin that follows each of them most: nine tenths of it
-    /// lie between their sides. A bone whose skin is wider than thick (a chest, a foot) gets several side by side. Bones
-    /// that touch at rest, as neighbours do, may touch.
+    /// Capsules along the bones of a skeleton, fitted to the skin.
+    ///
+    /// Each vertex belongs to the bone with its largest weight. 90 % of a bone's vertices lie between the sides of its
+    /// capsules. A bone with a wide cross-section, such as a chest or a foot, gets several parallel capsules. Collision
+    /// pairs that overlap in the rest pose, as neighbours do, are disabled.
     ///
     /// ```
     /// use kinopt::collision::CollisionModel;
@@ -32,7 +35,7 @@ impl CollisionModel {
     /// ```
     ///
     /// # Errors
-    /// Weights of another mesh or skeleton.
+    /// Returns an error if the weights do not match the mesh and the skeleton.
     pub fn of_skin(
         skeleton: &Skeleton,
         mesh: &TriangleMesh,
@@ -41,7 +44,7 @@ impl CollisionModel {
         of_skin(skeleton, skeleton.model(), mesh, weights)
     }
 
-    /// The same for a skeleton on ball joints.
+    /// As [`of_skin`](Self::of_skin), for a skeleton with ball joints.
     ///
     /// # Errors
     /// As [`of_skin`](Self::of_skin).
@@ -66,7 +69,7 @@ fn of_skin(
     let mut skin: Vec<Vec<Vector3<f64>>> = vec![Vec::new(); bones.len()];
     for (vertex, position) in positions.iter().enumerate() {
         let influences = weights.influences(vertex).iter();
-        // Of equal ones the first.
+        // Ties go to the first bone.
         let most = influences.fold(None, |most: Option<(usize, f64)>, influence| {
             let (bone, weight) = (influence.bone as usize, influence.weight);
             let more = most.is_none_or(|(_, least)| weight > least);
@@ -93,9 +96,9 @@ fn of_skin(
     Ok(own.with_touching_ignored(&model.neutral())?)
 }
 
-/// Capsules along x that hold most of the points, given in the bone's own axes.
+/// Capsules along x that cover most of the points. The points are in the bone's frame.
 fn capsules(points: &[Vector3<f64>]) -> Vec<(Placement<f64>, Shape)> {
-    // The axes of the cross-section: where it is widest and where it is thinnest.
+    // Principal axes of the cross-section.
     let count = points.len() as f64;
     let middle = points.iter().fold(Vector3::zero(), |sum, p| sum + *p) * count.recip();
     let moment = |f: fn(Vector3<f64>) -> f64| points.iter().map(|p| f(*p - middle)).sum::<f64>();
@@ -113,19 +116,19 @@ fn capsules(points: &[Vector3<f64>]) -> Vec<(Placement<f64>, Shape)> {
     if half_thin <= 0.0 {
         return Vec::new();
     }
-    // So many side by side that no gap is wider than they are thick.
+    // The spacing of parallel capsules is at most their diameter, except beyond the limit of their number.
     let room = half_wide - half_thin;
     let gaps = (room / half_thin).ceil().min(16.0);
     let centre = Vector3::UNITS[0] * along.0 + wide * across.0 + thin * through.0;
     let length = 2.0 * (along.1 - half_thin);
-    // A shape along z lies along x.
+    // Rotates the capsule's axis from z to x.
     let [x, y, z] = Vector3::UNITS;
     let turned = Matrix3::from_columns(y, z, x);
     let shape = match length > 0.0 {
         true => Shape::capsule(half_thin, length),
         false => Shape::sphere(half_thin.min(half_wide)),
     };
-    // Skin so thin that it is no shape.
+    // Skin too thin for a shape.
     let Ok(shape) = shape else {
         return Vec::new();
     };
@@ -142,7 +145,7 @@ fn capsules(points: &[Vector3<f64>]) -> Vec<(Placement<f64>, Shape)> {
         .collect()
 }
 
-/// The middle and the half of where most points are along an axis.
+/// The middle and half the width of the range of most points along an axis, metres.
 fn extent(points: &[Vector3<f64>], axis: Vector3<f64>) -> (f64, f64) {
     let mut values: Vec<f64> = points.iter().map(|p| p.dot(axis)).collect();
     values.sort_unstable_by(f64::total_cmp);

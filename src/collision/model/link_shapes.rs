@@ -1,21 +1,21 @@
-//! The shapes of links, to tell how far two links are apart again and again.
+//! Shapes grouped by link, for repeated distance queries.
 
 use super::CollisionModel;
 use crate::collision::sphere_model::enclosing;
 use crate::collision::{Ball, Separation, Shape, separation_within};
 use crate::spatial::Placement;
 
-/// What one link carries.
+/// Shapes of one link.
 #[derive(Clone, Debug)]
 pub(super) struct LinkShapes {
-    /// Each with its place on the link.
+    /// Shapes with their placements in the link's frame.
     shapes: Vec<(Placement<f64>, Shape)>,
-    /// Around all of them.
+    /// Bounding sphere of all shapes, in the link's frame.
     ball: Ball,
 }
 
 impl LinkShapes {
-    /// How far another link's shapes are, each link by where it stands in the world, if that is at most `within`.
+    /// Separation from another link's shapes, if it is at most `within` metres. Both placements are in the world.
     pub(super) fn apart(
         &self,
         world_from_link: &Placement<f64>,
@@ -44,7 +44,7 @@ impl LinkShapes {
 }
 
 impl CollisionModel {
-    /// Those of each link that has some.
+    /// Shapes of each link with shapes, in the order of [`links`](Self::links).
     pub(super) fn link_shapes(&self) -> Vec<LinkShapes> {
         let of_link = |link| {
             let own = self.objects_of(link);

@@ -1,4 +1,4 @@
-//! From the file of a mesh to shapes.
+//! Conversion of mesh files to collision shapes.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -8,28 +8,28 @@ use crate::collision::mesh_file::MeshFile;
 use crate::collision::{Shape, ShapeError};
 use crate::file::ReadError;
 
-/// What a mesh counts as.
+/// Representation of meshes in collision checks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum MeshUse {
-    /// Its convex hull, as in MuJoCo; that is quick, and fills hollows.
+    /// The convex hull, as in MuJoCo. Fast, but fills concavities.
     #[default]
     Hull,
-    /// The convex hull of each of its connected parts, for meshes that were split into convex pieces before.
+    /// The convex hull of each connected part, for meshes that are already decomposed into convex parts.
     Parts,
-    /// Convex pieces that together hold it, at most so many: boxes cut in two where their hulls are filled worst.
+    /// A convex decomposition into at most the given number of pieces, which together contain the mesh.
     Pieces(usize),
-    /// Its triangles, and what they enclose where they are closed.
+    /// The triangles, and the enclosed volume if the mesh is closed.
     Triangles,
 }
 
-/// The shapes of files, each made once.
+/// Cache of the shapes of mesh files.
 #[derive(Debug, Default)]
 pub(super) struct Meshes {
     made: HashMap<(PathBuf, [u64; 3]), Vec<Shape>>,
 }
 
-/// What can go wrong with a mesh.
+/// Reason why a mesh gives no shape.
 #[derive(Debug)]
 pub(super) enum MeshFault {
     File(ReadError),
@@ -58,7 +58,7 @@ fn shapes(mesh: MeshFile, meshes: MeshUse) -> Result<Vec<Shape>, ShapeError> {
     Ok(match meshes {
         MeshUse::Hull => vec![hull(&mesh.without_loose_points())?],
         MeshUse::Parts => {
-            // A part in one plane has no hull, but a surface.
+            // A planar part has no convex hull, so it stays a mesh.
             let shape = |part: MeshFile| match hull(&part) {
                 Err(_) => Shape::mesh(part.points, part.triangles),
                 hull => hull,

@@ -1,4 +1,4 @@
-//! The shapes of a robot or a figure, and which of its links are kept apart.
+//! Collision shapes of a robot or character, and the enabled collision pairs of its links.
 
 mod bodies;
 mod capsules;
@@ -12,7 +12,7 @@ mod link_shapes;
 mod meshes;
 mod pairs;
 mod pieces;
-#[cfg_attr(not(feature = "mjcf"), allow(dead_code))] // MJCF files alone have planes.
+#[cfg_attr(not(feature = "mjcf"), allow(dead_code))] // Only MJCF files have planes.
 mod planes;
 mod sampling;
 #[cfg(feature = "serde")]
@@ -30,22 +30,22 @@ use crate::model::{FrameId, FrameRef, Model, ParameterMap, UnknownName};
 use crate::robot::Robot;
 use crate::spatial::Placement;
 
-/// A shape on a frame of a model.
+/// A collision shape on a frame of a model.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct CollisionObject {
-    /// Its own name, or its link's and a number: `forearm_0`.
+    /// Name of the shape, or the link's name and a number, as in `forearm_0`.
     pub name: String,
-    /// The frame that carries it: a link, or a bone's tail.
+    /// Frame that carries the shape: a link, or the tail of a bone.
     pub link: FrameId,
-    /// Where it stands there.
+    /// Placement of the shape in the frame of the link.
     pub link_from_shape: Placement<f64>,
-    /// What it is.
+    /// Shape.
     pub shape: Shape,
 }
 
 impl CollisionObject {
-    /// A shape on a link.
+    /// A shape on a link, with its placement in the link's frame.
     pub fn new(
         name: impl Into<String>,
         link: FrameId,
@@ -61,13 +61,13 @@ impl CollisionObject {
     }
 }
 
-/// Shapes on the links of a model, and the pairs of links that must not touch.
+/// Collision shapes on the links of a model, and the enabled collision pairs.
 ///
-/// At first all pairs of links with shapes are enabled, except those of one body (joined by fixed joints) and of
-/// neighbours (joined by one moving joint). An MJCF file enables the pairs that MuJoCo
-/// lets touch, and moving links are kept above the planes of its world. SRDF files
-/// ([`with_srdf`](Self::with_srdf)), samples ([`with_pairs_sampled`](Self::with_pairs_sampled)) and hand
-/// ([`with_ignored`](Self::with_ignored), [`with_checked`](Self::with_checked)) change that.
+/// Initially all pairs of links with shapes are enabled, except links of one body (joined by fixed joints) and of
+/// adjacent bodies (joined by one moving joint). An MJCF file instead enables the pairs that MuJoCo checks, and moving
+/// links must stay above the planes of its world. These methods change the pairs: [`with_srdf`](Self::with_srdf),
+/// [`with_pairs_sampled`](Self::with_pairs_sampled), [`with_ignored`](Self::with_ignored) and
+/// [`with_checked`](Self::with_checked).
 ///
 /// ```
 /// use kinopt::collision::CollisionModel;
@@ -87,38 +87,40 @@ impl CollisionObject {
 )]
 pub struct CollisionModel {
     model: Model,
-    /// Followers follow in what is sampled.
+    /// Maps variables to configurations: sampled configurations satisfy the mimic joints.
     map: ParameterMap,
     objects: Vec<CollisionObject>,
-    /// With objects, in the model's order.
+    /// Links with objects, in the order of the model.
     links: Vec<FrameId>,
-    /// Sorted, the first of each before the second.
+    /// Sorted; in each pair the lower index first.
     pairs: Vec<[FrameId; 2]>,
     planes: Vec<Plane>,
     notes: Vec<String>,
 }
 
 impl CollisionModel {
-    /// The collision shapes of a robot's links, meshes as their convex hulls, looked for beside the robot's file and,
-    /// for `package://`, in the folders above it. [`builder`](Self::builder) has choices.
+    /// The collision shapes of a robot's links, with meshes as their convex hulls.
+    ///
+    /// Mesh files are searched next to the robot's file, and for `package://` also in the folders above it.
+    /// [`builder`](Self::builder) offers options.
     ///
     /// # Errors
-    /// A mesh that is not found or damaged, or a shape that is none.
+    /// Returns an error if a mesh is missing or malformed, or if a shape is invalid.
     pub fn of(robot: &Robot) -> Result<Self, CollisionModelError> {
         Self::builder(robot).build()
     }
 
-    /// Starts a model of a robot's shapes, with choices.
+    /// Returns a builder for the collision model of a robot.
     #[must_use]
     pub fn builder(robot: &Robot) -> CollisionModelBuilder<'_> {
         CollisionModelBuilder::new(robot)
     }
 
-    /// A model of shapes made by hand.
+    /// A model from given shapes.
     ///
     /// # Errors
-    /// A frame that the model does not have, a place that is not rigid, a half-space or a height field, which no
-    /// link is.
+    /// Returns an error if a frame does not belong to the model, or if a shape is a half-space or a height field.
+    /// Returns an error if a placement is not rigid or is farther than 10⁹ m from its link.
     pub fn new(model: &Model, objects: Vec<CollisionObject>) -> Result<Self, CollisionModelError> {
         let map = ParameterMap::identity(model);
         Self::assemble(model, map, objects, Vec::new())
@@ -150,15 +152,15 @@ impl CollisionModel {
     }
 
     getters! {
-        /// The model that it is of.
+        /// The kinematic model.
         pub fn model(&self) -> &Model = &self.model;
-        /// The shapes.
+        /// Collision shapes of all links.
         pub fn objects(&self) -> &[CollisionObject] = &self.objects;
-        /// The links that have shapes, in the model's order.
+        /// Links with shapes, in the order of the model.
         pub fn links(&self) -> &[FrameId] = &self.links;
-        /// The links that are kept apart: sorted, the first of each pair before the second.
+        /// Enabled collision pairs, sorted; in each pair the lower index first.
         pub fn pairs(&self) -> &[[FrameId; 2]] = &self.pairs;
-        /// What was left out or mended on the way here, one text each.
+        /// Messages about shapes that were left out or repaired.
         pub fn notes(&self) -> &[String] = &self.notes;
     }
 
@@ -169,12 +171,11 @@ impl CollisionModel {
             .filter(move |object| object.link == link)
     }
 
-    /// The name of a link.
     pub(crate) fn name_of(&self, link: FrameId) -> &str {
         &self.model.frames()[link.index()].name
     }
 
-    /// A link with shapes.
+    /// Finds a link with shapes or planes.
     fn link(&self, link: FrameRef<'_>) -> Result<FrameId, UnknownName> {
         let names = self.links.iter().map(|link| self.name_of(*link));
         let unknown = |name: &str| UnknownName::new("link with collision shapes", name, names);

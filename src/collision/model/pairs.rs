@@ -1,4 +1,4 @@
-//! Which links are kept apart.
+//! Enabled and disabled collision pairs.
 
 use super::CollisionModel;
 use crate::model::{FrameId, FrameRef, UnknownName};
@@ -6,11 +6,12 @@ use crate::model::{FrameId, FrameRef, UnknownName};
 use crate::robot::Srdf;
 
 impl CollisionModel {
-    /// The same model, but these two links may touch. A link and an obstacle are let touch by the world
-    /// ([`World::allow_touch`](crate::collision::World::allow_touch)).
+    /// The model with the collision pair of two links disabled, so that they may collide.
+    ///
+    /// [`World::allow_touch`](crate::collision::World::allow_touch) allows the collision of a link and an obstacle.
     ///
     /// # Errors
-    /// A link without shapes; the error lists those that have some.
+    /// Returns an error if a link has no shapes. The error lists the links with shapes.
     pub fn with_ignored<'a>(
         mut self,
         a: impl Into<FrameRef<'a>>,
@@ -22,8 +23,8 @@ impl CollisionModel {
         Ok(self)
     }
 
-    /// The same model with these two links kept apart, whatever said that they need not. A link is never kept
-    /// apart from itself.
+    /// The model with the collision pair of two links enabled, even if a file or a sampling disabled it. A link paired
+    /// with itself is ignored.
     ///
     /// # Errors
     /// As [`with_ignored`](Self::with_ignored).
@@ -42,7 +43,7 @@ impl CollisionModel {
         Ok(self)
     }
 
-    /// The same model without the pairs that a file of semantics disables. Links without shapes are passed over.
+    /// The model without the pairs that an SRDF file disables. Links without shapes are ignored.
     #[cfg(feature = "xml")]
     #[must_use]
     pub fn with_srdf(mut self, srdf: &Srdf) -> Self {
@@ -54,7 +55,7 @@ impl CollisionModel {
         self
     }
 
-    /// Whether two links are kept apart.
+    /// True if the collision pair of two links is enabled.
     ///
     /// # Errors
     /// As [`with_ignored`](Self::with_ignored).

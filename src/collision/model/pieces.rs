@@ -1,32 +1,32 @@
-//! A mesh in convex pieces that together hold it.
+//! Approximate convex decomposition of meshes.
 //!
-//! Boxes are cut in two, each time the one whose hull is filled worst, along the plane that leaves the least volume in the
-//! two hulls. The extreme points of what a box holds of a solid lie on the solid's surface or are corners of the box
-//! within the solid, so the hull of those holds it, inside and all. A plain relative of what Mamou & Ghorbel 2009
-//! ("A simple and efficient approach for 3D mesh approximate convex decomposition") and Wei et al. 2022 do.
+//! The box whose hull is farthest from its surface is cut in two, along the plane with the least volume in the two
+//! hulls. The extreme points of the solid in a box lie on the solid's surface or are corners of the box inside the
+//! solid. Therefore the hull of those points contains that part of the solid. The method is a simple relative of Mamou
+//! & Ghorbel 2009 ("A simple and efficient approach for 3D mesh approximate convex decomposition") and Wei et al. 2022.
 
 use crate::collision::mesh_file::MeshFile;
 use crate::collision::{BoundingBox, ConvexHull, Shape, ShapeError, ShapeKind};
 use crate::spatial::Vector3;
 
-/// Surface as far below its hull, as a share of the mesh's diagonal, counts as filled.
+/// Depth of the surface below its hull, relative to the mesh's diagonal, that ends the cuts.
 const FILLED: f64 = 0.01;
-/// Planes that are tried along each axis.
+/// Number of candidate planes along each axis.
 const PLANES: usize = 7;
 
-/// What a box holds of a mesh.
+/// The part of a mesh in a box.
 struct Piece {
     cell: BoundingBox,
-    /// Of the surface.
+    /// Polygons of the surface in the box.
     polygons: Vec<Vec<Vector3<f64>>>,
-    /// Corners of the box within the solid.
+    /// Corners of boxes inside the solid.
     corners: Vec<Vector3<f64>>,
     shape: Shape,
-    /// How far the surface is below the hull.
+    /// Largest depth of the surface below the hull, metres.
     hollow: f64,
 }
 
-/// The hulls of at most so many pieces, one at least; of one where the mesh is convex nearly.
+/// Hulls of at most `most` pieces and at least one. A nearly convex mesh gives one hull.
 pub(super) fn pieces(mesh: &MeshFile, most: usize) -> Result<Vec<Shape>, ShapeError> {
     let solid = Shape::mesh(mesh.points.clone(), mesh.triangles.clone())?;
     let corner = |index: u32| mesh.points[index as usize];
@@ -48,7 +48,7 @@ pub(super) fn pieces(mesh: &MeshFile, most: usize) -> Result<Vec<Shape>, ShapeEr
                 pieces.swap_remove(worst);
                 pieces.extend(halves);
             }
-            // No plane leaves two hulls with a volume.
+            // No plane gives two hulls with a volume.
             None => pieces[worst].hollow = 0.0,
         }
     }
@@ -81,7 +81,7 @@ impl Piece {
         })
     }
 
-    /// The halves along the plane that leaves least volume.
+    /// The two halves at the plane with the least sum of volumes.
     fn halves(&self, solid: &Shape) -> Option<[Self; 2]> {
         let all = self.polygons.iter().flatten().chain(&self.corners);
         let bounds = BoundingBox::around(all.copied());
@@ -136,7 +136,7 @@ impl Piece {
     }
 }
 
-/// The corners of the box's section.
+/// Corners of a box's cross-section with a plane.
 fn cell_corners(cell: &BoundingBox, axis: usize, at: f64) -> [Vector3<f64>; 4] {
     let ends = [cell.min.to_array(), cell.max.to_array()];
     [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(first, second)| {

@@ -1,4 +1,4 @@
-//! Planes that a robot's file has in its world: no shapes of links, as they have no end, but obstacles of its own.
+//! Planes of an MJCF file's world. They are unbounded, so they are obstacles rather than shapes of links.
 
 use std::sync::Arc;
 
@@ -12,10 +12,10 @@ use crate::spatial::Placement;
 /// A half-space on a link that no joint moves.
 #[derive(Clone, Debug)]
 pub(crate) struct Plane {
-    /// As an obstacle in the world, under its link's name.
+    /// The obstacle in the world, named after its link.
     pub(crate) obstacle: Arc<Obstacle>,
     pub(crate) link: FrameId,
-    /// Links that may be through it; none that stands as it does.
+    /// Moving links that may penetrate it.
     pub(crate) passed: Vec<FrameId>,
 }
 
@@ -37,13 +37,13 @@ impl Plane {
         }
     }
 
-    /// Whether what is on a link is kept over it: not what stands as it does.
+    /// True if shapes on a link must stay above the plane. Never true for a fixed link.
     pub(crate) fn holds(&self, model: &Model, link: FrameId) -> bool {
         carrier(model, link).is_some() && !self.passed.contains(&link)
     }
 }
 
-/// Where a link stands, if no joint moves it.
+/// World placement of a link that no joint moves; `None` for a moving link.
 pub(super) fn standing(model: &Model, link: FrameId) -> Option<Placement<f64>> {
     if carrier(model, link).is_some() {
         return None;
@@ -54,12 +54,12 @@ pub(super) fn standing(model: &Model, link: FrameId) -> Option<Placement<f64>> {
 }
 
 impl CollisionModel {
-    /// Planes that stand in the robot's own world.
+    /// Planes of the robot's own world.
     pub(crate) fn planes(&self) -> &[Plane] {
         &self.planes
     }
 
-    /// Lets a link be through the planes of another, or keeps it over them again.
+    /// Allows or forbids that one of two links penetrates the planes of the other.
     pub(super) fn pass_planes(&mut self, [a, b]: [FrameId; 2], may: bool) {
         for plane in &mut self.planes {
             for (on, link) in [(a, b), (b, a)] {
@@ -71,7 +71,7 @@ impl CollisionModel {
         }
     }
 
-    /// Whether one of two links is kept over a plane of the other.
+    /// True if one of two links must stay above a plane of the other.
     pub(super) fn is_over_plane(&self, [a, b]: [FrameId; 2]) -> bool {
         self.planes.iter().any(|plane| {
             [(a, b), (b, a)]

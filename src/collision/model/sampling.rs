@@ -1,4 +1,4 @@
-//! Which pairs never touch, and which always do.
+//! Sampling of the collision pairs that never touch or always touch.
 
 use std::sync::Arc;
 
@@ -9,27 +9,29 @@ use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::{FrameId, ModelError};
 use crate::spatial::Placement;
 
-/// A pair that touches in such a share of all samples is made to: as in MoveIt's setup assistant.
+/// Share of samples in contact from which a pair counts as always in contact, as in MoveIt's setup assistant.
 const ALWAYS: f64 = 0.95;
-/// From so many samples, those where a pair came nearest, it is asked whether it can touch.
+/// Number of samples, those of least distance, from which a pair without contact is minimised.
 const NEAREST: usize = 3;
 
-/// What samples say about a pair.
+/// Results of the samples for one pair.
 #[derive(Clone, Debug, Default)]
 struct Seen {
     touched: u64,
-    /// Of a pair that did not touch: how far it was apart, and in which sample, the nearest first.
+    /// Distance, metres, and index of the closest samples, in order. Only of pairs without contact.
     nearest: Vec<(f64, u64)>,
 }
 
 impl CollisionModel {
-    /// The same model without the pairs that cannot touch, and without those that touch in at least 95 % of `samples` random
-    /// configurations, as links beside a shared joint do (Sucan & Chitta, MoveIt's setup assistant). Of a pair that touches in none of them its
-    /// distance is made less, within all limits, from the three in which it came nearest: it is left out only where that leads
-    /// nowhere to a touch. Loops are not closed in what is sampled. Without samples all pairs stay.
+    /// The model without the pairs that never touch, and without those that almost always touch.
+    ///
+    /// A pair in contact in at least 95 % of `samples` random configurations is disabled. Links next to a shared joint
+    /// are an example (Sucan & Chitta, MoveIt's setup assistant). For a pair without contact, the distance is minimised
+    /// within all limits from the three closest samples. The pair is disabled only if no minimisation reaches contact.
+    /// Loops are not closed in the samples. Without samples all pairs remain.
     ///
     /// # Errors
-    /// The model's lengths are no numbers.
+    /// Returns an error if a sampled configuration is not finite.
     pub fn with_pairs_sampled(mut self, samples: u64, seed: u64) -> Result<Self, ModelError> {
         if samples == 0 {
             return Ok(self);
@@ -65,11 +67,12 @@ impl CollisionModel {
         Ok(self)
     }
 
-    /// Visits where the links with shapes stand in random configurations, within all limits and with followers where they belong, each with
-    /// its number.
+    /// Calls `each` with the number of a sample and the world placements of the links with shapes.
+    ///
+    /// The random configurations are within all limits and satisfy the mimic joints.
     ///
     /// # Errors
-    /// The model's lengths are no numbers.
+    /// Returns an error if a sampled configuration is not finite.
     pub(crate) fn visit_samples(
         &self,
         samples: u64,
@@ -91,10 +94,10 @@ impl CollisionModel {
         Ok(())
     }
 
-    /// A sample by its number: its variables, and a configuration that has them, followers not yet where they belong.
+    /// A sample by its number: its variables, and a configuration with them, in which mimic joints are not yet set.
     ///
     /// # Errors
-    /// The model's lengths are no numbers.
+    /// Returns an error if the sampled configuration contains NaN.
     pub(super) fn draw(
         &self,
         seed: u64,
@@ -106,10 +109,10 @@ impl CollisionModel {
         Ok(q)
     }
 
-    /// The same model without the pairs that touch at a configuration, as where a figure rests or a robot is parked.
+    /// The model without the pairs that touch at a configuration, such as the rest pose or a parking position.
     ///
     /// # Errors
-    /// A configuration of the wrong length, or one that is not finite.
+    /// Returns an error if the configuration has the wrong length or is not finite.
     pub fn with_touching_ignored(mut self, q: &[f64]) -> Result<Self, KinematicsError> {
         let mut kinematics = ForwardKinematics::of_configurations(&self.model, &self.links);
         let placed = kinematics.place(q)?;
@@ -125,14 +128,14 @@ impl CollisionModel {
         Ok(self)
     }
 
-    /// Where a link stands among those with shapes.
+    /// Index of a link among those with shapes.
     pub(crate) fn place_of(&self, link: FrameId) -> usize {
         self.links.binary_search(&link).unwrap_or(0)
     }
 }
 
 impl Seen {
-    /// What is farther apart says nothing more about the pair.
+    /// Largest distance that still matters for the pair, metres.
     fn asked(&self) -> f64 {
         match self.nearest.get(NEAREST - 1) {
             _ if self.touched > 0 => ROUNDING,

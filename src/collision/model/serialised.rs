@@ -1,4 +1,4 @@
-//! Collision models through serde; what is read is checked anew.
+//! Serialised form of collision models. Deserialisation repeats all checks.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +7,7 @@ use crate::collision::{Shape, ShapeError, ShapeKind};
 use crate::model::{FrameId, FrameRef, Model, ParameterMap};
 use crate::spatial::{Placement, Vector3};
 
-/// What a collision model is written as.
+/// Serialised collision model.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Parts {
     model: Model,
@@ -34,7 +34,7 @@ struct ObjectParts {
     shape: ShapeParts,
 }
 
-/// The shapes that links carry.
+/// Serialised shapes of links.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum ShapeParts {
@@ -45,7 +45,7 @@ enum ShapeParts {
     Convex(Vec<Vector3<f64>>),
     Mesh(Vec<Vector3<f64>>, Vec<[u32; 3]>),
     Points(Vec<Vector3<f64>>, f64),
-    /// No link carries one.
+    /// Half-space or height field, which deserialisation rejects.
     Boundless,
 }
 

@@ -1,16 +1,18 @@
-//! A list of pairs for other programs.
+//! Export of disabled collision pairs as SRDF.
 
 use std::fmt::Write;
 
 use super::CollisionModel;
 
 impl CollisionModel {
-    /// An SRDF document that disables every pair of links with shapes that this model does not keep apart, and of links and the planes of
-    /// an MJCF file's world, which stand there under their body's name, those that may be through them.
+    /// An SRDF document that disables every pair of links with shapes that is not enabled in this model.
+    ///
+    /// It also disables the pairs of a link and a plane of an MJCF file that may overlap. A plane has the name of its
+    /// body.
     #[must_use]
     pub fn to_srdf(&self) -> String {
         let mut text = "<?xml version=\"1.0\"?>\n".to_owned();
-        // Writing to a String cannot fail, so the results carry nothing.
+        // Writing to a String cannot fail.
         let _ = writeln!(text, "<robot name=\"{}\">", escaped(self.model.name()));
         let default = super::bodies::pairs_apart(&self.model, &self.links);
         for (index, &a) in self.links.iter().enumerate() {
@@ -36,7 +38,7 @@ impl CollisionModel {
                 let has_shapes = pair
                     .iter()
                     .all(|link| self.links.binary_search(link).is_ok());
-                // Above, or kept apart by shapes, which the document could not say beside it.
+                // Pairs of links with shapes are disabled above, or stay enabled: SRDF cannot disable the plane alone.
                 if !has_shapes && !passed.contains(&pair) {
                     passed.push(pair);
                     let [a, b] = pair.map(|link| escaped(self.name_of(link)));

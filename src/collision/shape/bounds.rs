@@ -1,21 +1,21 @@
-//! Balls and boxes around shapes.
+//! Bounding spheres and axis-aligned bounding boxes of shapes.
 
 use super::{Shape, ShapeKind};
 use crate::collision::bounding_box::BoundingBox;
 use crate::scalar::elementary::hypot;
 use crate::spatial::Vector3;
 
-/// A ball.
+/// A ball, for instance the bounding sphere of a shape. Lengths are in metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ball {
-    /// Its centre.
+    /// Centre.
     pub centre: Vector3<f64>,
-    /// Infinite about a half-space.
+    /// Radius; infinite for a half-space.
     pub radius: f64,
 }
 
 impl Shape {
-    /// The box around it in its own coordinates; infinite for a half-space in all directions but up.
+    /// The axis-aligned bounding box in the shape's frame. For a half-space it is infinite in all directions but +z.
     #[must_use]
     pub fn bounding_box(&self) -> BoundingBox {
         let symmetric = |x: f64, y: f64, z: f64| BoundingBox {
@@ -40,7 +40,9 @@ impl Shape {
         }
     }
 
-    /// A ball around it in its own coordinates: the least one about the middle of the bounding box, or the origin.
+    /// A bounding sphere in the shape's frame.
+    ///
+    /// The sphere is the smallest about the centre of the bounding box, or about the origin.
     #[must_use]
     pub fn bounding_sphere(&self) -> Ball {
         let about_origin = |radius| Ball {

@@ -1,4 +1,4 @@
-//! The convex hull of points, by quickhull.
+//! Convex hull of points, by quickhull.
 
 use super::ShapeError;
 use super::error::check_points;
@@ -6,18 +6,18 @@ use super::hull_climb::HullClimb;
 use crate::collision::convex_surface::ConvexSurface;
 use crate::spatial::Vector3;
 
-/// How thick points must be, as a share of their extent.
+/// Smallest thickness of the points, relative to their extent.
 const THICKNESS: f64 = 1e-10;
 
-/// A convex hull: its corners and triangles.
+/// A convex hull: its vertices and triangles.
 #[derive(Clone, Debug)]
 pub struct ConvexHull {
     vertices: Vec<Vector3<f64>>,
     triangles: Vec<[u32; 3]>,
-    /// Unit outward normals and offsets n · x of the triangles wide enough to have one.
+    /// Unit outward normals and offsets n · x of the triangles that are wide enough to define a plane.
     planes: Vec<(Vector3<f64>, f64)>,
     climb: Option<HullClimb>,
-    /// The mean of its corners, and how far the farthest is from the origin.
+    /// The mean of the vertices, and the largest distance of a vertex from the origin, metres.
     middle: Vector3<f64>,
     reach: f64,
 }
@@ -60,7 +60,7 @@ impl ConvexHull {
                 *name
             }));
             let [a, b, c] = facet.corners.map(|corner| surface.points[corner as usize]);
-            // A sliver's plane is rounding; its neighbours' planes are as near.
+            // A sliver's plane is dominated by rounding, and the planes of its neighbours are as close.
             if let Some(normal) = unit_normal(a, b, c, THICKNESS * extent) {
                 planes.push((normal, normal.dot(a)));
             }
@@ -78,26 +78,26 @@ impl ConvexHull {
     }
 
     getters! {
-        /// Its corners.
+        /// Vertices, metres.
         pub fn vertices(&self) -> &[Vector3<f64>] = &self.vertices;
-        /// Triangles between them, counter-clockwise seen from outside.
+        /// Triangles as vertex indices, counter-clockwise seen from outside.
         pub fn triangles(&self) -> &[[u32; 3]] = &self.triangles;
     }
 
     getters! {
-        /// The mean of its corners.
+        /// The mean of the vertices.
         pub(crate) fn middle(&self) -> Vector3<f64> = self.middle;
-        /// How far its corners are from its origin at most.
+        /// The largest distance of a vertex from the origin, metres.
         pub(crate) fn reach(&self) -> f64 = self.reach;
         #[cfg(test)]
         pub(super) fn climb(&self) -> Option<&HullClimb> = self.climb.as_ref();
         #[cfg(test)]
         pub(super) fn planes(&self) -> &[(Vector3<f64>, f64)] = &self.planes;
-        /// Whether [`climbed`](Self::climbed) may stop short by rounding.
+        /// True if [`climbed`](Self::climbed) uses hill climbing, which may stop early by rounding.
         pub(crate) fn is_climbed(&self) -> bool = self.climb.is_some();
     }
 
-    /// The first of the corners that are farthest along a direction.
+    /// The first of the vertices that are farthest along a direction.
     pub(crate) fn farthest(&self, along: Vector3<f64>) -> Vector3<f64> {
         let climb = self.climb.as_ref();
         let found = climb.and_then(|c| c.surely_farthest(&self.vertices, along, self.reach));
@@ -115,7 +115,7 @@ impl ConvexHull {
         best.1
     }
 
-    /// A corner that is farthest along a direction, or by rounding nearly so: of many corners few are looked at.
+    /// A vertex that is farthest along a direction up to rounding, by hill climbing on large hulls.
     pub(crate) fn climbed(&self, along: Vector3<f64>) -> Vector3<f64> {
         match &self.climb {
             Some(climb) => climb.farthest(&self.vertices, along),
@@ -123,7 +123,8 @@ impl ConvexHull {
         }
     }
 
-    /// The face's plane that a point is farthest beyond: by how much, negative inside, and its normal.
+    /// The face plane with the largest signed distance to a point: that distance, negative inside, and the plane's
+    /// normal.
     pub(crate) fn beyond(&self, point: Vector3<f64>) -> (f64, Vector3<f64>) {
         let start = (f64::NEG_INFINITY, Vector3::UNITS[2]);
         self.planes.iter().fold(start, |most, &(normal, offset)| {
@@ -137,7 +138,7 @@ impl ConvexHull {
     }
 }
 
-/// The unit normal of a triangle; `None` where it is not wider than `least`.
+/// Unit normal of a triangle; `None` if its width is at most `least`.
 fn unit_normal(
     a: Vector3<f64>,
     b: Vector3<f64>,
@@ -151,7 +152,7 @@ fn unit_normal(
     (area > least * longest).then(|| normal * area.recip())
 }
 
-/// Four points that span most, how thick they are and how long.
+/// Four points of large span, their thickness across a plane and their length.
 fn spanning(points: &[Vector3<f64>]) -> ([Vector3<f64>; 4], f64, f64) {
     let first = points[0];
     let a = farthest(points, |p| (p - first).norm_squared());
@@ -174,9 +175,9 @@ fn farthest(points: &[Vector3<f64>], measure: impl Fn(Vector3<f64>) -> f64) -> V
     best.0
 }
 
-/// Takes up what is outside, the farthest of a facet first.
+/// Inserts all points outside the surface; of each facet the farthest first.
 fn grow(mut surface: ConvexSurface, points: &[Vector3<f64>]) -> ConvexSurface {
-    // By facet: the points that see it, each in the list of one facet.
+    // Points that see a facet, by facet. Each point is in the list of one facet only.
     let mut outside: Vec<Vec<u32>> = vec![Vec::new(); 4];
     let mut facets: Vec<u32> = (0..4).collect();
     let mut loose: Vec<u32> = (0..points.len() as u32).collect();
@@ -185,7 +186,7 @@ fn grow(mut surface: ConvexSurface, points: &[Vector3<f64>]) -> ConvexSurface {
         let [a, b, c] = surface.corners(facet);
         let normal = (b - a).cross(c - a);
         let above = |&i: &u32| normal.dot(points[i as usize] - a);
-        // None of a facet that is hidden, whose points others were given.
+        // A hidden facet has no points left: they were assigned to other facets.
         let candidates = &outside[facet as usize];
         let Some(&top) = candidates
             .iter()
@@ -204,7 +205,7 @@ fn grow(mut surface: ConvexSurface, points: &[Vector3<f64>]) -> ConvexSurface {
     surface
 }
 
-/// Gives each loose point to the first of the facets that it sees; the others are inside.
+/// Assigns each loose point to the first facet that it sees. Points that see no facet are inside and are dropped.
 fn assign(
     surface: &ConvexSurface,
     points: &[Vector3<f64>],

@@ -1,40 +1,41 @@
-//! What can be wrong with a shape, and what is only told.
+//! Errors and notes about shapes.
 
 use crate::plural::counted;
 use crate::spatial::Vector3;
 
-/// Lengths of shapes, so that no square of one over- or underflows.
+/// Bounds of the lengths of shapes, metres, so that no square of a length over- or underflows.
 const SMALLEST: f64 = 1e-9;
 pub(in crate::collision) const LARGEST: f64 = 1e9;
-/// How many times as long as thick a shape may be: rounding along it is then a thousandth of what it is across.
+/// Largest ratio of the lengths of one shape: rounding along the longest length is then at most a thousandth of the
+/// shortest.
 const SLENDEREST: f64 = 1e12;
-/// Vertices, points and heights of one shape.
+/// Largest number of vertices, points or heights of one shape.
 const MOST: usize = 1 << 28;
 
-/// Why there is no such shape.
+/// Reason why a shape cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShapeError {
-    /// A length that is no length.
+    /// A length outside the allowed range.
     #[error("the {what} is {value}, not a positive length from {SMALLEST:e} to {LARGEST:e}")]
     Size {
-        /// Which: `radius of the sphere`, say.
+        /// Name of the length, for instance `radius of the sphere`.
         what: &'static str,
-        /// What was given.
+        /// Given value, metres.
         value: f64,
     },
-    /// Lengths so far apart that distances would be rounding.
+    /// Two lengths whose ratio is so large that distances would be dominated by rounding.
     #[error(
         "the {longest_name} is {longest:e} and the {shortest_name} {shortest:e}: more than {SLENDEREST:e} times"
     )]
     Slender {
-        /// Which is longest.
+        /// Name of the longest length.
         longest_name: &'static str,
-        /// How long it is.
+        /// Longest length, metres.
         longest: f64,
-        /// Which is shortest.
+        /// Name of the shortest length.
         shortest_name: &'static str,
-        /// How long it is.
+        /// Shortest length, metres.
         shortest: f64,
     },
     /// A coordinate that is NaN, infinite or beyond 10⁹.
@@ -42,106 +43,106 @@ pub enum ShapeError {
     Coordinate {
         /// `vertex`, `point` or `height`.
         what: &'static str,
-        /// Which, counted from 0.
+        /// Index, from 0.
         index: usize,
     },
-    /// Too few of something.
+    /// Too few points, triangles, rows or columns.
     #[error("a {shape} needs at least {needed} {what}, not {given}")]
     TooFew {
-        /// Of what.
+        /// Kind of the shape.
         shape: &'static str,
-        /// What there is too little of.
+        /// Name of the elements of which there are too few.
         what: &'static str,
-        /// How many it takes.
+        /// Required number of elements.
         needed: usize,
-        /// How many there are.
+        /// Given number of elements.
         given: usize,
     },
-    /// Too many of something.
+    /// Too many vertices, points, heights or triangles.
     #[error("{given} {what} are more than the {MOST} that a shape may have")]
     TooMany {
-        /// Of what.
+        /// Name of the elements.
         what: &'static str,
-        /// How many there are.
+        /// Given number of elements.
         given: usize,
     },
-    /// The points of a convex hull lie in a plane, on a line or at one place.
+    /// The points of a convex hull lie in one plane, on one line or at one point.
     #[error("the {points} points of the convex hull lie in one plane{}", within(*.thickness))]
     Flat {
-        /// How many points there are.
+        /// Number of points.
         points: usize,
-        /// How thick they are across it.
+        /// Extent of the points across the plane, metres.
         thickness: f64,
     },
     /// A triangle names a vertex that does not exist.
     #[error("triangle {triangle} names vertex {vertex}, but there are {vertices} vertices")]
     UnknownVertex {
-        /// Which triangle, from 0.
+        /// Index of the triangle, from 0.
         triangle: usize,
-        /// What it names.
+        /// Index of the missing vertex.
         vertex: u32,
-        /// How many there are.
+        /// Number of vertices.
         vertices: usize,
     },
-    /// Heights that fill no whole number of rows.
+    /// Heights that do not fill a whole number of rows.
     #[error("{heights} heights do not fill rows of {columns}")]
     Rows {
-        /// How many heights there are.
+        /// Number of heights.
         heights: usize,
-        /// How many a row has.
+        /// Number of heights a row.
         columns: usize,
     },
-    /// A mesh of a robot's file is another file, which must be read first.
+    /// The geometry is a mesh in a file of its own, which must be read first.
     #[error("the mesh {file:?} is in a file of its own, which must be read for it")]
     NeedsFile {
-        /// As the robot's file names it.
+        /// Reference to the mesh file, as the robot's file writes it.
         file: String,
     },
 }
 
-/// What was found about a shape that is taken all the same.
+/// Finding about a shape that is accepted all the same.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShapeNote {
-    /// Edges with another number of triangles than two: there is no inside, the surface alone counts.
+    /// Edges that do not join exactly two triangles: the mesh has no inside, only its surface counts.
     #[error("the mesh is open at {}: its surface alone counts, it has no inside", counted(*.edges, "edge"))]
     Open {
-        /// How many.
+        /// Number of open edges.
         edges: usize,
     },
-    /// Neighbouring triangles that are wound against each other, so that inside and outside are not told apart.
+    /// Neighbouring triangles with opposite winding: the mesh has no inside, only its surface counts.
     #[error(
         "{} of the mesh {} triangles wound against each other: its surface alone counts",
         counted(*.edges, "edge"), if *.edges == 1 { "joins" } else { "join" }
     )]
     Winding {
-        /// How many.
+        /// Number of edges between triangles of opposite winding.
         edges: usize,
     },
-    /// Corners on open edges that were next to each other and are one now, so that the mesh is closed.
+    /// Close vertices on open edges that were merged, which closes the mesh.
     #[error("{} on open edges within {within:e} m of another {} made one with it, which closes the mesh",
         counted(*.vertices, "vertex"), if *.vertices == 1 { "was" } else { "were" })]
     Closed {
-        /// How many are no more.
+        /// Number of merged vertices.
         vertices: usize,
-        /// How far apart they were at most, metres.
+        /// Largest distance of merged vertices, metres.
         within: f64,
     },
-    /// A closed mesh whose triangles are clockwise seen from outside: they were turned.
+    /// A closed mesh with clockwise triangles, seen from outside: their winding was reversed.
     #[error("the mesh is inside out: its triangles were turned")]
     InsideOut,
-    /// Triangles with two corners at one place, left out as their neighbours cover them.
+    /// Triangles with two corners at the same position: removed, as their neighbours cover them.
     #[error(
         "{} without area {} left out",
         counted(*.triangles, "triangle"), if *.triangles == 1 { "was" } else { "were" }
     )]
     WithoutArea {
-        /// How many.
+        /// Number of removed triangles.
         triangles: usize,
     },
 }
 
-/// How thick something is, where that is more than nothing.
+/// Text for a thickness, metres; empty for 0.
 fn within(thickness: f64) -> String {
     match thickness == 0.0 {
         true => String::new(),
@@ -149,7 +150,7 @@ fn within(thickness: f64) -> String {
     }
 }
 
-/// A length, if it is one.
+/// Returns the length if it is in range.
 pub(super) fn size(what: &'static str, value: f64) -> Result<f64, ShapeError> {
     match (SMALLEST..=LARGEST).contains(&value) {
         true => Ok(value),
@@ -157,7 +158,7 @@ pub(super) fn size(what: &'static str, value: f64) -> Result<f64, ShapeError> {
     }
 }
 
-/// The lengths of one shape, if they are some and not too far apart.
+/// Returns the lengths of one shape if they are in range and their ratio is at most [`SLENDEREST`].
 pub(super) fn sizes<const N: usize>(
     named: [(&'static str, f64); N],
 ) -> Result<[f64; N], ShapeError> {
@@ -180,7 +181,7 @@ pub(super) fn sizes<const N: usize>(
     Ok(named.map(|(_, value)| value))
 }
 
-/// Whether all are in range, and not too many for 32 bits.
+/// Checks that all coordinates are in range and that the number of points is at most [`MOST`].
 pub(super) fn check_points(
     what: &'static str,
     plural: &'static str,
@@ -194,7 +195,7 @@ pub(super) fn check_points(
     }
 }
 
-/// Whether there are not too many for 32 bits.
+/// Checks that the number of elements is at most [`MOST`].
 pub(super) fn check_number(what: &'static str, given: usize) -> Result<(), ShapeError> {
     match given <= MOST {
         true => Ok(()),

@@ -1,14 +1,14 @@
-//! A polyhedron of triangles that are nearly alike.
+//! Geodesic polyhedron around the unit ball.
 
 use std::collections::BTreeMap;
 
 use crate::spatial::Vector3;
 
-/// How often each triangle is made four.
+/// Number of subdivisions of each triangle into four.
 const SPLITS: usize = 2;
 
-/// The corners of a polyhedron around the unit ball, which touches its faces: an icosahedron whose triangles are split and put on the
-/// sphere (Fuller's geodesic dome), then let out.
+/// Vertices of a polyhedron that encloses the unit ball: an icosahedron, subdivided and projected onto the sphere
+/// (Fuller's geodesic dome), then scaled until its faces lie outside the ball.
 pub(super) fn around_unit_ball() -> Vec<Vector3<f64>> {
     let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
     let mut corners = Vec::new();
@@ -24,7 +24,7 @@ pub(super) fn around_unit_ball() -> Vec<Vector3<f64>> {
             Vector3::new(b, 0.0, a),
         ]);
     }
-    // Neighbours are 2 apart, all others further.
+    // Adjacent corners are 2 apart, all other pairs are farther apart.
     let near = |i: usize, j: usize, corners: &[Vector3<f64>]| {
         (corners[i] - corners[j]).norm_squared() < 4.5
     };
@@ -56,7 +56,7 @@ pub(super) fn around_unit_ball() -> Vec<Vector3<f64>> {
         }
         triangles = split;
     }
-    // How far the planes of the triangles are from the middle, at least.
+    // Smallest distance of a triangle's plane from the origin.
     let inner = triangles.iter().map(|triangle| {
         let [a, b, c] = triangle.map(|corner| corners[corner]);
         unit((b - a).cross(c - a)).dot(a).abs()

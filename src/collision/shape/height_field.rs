@@ -1,4 +1,4 @@
-//! A ground over a grid.
+//! Terrain as a height field over a grid.
 
 use super::ShapeError;
 use super::error::{check_number, size};
@@ -6,15 +6,15 @@ use crate::collision::bounding_box::BoundingBox;
 use crate::collision::box_tree::BoxTree;
 use crate::spatial::Vector3;
 
-/// Heights over a grid, centred on the origin; solid below, as far down from the lowest as its longer side is.
+/// Heights over a grid that is centred on the origin. The volume below the surface is solid.
 #[derive(Clone, Debug)]
 pub struct HeightField {
     heights: Vec<f64>,
     columns: usize,
     spacing: [f64; 2],
-    /// The walls around and the floor.
+    /// Triangles of the side walls and the floor.
     below: Vec<[Vector3<f64>; 3]>,
-    /// Over the triangles: two a cell, then those below.
+    /// AABB tree over the triangles: two a cell, then those in `below`.
     tree: BoxTree,
 }
 
@@ -45,7 +45,7 @@ impl HeightField {
                 });
             }
         }
-        // As of any coordinate; also what keeps the far corners of the grid in range.
+        // The limit of all coordinates. It also bounds the far corners of the grid.
         if let Some(index) = heights.iter().position(|z| z.is_nan() || z.abs() > 1e9) {
             return Err(ShapeError::Coordinate {
                 what: "height",
@@ -67,18 +67,17 @@ impl HeightField {
     }
 
     getters! {
-        /// Row after row along y, a row along x.
+        /// Heights in metres, row after row along y, each row along x.
         pub fn heights(&self) -> &[f64] = &self.heights;
-        /// How many heights a row has.
+        /// Number of heights a row.
         pub fn columns(&self) -> usize = self.columns;
-        /// How many rows there are.
+        /// Number of rows.
         pub fn rows(&self) -> usize = self.heights.len() / self.columns;
-        /// Between neighbours along x and y.
+        /// Distances of neighbours along x and y, metres.
         pub fn spacing(&self) -> [f64; 2] = self.spacing;
         pub(crate) fn tree(&self) -> &BoxTree = &self.tree;
-        /// Of the surface, the walls and the floor.
+        /// Number of triangles of the surface, the walls and the floor.
         pub(crate) fn triangle_count(&self) -> usize = self.surface_count() + self.below.len();
-        /// Two a cell.
         fn surface_count(&self) -> usize = 2 * (self.columns - 1) * (self.rows() - 1);
         pub(super) fn bounding_box(&self) -> BoundingBox = self.tree.bounds();
     }
@@ -110,7 +109,7 @@ impl HeightField {
         )
     }
 
-    /// How far above the surface a place is along z; `None` beside the grid.
+    /// Height of a point above the surface along z, metres; `None` outside the grid.
     fn above(&self, place: Vector3<f64>) -> Option<f64> {
         let [dx, dy] = self.spacing;
         let cell = |x: f64, spacing: f64, n: usize| {
@@ -123,7 +122,7 @@ impl HeightField {
         let (row, v) = cell(place.y, dy, self.rows())?;
         let height = |i: usize, j: usize| self.corner(column + i, row + j).z;
         let [low, high] = [height(0, 0), height(1, 1)];
-        // Of either triangle, along its two sides.
+        // Interpolates in the triangle of the cell that holds the point.
         let surface = match u >= v {
             true => low + u * (height(1, 0) - low) + v * (high - height(1, 0)),
             false => low + v * (height(0, 1) - low) + u * (high - height(0, 1)),
@@ -137,7 +136,7 @@ impl HeightField {
         let [x, y] = self.spacing;
         let floor = lowest - (x * columns as f64).max(y * rows as f64);
         let foot = |p: Vector3<f64>| Vector3::new(p.x, p.y, floor);
-        // Around the rim, counter-clockwise seen from above.
+        // Vertices around the rim, counter-clockwise seen from above.
         let rim: Vec<_> = (0..columns)
             .map(|i| (i, 0))
             .chain((0..rows).map(|j| (columns, j)))
@@ -155,7 +154,7 @@ impl HeightField {
         walls.chain([[a, b, c], [a, c, d]]).collect()
     }
 
-    /// Whether a place is below the surface and above the floor.
+    /// True if a point is below the surface and above the floor.
     pub(crate) fn holds(&self, place: Vector3<f64>) -> bool {
         let within = place.z > self.tree.bounds().min.z;
         within && self.above(place).is_some_and(|above| above < 0.0)

@@ -1,32 +1,33 @@
-//! The corner of a hull that is farthest along a direction, found by going from corner to corner.
+//! Support point of a convex hull by hill climbing.
 //!
-//! On a convex surface a corner that no neighbour is beyond is the farthest of all (Gilbert & Foo 1990; "hill climbing" in later
-//! libraries), so that of thousands some tens are looked at. Where rounding hides which neighbour is farther, it may stop short by as much.
-//! The corners that are nearly as far hang together, so that what is to be exact looks at those about it.
+//! On a convex surface, a vertex without a farther neighbour is the farthest of all (Gilbert & Foo 1990). Of thousands
+//! of vertices the climb visits a few tens. Rounding can end the climb early, by an error of the size of the rounding.
+//! The vertices that are nearly as far form a connected set, so an exact query also visits the neighbours of all of
+//! them.
 
 use crate::spatial::Vector3;
 
-/// Hulls of fewer corners are looked through sooner.
+/// Number of vertices below which a linear search is faster.
 const MANY: usize = 32;
-/// Of a hull's reach: far more than rounding makes of how far along a direction a corner is.
+/// Tolerance relative to the hull's reach, far above the rounding of a projection onto a direction.
 const NEARLY: f64 = 1e-12;
-/// Most corners that are nearly as far as the farthest: of more, as on a wide face, all are looked through.
+/// Largest number of vertices nearly as far as the farthest; with more, as on a wide face, a linear search follows.
 const AS_FAR: usize = 48;
-/// Cells along a side of the cube of directions.
+/// Number of cells along an edge of the cube of directions.
 const CELLS: usize = 6;
 
-/// Which corners are beside which, and where to begin.
+/// Adjacency of the vertices, and start vertices by direction.
 #[derive(Clone, Debug)]
 pub(super) struct HullClimb {
-    /// Of each corner where its neighbours end.
+    /// End of each vertex's range in `neighbours`.
     ends: Vec<u32>,
     neighbours: Vec<u32>,
-    /// A corner far along the middle of each cell of directions.
+    /// A vertex far along the middle direction of each cell.
     starts: Vec<u32>,
 }
 
 impl HullClimb {
-    /// Of a closed surface; none for few corners.
+    /// Adjacency of a closed surface; `None` for few vertices.
     pub(super) fn of(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Option<Self> {
         if vertices.len() < MANY {
             return None;
@@ -37,11 +38,11 @@ impl HullClimb {
         }
         let mut sum = 0;
         for end in &mut ends {
-            // Where the neighbours begin: the end once they are filled in.
+            // Starts of the ranges: they become the ends once the neighbours are filled in.
             sum += std::mem::replace(end, sum);
         }
         let mut neighbours = vec![0; sum as usize];
-        // Each side is one triangle's in one sense and the next one's in the other.
+        // Adjacent triangles share each side in opposite directions.
         for &[a, b, c] in triangles {
             for (from, to) in [(a, b), (b, c), (c, a)] {
                 let end = &mut ends[from as usize];
@@ -62,14 +63,15 @@ impl HullClimb {
         Some(climb)
     }
 
-    /// A corner that no neighbour is farther along a direction than.
+    /// A vertex without a neighbour farther along a direction.
     pub(super) fn farthest(&self, vertices: &[Vector3<f64>], along: Vector3<f64>) -> Vector3<f64> {
         let start = self.starts[cell(along)];
         vertices[self.from(vertices, start, along) as usize]
     }
 
-    /// The first of the corners that are farthest along a direction, of a hull that reaches so far from its origin; `None` where too
-    /// many are nearly as far.
+    /// The first of the vertices that are farthest along a direction, for a hull of the given reach, metres.
+    ///
+    /// Returns `None` if too many vertices are nearly as far.
     pub(super) fn surely_farthest(
         &self,
         vertices: &[Vector3<f64>],
@@ -124,7 +126,7 @@ impl HullClimb {
     }
 }
 
-/// The cell of a cube's surface that a direction goes through.
+/// Index of the cell of the cube's surface that a direction passes through.
 fn cell(along: Vector3<f64>) -> usize {
     let v = along.to_array();
     let size = v.map(f64::abs);
@@ -135,7 +137,7 @@ fn cell(along: Vector3<f64>) -> usize {
     };
     let scale = size[axis].recip();
     let at = |value: f64| {
-        // Not a number for a direction of no length: the first cell.
+        // NaN for a zero direction gives the first cell.
         let cell = (value * scale + 1.0) * (0.5 * CELLS as f64);
         (cell as usize).min(CELLS - 1)
     };
@@ -143,7 +145,7 @@ fn cell(along: Vector3<f64>) -> usize {
     (side * CELLS + at(v[(axis + 1) % 3])) * CELLS + at(v[(axis + 2) % 3])
 }
 
-/// The direction through the middle of a cell.
+/// Direction through the middle of a cell.
 fn middle(cell: usize) -> Vector3<f64> {
     let at = |cell: usize| (cell as f64 + 0.5) * (2.0 / CELLS as f64) - 1.0;
     let (side, row, column) = (cell / (CELLS * CELLS), cell / CELLS % CELLS, cell % CELLS);
@@ -163,7 +165,7 @@ mod tests {
     use crate::random::RandomStream;
     use crate::spatial::Vector3;
 
-    /// Points about a ball, on a prism of many sides, of a thin disc, and of a ball's cap far from the origin.
+    /// Points on a sphere, on a prism with many sides, on a thin disc, and on a spherical cap far from the origin.
     fn points(kind: u64, random: &mut RandomStream) -> Vec<Vector3<f64>> {
         let mut unit = || {
             let v = Vector3::new(

@@ -1,5 +1,5 @@
-//! The shapes: spheres, capsules, cylinders, boxes, half-spaces, convex hulls, triangle meshes, height fields and
-//! clouds of points.
+//! Collision shapes: spheres, capsules, cylinders, boxes, half-spaces, convex hulls, triangle meshes, height fields and
+//! point clouds.
 
 mod bounds;
 mod convex_hull;
@@ -33,49 +33,49 @@ use crate::spatial::Vector3;
 use error::{size, sizes};
 use geodesic::around_unit_ball;
 
-/// A shape whose numbers are checked, about its own origin; lengths in metres. Cheap to clone.
+/// A validated collision shape about its own origin. Lengths are in metres. Cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Shape {
     kind: ShapeKind,
 }
 
-/// What a [`Shape`] is. Lengths are whole lengths, as in [`Geometry`].
+/// The kind of a [`Shape`], with its dimensions in metres. Lengths are full lengths, as in [`Geometry`].
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum ShapeKind {
-    /// About the origin.
+    /// A sphere about the origin.
     Sphere {
-        /// Its radius.
+        /// Radius, metres.
         radius: f64,
     },
-    /// A cylinder along z with half a sphere at either end.
+    /// A cylinder along z with a hemisphere at each end.
     Capsule {
-        /// Of the cylinder and the spheres.
+        /// Radius of the cylinder and of the hemispheres, metres.
         radius: f64,
-        /// Of the cylinder alone.
+        /// Length of the cylinder without the hemispheres, metres.
         length: f64,
     },
     /// A cylinder along z.
     Cylinder {
-        /// Its radius.
+        /// Radius, metres.
         radius: f64,
-        /// From one end to the other.
+        /// Distance between the two end faces, metres.
         length: f64,
     },
-    /// A box along x, y and z.
+    /// A box aligned with x, y and z, centred on the origin.
     Cuboid {
-        /// Its whole lengths.
+        /// Full lengths along x, y and z, metres.
         size: [f64; 3],
     },
-    /// Everything below z = 0.
+    /// The half-space below z = 0.
     HalfSpace,
-    /// The convex hull of points.
+    /// The convex hull of a set of points.
     Convex(Arc<ConvexHull>),
-    /// Triangles, and what they enclose where they are closed.
+    /// A triangle mesh: the enclosed solid if it is closed, else its surface.
     Mesh(Arc<TriangleMesh>),
-    /// A surface over a grid in x and y, and what is below it.
+    /// A surface over a grid in x and y, and the solid below it.
     HeightField(Arc<HeightField>),
-    /// Spheres of one radius about many points.
+    /// Spheres of one radius about a set of points.
     Points(Arc<PointCloud>),
 }
 
@@ -83,7 +83,7 @@ impl Shape {
     /// A sphere.
     ///
     /// # Errors
-    /// A radius that is not a positive finite length.
+    /// Returns [`ShapeError::Size`] if the radius is not between 1e-9 and 1e9 m.
     pub fn sphere(radius: f64) -> Result<Self, ShapeError> {
         let radius = size("radius of the sphere", radius)?;
         Ok(Self::of(ShapeKind::Sphere { radius }))
@@ -92,7 +92,8 @@ impl Shape {
     /// A capsule along z: all points at most `radius` from a segment of `length`.
     ///
     /// # Errors
-    /// A radius or length that is not a positive finite length, or one 10¹² times the other.
+    /// Returns [`ShapeError::Size`] if the radius or the length is not between 1e-9 and 1e9 m. Returns
+    /// [`ShapeError::Slender`] if one is more than 10¹² times the other.
     pub fn capsule(radius: f64, length: f64) -> Result<Self, ShapeError> {
         let [radius, length] = sizes([
             ("radius of the capsule", radius),
@@ -101,10 +102,11 @@ impl Shape {
         Ok(Self::of(ShapeKind::Capsule { radius, length }))
     }
 
-    /// A cylinder along z, `length` from one end to the other.
+    /// A cylinder along z. `length` is the distance between its end faces.
     ///
     /// # Errors
-    /// A radius or length that is not a positive finite length, or one 10¹² times the other.
+    /// Returns [`ShapeError::Size`] if the radius or the length is not between 1e-9 and 1e9 m. Returns
+    /// [`ShapeError::Slender`] if one is more than 10¹² times the other.
     pub fn cylinder(radius: f64, length: f64) -> Result<Self, ShapeError> {
         let [radius, length] = sizes([
             ("radius of the cylinder", radius),
@@ -113,10 +115,11 @@ impl Shape {
         Ok(Self::of(ShapeKind::Cylinder { radius, length }))
     }
 
-    /// A box with its whole lengths along x, y and z.
+    /// A box with the given full lengths along x, y and z.
     ///
     /// # Errors
-    /// A length that is not positive and finite, or is 10¹² times another.
+    /// Returns [`ShapeError::Size`] if a length is not between 1e-9 and 1e9 m. Returns [`ShapeError::Slender`] if one
+    /// is more than 10¹² times another.
     pub fn cuboid([x, y, z]: [f64; 3]) -> Result<Self, ShapeError> {
         let size = sizes([
             ("length of the box along x", x),
@@ -126,10 +129,13 @@ impl Shape {
         Ok(Self::of(ShapeKind::Cuboid { size }))
     }
 
-    /// What holds an ellipsoid with these radii along x, y and z: a convex hull of 162 points, which sticks out of it by less than 2 % of a radius.
+    /// A convex hull of 162 points that encloses the ellipsoid with the given radii along x, y and z.
+    ///
+    /// The hull protrudes from the ellipsoid by less than 2 % of a radius.
     ///
     /// # Errors
-    /// A radius that is not positive and finite, or is 10¹² times another.
+    /// Returns [`ShapeError::Size`] if a radius is not between 1e-9 and 1e9 m. Returns [`ShapeError::Slender`] if one
+    /// is more than 10¹² times another.
     pub fn ellipsoid([x, y, z]: [f64; 3]) -> Result<Self, ShapeError> {
         let radii = Vector3::from(sizes([
             ("radius of the ellipsoid along x", x),
@@ -141,40 +147,45 @@ impl Shape {
         Self::convex(&corners)
     }
 
-    /// Everything below z = 0: a floor, or a wall where it is turned.
+    /// The half-space below z = 0: a floor, or a wall once it is rotated.
     #[must_use]
     pub fn half_space() -> Self {
         Self::of(ShapeKind::HalfSpace)
     }
 
-    /// The convex hull of points that span a volume.
+    /// The convex hull of `points`, which must span a volume.
     ///
     /// # Errors
-    /// Fewer than four points, points that are not finite, or that lie in one plane.
+    /// Returns an error if there are fewer than four points, if a coordinate is not finite or exceeds 10⁹, or if the
+    /// points lie in one plane.
     pub fn convex(points: &[Vector3<f64>]) -> Result<Self, ShapeError> {
         Ok(Self::of(ShapeKind::Convex(Arc::new(ConvexHull::new(
             points,
         )?))))
     }
 
-    /// A triangle mesh. Where it is closed, what it encloses belongs to it; else it is its surface alone, which
-    /// [`notes`](Self::notes) tell. Vertices at one place count as one.
+    /// A triangle mesh. A closed mesh is the enclosed solid. An open mesh is its surface alone, as
+    /// [`notes`](Self::notes) report. Vertices at the same position are merged.
     ///
     /// # Errors
-    /// No triangles, vertices that are not finite, or triangles of vertices that are not there.
+    /// Returns an error if there are no triangles, if a coordinate is not finite or exceeds 10⁹, or if a triangle names
+    /// a vertex that does not exist.
     pub fn mesh(vertices: Vec<Vector3<f64>>, triangles: Vec<[u32; 3]>) -> Result<Self, ShapeError> {
         Ok(Self::of(ShapeKind::Mesh(Arc::new(TriangleMesh::new(
             vertices, triangles,
         )?))))
     }
 
-    /// A ground: `heights` over a grid of `columns` places along x, row after row along y, `spacing` apart and
-    /// centred on the origin; each cell is two triangles, and what is below the surface is solid, as far down from
-    /// its lowest place as its longer side is.
+    /// A terrain given by `heights` over a grid that is centred on the origin.
+    ///
+    /// `heights` holds one row along x after the other along y, with `columns` heights a row. `spacing` is the distance
+    /// of neighbours along x and y. Each cell consists of two triangles. The volume below the surface is solid. Its
+    /// floor lies below the lowest height by the length of the grid's longer side.
     ///
     /// # Errors
-    /// Fewer than two rows or columns, heights that are not finite or no whole number of rows, or a spacing that
-    /// is not positive and finite.
+    /// Returns an error if there are fewer than two rows or columns, or if the heights do not fill a whole number of
+    /// rows. Returns [`ShapeError::Coordinate`] if a height is not finite or exceeds 10⁹ m. Returns
+    /// [`ShapeError::Size`] if a spacing is not between 1e-9 and 1e9 m.
     pub fn height_field(
         heights: Vec<f64>,
         columns: usize,
@@ -185,10 +196,11 @@ impl Shape {
         ))))
     }
 
-    /// Spheres of one `radius` about points, as of a camera's cloud.
+    /// Spheres of one `radius` about `positions`, such as the point cloud of a depth camera.
     ///
     /// # Errors
-    /// No points, points that are not finite, or a radius that is not a positive finite length.
+    /// Returns an error if there are no points, or if a coordinate is not finite or exceeds 10⁹ m. Returns
+    /// [`ShapeError::Size`] if the radius is not between 1e-9 and 1e9 m.
     pub fn points(positions: Vec<Vector3<f64>>, radius: f64) -> Result<Self, ShapeError> {
         Ok(Self::of(ShapeKind::Points(Arc::new(PointCloud::new(
             positions, radius,
@@ -199,13 +211,13 @@ impl Shape {
         Self { kind }
     }
 
-    /// What it is.
+    /// The kind of the shape, with its dimensions.
     #[must_use]
     pub fn kind(&self) -> &ShapeKind {
         &self.kind
     }
 
-    /// What was found and mended, or what it means for distances: an open mesh has no inside, say.
+    /// Findings about the shape: repairs, and properties that affect distances, such as an open mesh without an inside.
     #[must_use]
     pub fn notes(&self) -> &[ShapeNote] {
         match &self.kind {
@@ -215,7 +227,7 @@ impl Shape {
     }
 }
 
-/// Shapes of a robot's file, but for meshes, which are files of their own.
+/// Converts all geometries of a robot's file except meshes, which lie in files of their own.
 impl TryFrom<&Geometry> for Shape {
     type Error = ShapeError;
 

@@ -1,4 +1,4 @@
-//! Meshes that are open only because corners that should be one are next to each other.
+//! Closing of open meshes by merging vertices that nearly coincide.
 
 use std::collections::HashMap;
 
@@ -6,20 +6,21 @@ use super::triangle_sides::{across, welded};
 use crate::collision::bounding_box::BoundingBox;
 use crate::spatial::Vector3;
 
-/// Corners at most so far apart, as a share of the mesh's size, may be one: some steps of single precision, in which STL's are written.
+/// Largest distance of merged vertices, relative to the mesh's size: a few steps of single precision, as STL files use.
 pub(super) const TOLERANCE: f64 = 1e-6;
 
-/// A mesh that is closed once corners on its open edges are one.
+/// A mesh that was closed by merging vertices on its open edges.
 pub(super) struct Closed {
     pub(super) vertices: Vec<Vector3<f64>>,
     pub(super) triangles: Vec<[u32; 3]>,
-    /// By triangle: the triangles beyond its sides.
+    /// Adjacent triangle across each side, by triangle.
     pub(super) across: Vec<[u32; 3]>,
-    /// From one end of the box around all to the other.
+    /// Diagonal of the bounding box, metres.
     pub(super) size: f64,
 }
 
-/// Makes corners on open edges one with the first that is within the tolerance; `None` where that does not close the mesh.
+/// Merges each vertex on an open edge with the first vertex within the tolerance. Returns `None` if that does not close
+/// the mesh.
 pub(super) fn closed(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Option<Closed> {
     let bounds = BoundingBox::around(vertices.iter().copied());
     let size = (bounds.max - bounds.min).norm();
@@ -31,7 +32,7 @@ pub(super) fn closed(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Optio
         let from = (place - bounds.min).to_array();
         from.map(|x| (x / within) as i64)
     };
-    // The first corners of each cell, which are as wide as the tolerance.
+    // Unmerged vertices by cell. The cells are as wide as the tolerance.
     let mut first_in: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
     let mut places = vertices.to_vec();
     let mut made_one = false;
@@ -63,7 +64,7 @@ pub(super) fn closed(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Optio
     })
 }
 
-/// The ends of all edges that are not of two triangles.
+/// The end vertices of all edges that do not join exactly two triangles.
 fn open_corners(triangles: &[[u32; 3]]) -> Vec<u32> {
     let sides = triangles
         .iter()

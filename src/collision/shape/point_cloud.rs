@@ -1,4 +1,4 @@
-//! Many points with one radius.
+//! Point clouds.
 
 use super::ShapeError;
 use super::error::{check_points, size};
@@ -6,7 +6,7 @@ use crate::collision::bounding_box::BoundingBox;
 use crate::collision::box_tree::BoxTree;
 use crate::spatial::Vector3;
 
-/// Spheres of one radius about points.
+/// Spheres of one radius about a set of points.
 #[derive(Clone, Debug)]
 pub struct PointCloud {
     positions: Vec<Vector3<f64>>,
@@ -34,9 +34,9 @@ impl PointCloud {
     }
 
     getters! {
-        /// Where the points are.
+        /// Positions of the points, metres.
         pub fn positions(&self) -> &[Vector3<f64>] = &self.positions;
-        /// Of each of them.
+        /// Radius of the sphere about each point, metres.
         pub fn radius(&self) -> f64 = self.radius;
         pub(crate) fn tree(&self) -> &BoxTree = &self.tree;
         pub(super) fn bounding_box(&self) -> BoundingBox = self.tree.bounds().grown(self.radius);

@@ -1,13 +1,13 @@
-//! Shapes so many times as large.
+//! Uniform scaling of shapes.
 
 use super::{Shape, ShapeError, ShapeKind};
 use crate::spatial::Vector3;
 
 impl Shape {
-    /// The same shape `times` as large about its origin; a half-space is as it was.
+    /// The shape scaled by the factor `times` about its origin. A half-space does not change.
     ///
     /// # Errors
-    /// A size that is then not a positive finite length.
+    /// Returns an error if a scaled length or coordinate is out of range.
     pub fn scaled(&self, times: f64) -> Result<Self, ShapeError> {
         let all =
             |points: &[Vector3<f64>]| -> Vec<_> { points.iter().map(|p| *p * times).collect() };

@@ -1,4 +1,4 @@
-//! How far points are from shapes.
+//! Signed distances from points to shapes.
 
 use super::{ConvexHull, Feature, HeightField, PointCloud, Shape, ShapeKind, TriangleMesh};
 use crate::collision::bounding_box::BoundingBox;
@@ -7,18 +7,20 @@ use crate::collision::distance::{Core, Pair, convex_gap};
 use crate::collision::wide_nodes::Met;
 use crate::spatial::{Placement, Vector3};
 
-/// How far a point is from a surface, negative inside, and the place on it that is nearest.
+/// Signed distance from a point to a surface, metres, negative inside, and the closest point on the surface.
 pub(crate) type Nearest = (f64, Vector3<f64>);
 
 impl Shape {
-    /// How far a point in the shape's own coordinates is from its surface, negative inside. Exact but for rounding;
-    /// inside a cloud as deep as in the one of its spheres that it is deepest in. An open mesh has no inside.
+    /// The signed distance, metres, from a point in the shape's frame to its surface; negative inside.
+    ///
+    /// Exact up to rounding. Inside a point cloud it is the depth in the sphere that the point is deepest in. An open
+    /// mesh has no inside.
     #[must_use]
     pub fn signed_distance(&self, point: Vector3<f64>) -> f64 {
         self.nearest(point).0
     }
 
-    /// Whether that is less than so far: of many parts the first that is so near tells.
+    /// True if [`signed_distance`](Self::signed_distance) is below `reach`; stops at the first part of a shape that is.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn is_within(&self, p: Vector3<f64>, reach: f64) -> bool {
         match self.kind() {
@@ -40,7 +42,7 @@ impl Shape {
         }
     }
 
-    /// [The signed distance](Self::signed_distance), with the place on the surface that is nearest.
+    /// The [signed distance](Self::signed_distance) and the closest point on the surface.
     pub(crate) fn nearest(&self, p: Vector3<f64>) -> Nearest {
         match self.kind() {
             ShapeKind::Sphere { radius } => from_core(p, Vector3::zero(), *radius),
@@ -59,7 +61,8 @@ impl Shape {
     }
 }
 
-/// A triangle that is nearer to a point than so far; of a field likewise, and a point of a cloud.
+/// Predicates of [`BoxTree::any`]: a triangle of a mesh, a triangle of a height field or a sphere of a cloud is nearer
+/// to a point than a given distance.
 struct OfMesh<'a>(&'a TriangleMesh, Vector3<f64>, f64);
 struct OfField<'a>(&'a HeightField, Vector3<f64>, f64);
 struct OfCloud<'a>(&'a PointCloud, Vector3<f64>, f64);
@@ -86,11 +89,11 @@ impl Met<u32> for OfCloud<'_> {
     }
 }
 
-/// From a ball about the nearest place of its core.
+/// Nearest point on a sphere about `core`, the closest point of the shape's core.
 fn from_core(p: Vector3<f64>, core: Vector3<f64>, radius: f64) -> Nearest {
     let offset = p - core;
     let far = offset.norm();
-    // In the core any way out is as short; x is across a capsule's.
+    // In the core all directions are equally short. For a capsule, x is perpendicular to the axis.
     let way = match far > 0.0 {
         true => offset * far.recip(),
         false => Vector3::UNITS[0],
@@ -98,7 +101,7 @@ fn from_core(p: Vector3<f64>, core: Vector3<f64>, radius: f64) -> Nearest {
     (far - radius, core + way * radius)
 }
 
-/// Of a cylinder along z.
+/// Nearest point on a cylinder along z, from its radius and half its length.
 pub(crate) fn nearest_on_cylinder(p: Vector3<f64>, radius: f64, half: f64) -> Nearest {
     let across = (p.x * p.x + p.y * p.y).sqrt();
     let (x, y) = match across > 0.0 {
@@ -119,7 +122,7 @@ pub(crate) fn nearest_on_cylinder(p: Vector3<f64>, radius: f64, half: f64) -> Ne
     }
 }
 
-/// Of a box by its half lengths.
+/// Nearest point on a box, from half its lengths.
 pub(crate) fn nearest_on_cuboid(p: Vector3<f64>, half: Vector3<f64>) -> Nearest {
     let beyond = [p.x.abs() - half.x, p.y.abs() - half.y, p.z.abs() - half.z];
     let (place, half) = (p.to_array(), half.to_array());
@@ -155,7 +158,7 @@ fn convex(p: Vector3<f64>, hull: &ConvexHull) -> Nearest {
     gap.map_or((f64::INFINITY, p), |gap| (gap.distance, gap.on_a))
 }
 
-/// A tree over the triangles of a hull, for [`nearest_on_hull`].
+/// AABB tree over the triangles of a hull, for [`nearest_on_hull`].
 pub(crate) fn hull_tree(hull: &ConvexHull) -> BoxTree {
     let corners = |i: usize| hull_triangle(hull, i);
     BoxTree::new(hull.triangles().len(), |i| BoundingBox::around(corners(i)))
@@ -165,18 +168,18 @@ fn hull_triangle(hull: &ConvexHull, index: usize) -> [Vector3<f64>; 3] {
     hull.triangles()[index].map(|corner| hull.vertices()[corner as usize])
 }
 
-/// As [`Shape::nearest`] to rounding, much sooner where a hull has many triangles.
+/// As [`Shape::nearest`] up to rounding. Faster for hulls with many triangles.
 pub(crate) fn nearest_on_hull(p: Vector3<f64>, hull: &ConvexHull, tree: &BoxTree) -> Nearest {
     let (_, far, place, _) = nearest_triangle(p, tree, |i| hull_triangle(hull, i));
-    // All of a convex body lies on one side of the plane through the nearest place across the way there: beyond it, seen from
-    // outside.
+    // A convex body lies on one side of the plane through the closest point, perpendicular to the offset. The point is
+    // outside if it is on the other side.
     match (hull.middle() - place).dot(p - place) > 0.0 {
         true => (-far, place),
         false => (far, place),
     }
 }
 
-/// The nearest of many triangles: which, how far, where, and by which of its parts.
+/// The nearest of many triangles: its index, its distance, the closest point and the feature that holds that point.
 fn nearest_triangle(
     p: Vector3<f64>,
     tree: &BoxTree,
@@ -239,13 +242,14 @@ fn far_from_triangle(p: Vector3<f64>, corners: [Vector3<f64>; 3]) -> f64 {
     (p - nearest_on_triangle(p, corners).0).norm()
 }
 
-/// The place of a triangle that is nearest to a point (Ericson, "Real-Time Collision Detection", 5.1.5), and whether
-/// it is at a corner or on a side. Triangles without area are taken as their sides.
+/// The closest point of a triangle to a point (Ericson, "Real-Time Collision Detection", 5.1.5), and its feature.
+///
+/// A triangle without area counts as its sides.
 fn nearest_on_triangle(p: Vector3<f64>, corners: [Vector3<f64>; 3]) -> (Vector3<f64>, Feature) {
     let [a, b, c] = corners;
     let normal = (b - a).cross(c - a);
     let sides = [b - a, c - b, a - c];
-    // Within, where it is on the inner side of all three.
+    // The projection is inside the triangle if it is on the inner side of all three edges.
     let inner = (0..3).all(|i| sides[i].cross(p - corners[i]).dot(normal) > 0.0);
     if inner {
         let height = normal.dot(p - a) / normal.norm_squared();
@@ -273,7 +277,8 @@ fn nearest_on_triangle(p: Vector3<f64>, corners: [Vector3<f64>; 3]) -> (Vector3<
 mod tests {
     use super::*;
 
-    /// The faces of the octahedron |x| + |y| + |z| = 1 are 1 / √3 from its middle, and each is the nearest in its octant.
+    /// The faces of the octahedron |x| + |y| + |z| = 1 are 1 / √3 from its centre, and each is the nearest in its
+    /// octant.
     #[test]
     fn every_triangle_of_a_hull_is_in_its_tree() {
         let corners = Vector3::UNITS.map(|unit| [unit, -unit]);
@@ -311,7 +316,7 @@ mod tests {
             let (expected, place) = shape.nearest(p);
             let (far, found) = nearest_on_hull(p, hull, &tree);
             assert!((far - expected).abs() < 1e-12, "{far} {expected}");
-            // Inside two sides may be as near.
+            // Inside, two faces may be equally near.
             assert!(far < 0.0 || (found - place).norm() < 1e-6);
         }
     }

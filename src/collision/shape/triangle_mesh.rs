@@ -1,4 +1,4 @@
-//! Triangle meshes, welded and with what is known of their inside.
+//! Triangle meshes with merged vertices and a test for inside.
 
 use super::error::check_points;
 use super::triangle_sides::{across, welded};
@@ -8,35 +8,35 @@ use crate::collision::box_tree::BoxTree;
 use crate::scalar::elementary::atan2;
 use crate::spatial::Vector3;
 
-/// Triangles over vertices of which no two are at one place.
+/// A triangle mesh over distinct vertices.
 #[derive(Clone, Debug)]
 pub struct TriangleMesh {
     vertices: Vec<Vector3<f64>>,
     triangles: Vec<[u32; 3]>,
     notes: Vec<ShapeNote>,
-    /// Of closed meshes.
+    /// Present for closed meshes only.
     inside: Option<Inside>,
     tree: BoxTree,
 }
 
-/// What tells inside from outside (Bærentzen & Aanæs 2005, "Signed distance computation using the angle weighted
-/// pseudonormal").
+/// Pseudonormals that separate inside from outside (Bærentzen & Aanæs 2005, "Signed distance computation using the
+/// angle weighted pseudonormal").
 #[derive(Clone, Debug)]
 struct Inside {
-    /// By triangle: the triangles beyond its sides, each side from a corner to the next.
+    /// Adjacent triangle across each side, by triangle. A side runs from a corner to the next.
     across: Vec<[u32; 3]>,
-    /// By vertex: the sum of its triangles' unit normals, each times its angle there.
+    /// Sum of the unit normals of the adjacent triangles, each weighted by its angle at the vertex, by vertex.
     vertex_normals: Vec<Vector3<f64>>,
 }
 
-/// The part of a triangle that a point is nearest to.
+/// Feature of a triangle that holds a closest point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Feature {
-    /// One of its corners.
+    /// A corner, by its index in the triangle.
     Corner(usize),
-    /// A side, from this corner to the next.
+    /// A side, by the index of its first corner.
     Side(usize),
-    /// Within.
+    /// The interior.
     Face,
 }
 
@@ -115,11 +115,11 @@ impl TriangleMesh {
     }
 
     getters! {
-        /// Its vertices, of which no two are at one place.
+        /// Vertices, metres. No two are at the same position.
         pub fn vertices(&self) -> &[Vector3<f64>] = &self.vertices;
-        /// Three vertices each, counter-clockwise seen from outside where it is closed.
+        /// Triangles as vertex indices, counter-clockwise seen from outside if the mesh is closed.
         pub fn triangles(&self) -> &[[u32; 3]] = &self.triangles;
-        /// Whether it encloses a volume, which then belongs to it.
+        /// True if the mesh is closed, so that the enclosed volume is solid.
         pub fn is_closed(&self) -> bool = self.inside.is_some();
         pub(super) fn notes(&self) -> &[ShapeNote] = &self.notes;
         pub(super) fn bounding_box(&self) -> BoundingBox = self.tree.bounds();
@@ -131,7 +131,7 @@ impl TriangleMesh {
         self.triangles[index].map(|vertex| self.vertices[vertex as usize])
     }
 
-    /// Which way is out where a point next to the mesh is nearest to; `None` for an open mesh.
+    /// Outward pseudonormal of a feature of a triangle, not normalised; `None` for an open mesh.
     pub(crate) fn outward(&self, triangle: usize, feature: Feature) -> Option<Vector3<f64>> {
         let inside = self.inside.as_ref()?;
         Some(match feature {
@@ -145,8 +145,8 @@ impl TriangleMesh {
     }
 }
 
-/// What the triangles enclose, negative where they are clockwise seen from outside; about the first vertex, so
-/// that a mesh far from the origin does not drown.
+/// Six times the enclosed volume, negative if the triangles are clockwise seen from outside. It is computed about the
+/// first vertex, so that a mesh far from the origin does not lose precision.
 fn volume(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> f64 {
     let origin = vertices[0];
     let part = |corners: &[u32; 3]| {
@@ -170,7 +170,7 @@ fn vertex_normals(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Vec<Vect
     normals
 }
 
-/// Zero where the triangle has no area.
+/// Unit normal of a triangle; zero if it has no area.
 fn unit_normal([a, b, c]: [Vector3<f64>; 3]) -> Vector3<f64> {
     let normal = (b - a).cross(c - a);
     let length = normal.norm();

@@ -1,11 +1,11 @@
-//! Triangles over vertices: those at one place made one, and what is beyond each side.
+//! Vertex welding and edge adjacency of triangle meshes.
 
 use std::collections::HashMap;
 
 use super::ShapeNote;
 use crate::spatial::Vector3;
 
-/// The vertices in use without copies, and the triangles with three of them.
+/// The used vertices without duplicates, and the triangles with three distinct vertices.
 pub(super) fn welded(
     vertices: &[Vector3<f64>],
     triangles: &[[u32; 3]],
@@ -13,7 +13,7 @@ pub(super) fn welded(
     let mut names: HashMap<[u64; 3], u32> = HashMap::new();
     let mut kept = Vec::new();
     let mut weld = |vertex: u32| {
-        // Zeros of both signs are one.
+        // Makes −0 and +0 equal.
         let place = vertices[vertex as usize] + Vector3::zero();
         let bits = place.to_array().map(f64::to_bits);
         *names.entry(bits).or_insert_with(|| {
@@ -27,9 +27,9 @@ pub(super) fn welded(
     (kept, with_area)
 }
 
-/// The triangles beyond each side, if the mesh is closed and wound one way.
+/// The adjacent triangle across each side, if the mesh is closed and consistently wound.
 pub(super) fn across(triangles: &[[u32; 3]]) -> Result<Vec<[u32; 3]>, ShapeNote> {
-    // Each side by its ends, then whether it goes from the greater to the lesser, its triangle and place there.
+    // Each side: its ends in order, whether it is reversed, its triangle, and its index in the triangle.
     let mut sides = Vec::with_capacity(3 * triangles.len());
     for (t, corners) in triangles.iter().enumerate() {
         for side in 0..3 {

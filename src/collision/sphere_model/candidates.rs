@@ -1,4 +1,4 @@
-//! Where spheres may stand: the largest balls within a solid, each as large as it may be.
+//! Candidate spheres: balls about points of the medial axis and other interior points.
 
 use super::cells::Cell;
 use super::solid::Solid;
@@ -7,13 +7,13 @@ use crate::collision::Ball;
 use crate::interruption::is_stopped;
 use crate::spatial::Vector3;
 
-/// So many spheres are tried for a link.
+/// Number of candidates for a link.
 const TRIED: usize = 400;
-/// Halvings on the way to the largest ball that touches the surface at a point.
+/// Bisection steps for the largest ball that touches the surface at a point.
 const HALVINGS: usize = 24;
 
-/// Balls that stick out no further than `overhang`: about the middles of the largest balls that touch the surface
-/// from within (points of the medial axis), and about other places within.
+/// Balls that protrude at most `overhang` metres. Their centres are points of the medial axis (centres of the largest
+/// inscribed balls that touch the surface) and other interior points.
 pub(super) fn candidates(
     solid: &Solid<'_>,
     surface: &[Cell],
@@ -35,18 +35,18 @@ pub(super) fn candidates(
     balls
 }
 
-/// At most so many of them, evenly by their order, which goes through space.
+/// At most `count` cells, evenly spaced in their order, which follows space.
 fn spread(cells: &[Cell], count: usize) -> impl Iterator<Item = &Cell> {
     cells.iter().step_by(cells.len().div_ceil(count).max(1))
 }
 
-/// As large as a ball about a point may be.
+/// The largest ball about a point that protrudes at most `overhang` metres.
 pub(super) fn grown(solid: &Solid<'_>, centre: Vector3<f64>, overhang: f64) -> Ball {
     let radius = (overhang - solid.signed_distance(centre)).max(0.0);
     Ball { centre, radius }
 }
 
-/// The middle of the largest ball within the solid that touches its surface next to a cell.
+/// Centre of the largest inscribed ball that touches the surface next to a cell.
 fn medial(solid: &Solid<'_>, cell: &Cell, largest: f64) -> Option<Vector3<f64>> {
     let foot = solid.nearest(cell.centre);
     let way = match cell.depth > 0.0 {

@@ -1,4 +1,4 @@
-//! A solid cut into cubes, each of which must lie in a sphere.
+//! Octree decomposition of a solid into cubes, each of which must be covered by a sphere.
 
 use super::solid::Solid;
 use crate::collision::Ball;
@@ -9,20 +9,20 @@ use crate::spatial::Vector3;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cell {
     pub(super) centre: Vector3<f64>,
-    /// From the middle to a side.
+    /// Half the length of a side, metres.
     pub(super) half: f64,
-    /// No point of the part is farther from here than the cube's half diagonal.
+    /// A point whose distance to all points of the part is at most the cube's half diagonal.
     pub(super) heart: Vector3<f64>,
-    /// How deep the centre is; less than nothing outside.
+    /// Depth of the centre in the solid, metres; negative outside.
     pub(super) depth: f64,
 }
 
 impl Cell {
-    /// The cube, if there may be anything of the solid in it.
+    /// The cell of a cube; `None` if the cube contains nothing of the solid.
     fn new(solid: &Solid<'_>, centre: Vector3<f64>, half: f64) -> Option<Self> {
         let probe = solid.probe(centre, half * SQRT_3)?;
         let depth = -probe.distance;
-        // Of a convex body all points are nearer to the nearest one than to what is outside.
+        // All points of a convex body are nearer to its closest point than to a point outside.
         let heart = match depth < 0.0 && probe.is_convex {
             true => probe.nearest,
             false => centre,
@@ -39,7 +39,7 @@ impl Cell {
         self.half * SQRT_3
     }
 
-    /// The radius of a ball about a point that surely holds the part.
+    /// Radius of a ball about a point that contains the part for certain.
     pub(super) fn needs(&self, about: Vector3<f64>) -> f64 {
         let away = self.centre - about;
         let corner = Vector3::new(
@@ -52,26 +52,26 @@ impl Cell {
             .min((self.heart - about).norm() + self.reach())
     }
 
-    /// Whether a ball surely holds the part.
+    /// True if a ball contains the part for certain.
     pub(super) fn is_in(&self, ball: &Ball) -> bool {
-        // What it needs is at least the way to its middle: most are told by that, without a root.
+        // The required radius is at least the distance of the centres. That test needs no square root and rejects most.
         let away = (self.centre - ball.centre).norm_squared();
         away <= ball.radius * ball.radius * (1.0 + ROUNDING)
             && self.needs(ball.centre) <= ball.radius
     }
 
-    /// A point of the solid, where one is known.
+    /// A point of the solid, if one is known.
     pub(super) fn point(&self) -> Option<Vector3<f64>> {
-        // What is outside knows one where that was the nearest.
+        // For a centre outside, it is the closest point of a convex shape.
         (self.depth >= 0.0 || self.heart != self.centre).then_some(self.heart)
     }
 
-    /// Whether it lies well within the solid, so that it may stay large.
+    /// True if it is well inside the solid, so that it may stay large.
     fn is_inner(&self) -> bool {
         self.depth >= 2.0 * self.reach()
     }
 
-    /// In eight.
+    /// Splits the cube into eight.
     pub(super) fn split(&self, solid: &Solid<'_>) -> impl Iterator<Item = Self> {
         let (half, centre) = (self.half / 2.0, self.centre);
         (0..8).filter_map(move |corner: u8| {
@@ -81,13 +81,13 @@ impl Cell {
     }
 }
 
-/// What rounding may hide of a square.
+/// Relative rounding of a square.
 const ROUNDING: f64 = 1e-12;
 const SQRT_3: f64 = 1.732_050_807_568_877_4;
-/// A link of so many cells is finer than anything needs.
+/// Largest number of cells of a link.
 const MOST: usize = 4_000_000;
 
-/// One that holds all of a solid.
+/// The cell that contains the whole solid.
 pub(super) fn whole(solid: &Solid<'_>) -> Option<Cell> {
     let bounds = solid.bounds();
     let size = bounds.max - bounds.min;
@@ -95,7 +95,7 @@ pub(super) fn whole(solid: &Solid<'_>) -> Option<Cell> {
     Cell::new(solid, bounds.centre(), half)
 }
 
-/// Cells at the surface, no wider than `finest`, and larger ones within; `None` where there would be millions.
+/// Surface cells no wider than `finest`, and larger inner cells; `None` above the largest number of cells.
 pub(super) fn cells(solid: &Solid<'_>, finest: f64) -> Option<(Vec<Cell>, Vec<Cell>)> {
     let mut rest: Vec<Cell> = whole(solid).into_iter().collect();
     let (mut surface, mut inner) = (Vec::new(), Vec::new());

@@ -1,4 +1,4 @@
-//! Few balls that hold all cells: the one that holds most of what is left, again and again (Chvátal 1979).
+//! Greedy set cover of cells by balls (Chvátal 1979).
 
 use std::collections::BinaryHeap;
 
@@ -8,15 +8,15 @@ use super::solid::Solid;
 use crate::collision::Ball;
 use crate::interruption::is_stopped;
 
-/// Chosen balls, and the cells that each of them answers for.
+/// The chosen balls, with the cells assigned to each.
 #[derive(Debug, Default)]
 pub(super) struct Cover {
     pub(super) balls: Vec<Ball>,
     pub(super) cells: Vec<Vec<Cell>>,
 }
 
-/// Covers cells by candidates. What none of them holds gets a ball of its own, which holds it as cells are finer than
-/// the overhang.
+/// Covers cells by candidate balls. A cell that no candidate contains gets an additional ball. That ball contains the
+/// cell, as cells are finer than the allowed protrusion.
 pub(super) fn cover(
     solid: &Solid<'_>,
     surface: Vec<Cell>,
@@ -39,7 +39,7 @@ pub(super) fn cover(
         if is_stopped() {
             return Cover::default();
         }
-        // Balls that together hold a large cell may each hold a part of it.
+        // A large cell may be covered by several balls that each contain a part.
         if holds(&chosen, &cell) {
             cells.push(cell);
         } else if cell.half > overhang / 4.0 {
@@ -66,7 +66,7 @@ fn greedy(cells: &[Cell], candidates: &[Ball]) -> Vec<Ball> {
     };
     let held: Vec<Vec<u32>> = candidates.iter().map(held).collect();
     let mut covered = vec![false; cells.len()];
-    // What a ball adds only falls, so that an old number is a bound. Of equal ones the first.
+    // The gain of a ball never increases, so an old value is an upper bound. Ties go to the first candidate.
     let first = held.iter().enumerate();
     let mut heap: BinaryHeap<(usize, std::cmp::Reverse<usize>)> = first
         .map(|(k, held)| (held.len(), std::cmp::Reverse(k)))
@@ -89,7 +89,7 @@ fn greedy(cells: &[Cell], candidates: &[Ball]) -> Vec<Ball> {
             .for_each(|cell| covered[*cell as usize] = true);
         chosen.push(k);
     }
-    // One that later ones made needless.
+    // Drops balls that later ones made redundant.
     let mut times = vec![0_u32; cells.len()];
     for &k in &chosen {
         held[k].iter().for_each(|cell| times[*cell as usize] += 1);
@@ -104,7 +104,7 @@ fn greedy(cells: &[Cell], candidates: &[Ball]) -> Vec<Ball> {
     chosen.into_iter().map(|k| candidates[k]).collect()
 }
 
-/// Gives each cell to one of the balls that hold it, such that those need to grow least.
+/// Assigns each cell to the ball that contains it with the least increase of the ball's required radius.
 fn assign(balls: Vec<Ball>, mut cells: Vec<Cell>) -> Cover {
     let holders = |cell: &Cell| {
         if is_stopped() {
@@ -113,7 +113,7 @@ fn assign(balls: Vec<Ball>, mut cells: Vec<Cell>) -> Cover {
         let holding = |ball: &&Ball| cell.is_in(ball);
         balls.iter().filter(holding).count()
     };
-    // Those without a choice first.
+    // Cells with the fewest choices first.
     cells.sort_by_cached_key(holders);
     let mut needed = vec![0.0_f64; balls.len()];
     let mut own: Vec<Vec<Cell>> = vec![Vec::new(); balls.len()];

@@ -1,13 +1,15 @@
-//! A small ball around others.
+//! Small bounding sphere of balls.
 
 use crate::collision::Ball;
 use crate::spatial::Vector3;
 
-/// Steps of the walk to the middle.
+/// Number of steps of the centre.
 const STEPS: u32 = 300;
 
-/// A ball around all others, within a hundredth or so of the least: the centre walks towards whatever is farthest
-/// in ever shorter steps (Bădoiu & Clarkson 2003). About the origin of radius 0 where there are none.
+/// A bounding sphere within about 1 % of the smallest.
+///
+/// The centre moves towards the farthest ball in ever shorter steps (Bădoiu & Clarkson 2003). Without balls, the result
+/// is at the origin with radius 0.
 pub(crate) fn enclosing(balls: &[Ball]) -> Ball {
     let Some(first) = balls.first() else {
         return Ball::default();
@@ -22,7 +24,7 @@ pub(crate) fn enclosing(balls: &[Ball]) -> Ball {
         };
         let way = farthest.centre - centre;
         let length = way.norm();
-        // To the far side of that ball.
+        // Aims at the far side of that ball.
         let target = match length > 0.0 {
             true => way * (1.0 + farthest.radius / length),
             false => Vector3::zero(),
@@ -39,7 +41,7 @@ pub(crate) fn enclosing(balls: &[Ball]) -> Ball {
 fn around(balls: &[Ball], centre: Vector3<f64>) -> Ball {
     let reach = |ball: &Ball| (ball.centre - centre).norm() + ball.radius;
     let radius = balls.iter().map(reach).fold(0.0, f64::max);
-    // What rounding may hide.
+    // Margin for rounding.
     let radius = radius * (1.0 + 8.0 * f64::EPSILON);
     Ball { centre, radius }
 }

@@ -1,4 +1,4 @@
-//! How much of a solid others' spheres leave uncovered.
+//! Largest gap that given spheres leave uncovered in a solid.
 
 use std::collections::BinaryHeap;
 
@@ -9,13 +9,14 @@ use super::solid::Solid;
 use crate::collision::{Ball, CollisionObject, ShapeKind};
 use crate::spatial::Vector3;
 
-/// A gap is told to such a share of the solid's size.
+/// Precision of a gap, relative to the solid's half diagonal.
 const PRECISION: f64 = 2e-3;
-/// So many cells are looked at, at most: what is told then is more than it need be.
+/// Largest number of visited cells. At the limit the result is an upper bound of lower precision.
 const CELLS: usize = 20_000;
 
-/// How far a point of the solid may lie outside all spheres, metres: never less than it truly is, 0 where all of it surely lies in them. By
-/// branch and bound over an octree, the cell whose points may lie farthest out first.
+/// Upper bound of the distance from a point of the solid to the union of the spheres, metres; 0 only if they cover it.
+///
+/// Branch and bound over an octree: the cell with the largest bound first.
 pub(super) fn gap(objects: &[&CollisionObject], spheres: &[Ball]) -> f64 {
     let held = |object: &&&CollisionObject| is_held(object, spheres);
     let solid = &Solid::new(objects.iter().filter(|object| !held(object)).copied());
@@ -41,7 +42,7 @@ pub(super) fn gap(objects: &[&CollisionObject], spheres: &[Ball]) -> f64 {
             return 0.0;
         }
         at_least = at_least.max(cell.point().map_or(0.0, outside));
-        // One that is almost covered is split until it is or the cells are used up, so that what surely covers is told to.
+        // A nearly covered cell is split until it is covered or the limit is reached, so that exact covers give 0.
         let is_known = at_least > 0.0 && most <= at_least + precision;
         looked_at += 1;
         if is_known || looked_at == CELLS {
@@ -52,7 +53,7 @@ pub(super) fn gap(objects: &[&CollisionObject], spheres: &[Ball]) -> f64 {
     0.0
 }
 
-/// Whether spheres hold a sphere or a capsule, which have no room to spare where they are held by as small ones as can be.
+/// True if spheres cover a sphere or a capsule. A minimal cover of these leaves no margin for the bound by cells.
 fn is_held(object: &CollisionObject, spheres: &[Ball]) -> bool {
     let (radius, length) = match object.shape.kind() {
         ShapeKind::Sphere { radius } => (*radius, 0.0),

@@ -1,4 +1,4 @@
-//! All shapes of one link, covered.
+//! Sphere cover of all shapes of one link.
 
 use super::cells::{Cell, cells};
 use super::solid::Solid;
@@ -7,12 +7,12 @@ use crate::bad_option::BadOption;
 use crate::collision::{Ball, CollisionObject, ShapeKind};
 use crate::interruption::is_stopped;
 
-/// Cells are so much finer than the overhang.
+/// Ratio of the allowed protrusion to the width of the finest cells.
 const FINER: f64 = 4.0;
-/// Steps on the way to a number of spheres.
+/// Bisection steps on the protrusion to reach a number of spheres.
 const STEPS: u32 = 8;
 
-/// Spheres, and how far they stick out.
+/// Spheres and their maximum protrusion, metres.
 type Covered = (Vec<Ball>, f64);
 
 pub(super) fn cover(
@@ -29,7 +29,8 @@ pub(super) fn cover(
     }
 }
 
-/// The least overhang found with so many spheres; more where the shapes are more spheres already.
+/// The cover with the least protrusion found for at most `count` spheres. It has more spheres if the shapes themselves
+/// are more than `count` spheres.
 fn so_many(objects: &[&CollisionObject], count: usize) -> Covered {
     let size = Solid::new(objects.iter().copied()).bounds().half_diagonal();
     let (mut low, mut high) = (0.01 * size, 2.0 * size);
@@ -49,7 +50,7 @@ fn so_many(objects: &[&CollisionObject], count: usize) -> Covered {
     best
 }
 
-/// Spheres that stick out no further than this; `None` where it is too fine.
+/// Spheres that protrude at most `overhang` metres; `None` if that needs too many cells.
 fn within(objects: &[&CollisionObject], overhang: f64) -> Option<Covered> {
     let mut balls = Vec::new();
     let mut out: f64 = 0.0;

@@ -1,4 +1,4 @@
-//! Spheres that cover a robot's shapes: what is checked fast.
+//! Sphere approximation of a robot's collision shapes, for fast checks.
 
 mod candidates;
 mod cells;
@@ -22,23 +22,24 @@ use super::{Ball, CollisionModel, ShapeKind};
 use crate::bad_option::{BadOption, POSITIVE};
 use crate::model::FrameId;
 
-/// Spheres by the names of links.
+/// Spheres by link name.
 type NamedSpheres = Vec<(String, Vec<Ball>)>;
 
-/// How fine spheres are.
+/// Resolution of a sphere model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Fineness {
-    /// As few spheres as are found that stick out no further than this, in metres.
+    /// Largest allowed [protrusion](SphereModel::overhang), metres. The number of spheres is reduced as far as the
+    /// search can.
     Overhang(f64),
-    /// Sticking out as little as is found with at most so many spheres a link.
+    /// Largest number of spheres a link. The protrusion is reduced as far as the search can.
     PerLink(usize),
 }
 
-/// Spheres that together cover every shape of a [`CollisionModel`], inside and all, by link.
+/// Spheres that together cover every shape of a [`CollisionModel`] including its inside, by link.
 ///
-/// What no sphere touches no shape touches; a sphere touches at most [`overhang`](Self::overhang) before a shape
-/// does. Those that are [read](Self::read) may leave [gaps](SphereGroup::gap).
+/// If no sphere is in contact, no shape is. A sphere is in contact at most [`overhang`](Self::overhang) metres before
+/// its shape. Models that are [read](Self::read) from a file may leave [gaps](SphereGroup::gap).
 ///
 /// ```
 /// use kinopt::collision::{CollisionModel, Fineness, SphereModel};
@@ -63,20 +64,21 @@ pub struct SphereModel {
     notes: Vec<String>,
 }
 
-/// The spheres of one link.
+/// Spheres of one link.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct SphereGroup {
-    /// The link.
+    /// Link.
     pub link: FrameId,
-    /// Its name.
+    /// Name of the link.
     pub name: String,
-    /// Around all its spheres, in the link's frame.
+    /// Bounding sphere of all spheres, in the link's frame, metres.
     pub bound: Ball,
-    /// In the link's frame.
+    /// Spheres in the link's frame, metres.
     pub spheres: Vec<Ball>,
-    /// No point of the link's shapes lies farther outside all spheres, metres: 0 of spheres that cover them, more of some
-    /// that others made.
+    /// Upper bound of the distance from a point of the link's shapes to the union of the spheres, metres.
+    ///
+    /// It is 0 if the spheres cover the shapes. Models read from a file may have positive gaps.
     pub gap: f64,
 }
 
@@ -91,19 +93,20 @@ impl SphereGroup {
         }
     }
 
-    /// The same, of spheres that leave so much uncovered, metres.
+    /// The group with the given gap, metres.
     fn with_gap(self, gap: f64) -> Self {
         Self { gap, ..self }
     }
 }
 
 impl SphereModel {
-    /// Covers the shapes of a model. Links whose shapes are spheres keep those.
+    /// Covers the shapes of a model. Links made of spheres keep those.
     ///
-    /// Convex shapes are covered with what is in them, and so are closed meshes; of open ones the surface alone.
+    /// The cover includes the inside of convex shapes and closed meshes, and the surface of open meshes.
     ///
     /// # Errors
-    /// A length or a number that is not positive, or so fine that a link would need millions of cells.
+    /// Returns an error if the protrusion or the number of spheres is not positive. Returns an error if the protrusion
+    /// is so small that a link would need millions of cells.
     pub fn of(model: &CollisionModel, fineness: Fineness) -> Result<Self, BadOption> {
         let value = match fineness {
             Fineness::Overhang(overhang) => overhang,
@@ -121,7 +124,7 @@ impl SphereModel {
         Ok(Self::assemble(model, groups, overhang))
     }
 
-    /// The spheres of a model whose shapes are all spheres, as they are; `None` where any is not.
+    /// The spheres of a model whose shapes are all spheres; `None` if any shape is not a sphere.
     #[must_use]
     pub fn of_spheres(model: &CollisionModel) -> Option<Self> {
         let group = |link: &FrameId| {
@@ -155,7 +158,7 @@ impl SphereModel {
         }
     }
 
-    /// The same grown by what they leave uncovered, so that they cover.
+    /// The model with each group's spheres enlarged by its gap, so that they cover the shapes.
     pub(super) fn grown_to_cover(mut self) -> Self {
         let mut most: f64 = 0.0;
         for group in &mut self.groups {
@@ -170,17 +173,17 @@ impl SphereModel {
     }
 
     getters! {
-        /// By link, in the model's order.
+        /// Groups by link, in the order of the model.
         pub fn groups(&self) -> &[SphereGroup] = &self.groups;
-        /// Which groups are kept apart, by their places in [`groups`](Self::groups).
+        /// Enabled collision pairs, as indices into [`groups`](Self::groups).
         pub fn pairs(&self) -> &[[usize; 2]] = &self.pairs;
-        /// No sphere sticks out of its link's shapes any further, in metres.
+        /// Maximum protrusion of a sphere from the shapes of its link, metres.
         pub fn overhang(&self) -> f64 = self.overhang;
-        /// No point of the shapes lies farther outside all spheres of its link, metres: 0 where they cover all shapes.
+        /// Maximum [gap](SphereGroup::gap) of all links, metres; 0 if the spheres cover all shapes.
         pub fn gap(&self) -> f64 = self.groups.iter().fold(0.0, |most, group| group.gap.max(most));
-        /// What of the file that they were read from was left out, one text each.
+        /// Messages about parts of the file that were left out.
         pub fn notes(&self) -> &[String] = &self.notes;
-        /// How many spheres there are.
+        /// Number of spheres.
         pub fn count(&self) -> usize = self.groups.iter().map(|group| group.spheres.len()).sum();
     }
 }

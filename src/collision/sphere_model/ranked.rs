@@ -1,8 +1,8 @@
-//! Things in a heap, the one of the largest number first.
+//! Max-heap entries ordered by a number.
 
 use std::cmp::Ordering;
 
-/// Something by a number.
+/// A value with its rank.
 pub(super) struct Ranked<T>(pub(super) f64, pub(super) T);
 
 impl<T> PartialEq for Ranked<T> {

@@ -1,4 +1,4 @@
-//! Sphere models out of files.
+//! Reading of sphere models from files.
 
 use std::path::Path;
 
@@ -14,27 +14,30 @@ use crate::collision::{Ball, CollisionModel};
 use crate::file::{Place, ReadError, ReadProblem, read_with};
 use crate::model::FrameId;
 
-/// The longest file that is read.
+/// Largest file that is read, bytes.
 const LENGTH_LIMIT: u64 = 64 << 20;
 
 impl SphereModel {
-    /// Spheres that others made: cuRobo's `collision_spheres` (`.yaml`, `.yml`), or with feature `urdf` the spheres of a
-    /// spherised URDF, whose links are found by their names.
+    /// Reads a sphere model from cuRobo's `collision_spheres` (`.yaml`, `.yml`), or with feature `urdf` from a
+    /// spherised URDF. Links are matched by name.
     ///
-    /// They are taken as they are, but that cuRobo switches spheres off by a radius below 0: those are left out, with a
-    /// [note](Self::notes). How far they stick out of the model's shapes is measured, and how much of those they leave
-    /// uncovered, their [gap](SphereGroup::gap), by which a [`Checker`](crate::collision::Checker) grows them; where a link has no shapes, its spheres are its shape. Which of them are kept apart
-    /// the model says, and of links without shapes there that they are not adjacent.
+    /// The spheres are used as they are. cuRobo disables spheres by a radius of 0 or less; those are left out, with a
+    /// [note](Self::notes). Their protrusion from the model's shapes and their [gap](SphereGroup::gap) are measured. A
+    /// [`Checker`](crate::collision::Checker) enlarges the spheres by the gap. For a link without shapes, the spheres
+    /// are its shape.
+    ///
+    /// Collision pairs are those of the model. For links without shapes in the model, all pairs that are not adjacent
+    /// are enabled.
     ///
     /// # Errors
-    /// A file that cannot be read, or a link that the model does not have.
+    /// Returns an error if the file cannot be read, or if it names a link that the model does not have.
     pub fn read(path: impl AsRef<Path>, model: &CollisionModel) -> Result<Self, ReadError> {
         read_with(path.as_ref(), LENGTH_LIMIT, |bytes, file| {
             Self::parse(bytes, file, model)
         })
     }
 
-    /// Reads a file's bytes; `file` is its name, which says the format and stands in errors.
+    /// Parses the bytes of a file. The extension of `file` selects the format, and errors report `file`.
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -99,6 +102,7 @@ impl SphereModel {
     }
 }
 
+/// Enabled pairs of groups, as indices.
 fn pairs(model: &CollisionModel, groups: &[SphereGroup]) -> Vec<[usize; 2]> {
     let links: Vec<FrameId> = groups.iter().map(|group| group.link).collect();
     let apart = pairs_apart(model.model(), &links);
@@ -119,12 +123,12 @@ fn pairs(model: &CollisionModel, groups: &[SphereGroup]) -> Vec<[usize; 2]> {
     pairs
 }
 
-/// The spheres of each link; other shapes than spheres are refused.
+/// The spheres of each link. Returns an error for other shapes.
 #[cfg(feature = "urdf")]
 fn of_urdf(text: &str, file: &str) -> Result<NamedSpheres, ReadError> {
     let robot = crate::robot::Robot::reader().lenient().parse(text, file);
     let robot = robot.map_err(|error| invalid(file, error))?;
-    // Its shapes are spheres: no file of a mesh is opened.
+    // All shapes are spheres, so no mesh file is opened.
     let model = CollisionModel::builder(&robot).confined().build();
     let model = model.map_err(|error| invalid(file, error))?;
     let mut named: NamedSpheres = Vec::new();

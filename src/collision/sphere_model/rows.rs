@@ -1,18 +1,18 @@
-//! Rows of spheres along capsules, in closed form.
+//! Closed-form covers of capsules by spheres on the axis.
 
 use crate::bisection::bisect;
 use crate::collision::Ball;
 use crate::spatial::{Placement, Vector3};
 
-/// What rounding takes from a length.
+/// Relative rounding of a length.
 const ROUNDING: f64 = 1e-12;
 
-/// Covers a capsule by spheres on its axis, as few as stick out no further than `overhang`, and as small as they
-/// may be then.
+/// Covers a capsule by spheres on its axis: the fewest that protrude at most `overhang` metres, with the smallest
+/// radius.
 ///
-/// n spheres inset by e from both ends of a segment of length ℓ stand g = (ℓ − 2e) / (n − 1) apart. They cover the
-/// capsule of radius r if theirs is at least √(r² + g²/4), where neighbours meet on its side, and r + e, at its
-/// poles.
+/// n spheres, inset by e from both ends of a segment of length ℓ, are g = (ℓ − 2e) / (n − 1) apart. They cover the
+/// capsule of radius r if their radius is at least √(r² + g²/4) and at least r + e. The first bound covers the side,
+/// where neighbours meet. The second bound covers the poles.
 pub(super) fn row(
     radius: f64,
     length: f64,
@@ -22,7 +22,7 @@ pub(super) fn row(
     let grown = radius + overhang;
     let apart = 2.0 * (grown * grown - radius * radius).max(0.0).sqrt();
     let between = ((length - 2.0 * overhang).max(0.0) / apart).ceil();
-    // A capsule of nearly endless length would need as many.
+    // Limits the number of spheres of an extremely long capsule.
     let between = if between < 1e6 { between } else { 1e6 };
     let (inset, needed) = evened(radius, length, between);
     let step = if between > 0.0 {
@@ -45,7 +45,7 @@ pub(super) fn row(
     (0..=between as usize).map(sphere).collect()
 }
 
-/// Whether balls hold a capsule, as a [row] does: those on its axis, each of which holds all of it between two places.
+/// True if the balls on a capsule's axis cover it as a [row] does: each contains a section of the capsule.
 pub(super) fn holds(
     balls: &[Ball],
     radius: f64,
@@ -77,7 +77,7 @@ pub(super) fn holds(
     ends.into_iter().all(is_round) && end + rounding >= ends[1]
 }
 
-/// The inset at which the sides and the poles need the same radius, and that radius.
+/// The inset at which sides and poles need the same radius, and that radius.
 fn evened(radius: f64, length: f64, between: f64) -> (f64, f64) {
     if between == 0.0 {
         return (length / 2.0, radius + length / 2.0);

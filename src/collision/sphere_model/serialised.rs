@@ -1,4 +1,4 @@
-//! Sphere models through serde.
+//! Serialised form of sphere models.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ use crate::collision::Ball;
 use crate::model::FrameId;
 use crate::spatial::Vector3;
 
-/// What a sphere model is written as.
+/// Serialised sphere model.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Parts {
     groups: Vec<Group>,
@@ -22,7 +22,7 @@ pub(super) struct Parts {
 struct Group {
     link: FrameId,
     name: String,
-    /// x, y, z and the radius.
+    /// x, y, z and radius, metres.
     spheres: Vec<[f64; 4]>,
     #[serde(default)]
     gap: f64,

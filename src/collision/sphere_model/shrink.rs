@@ -1,4 +1,4 @@
-//! Balls that stick out less: moved, and no larger than their cells need.
+//! Reduction of the protrusion of balls: moved, and no larger than their cells need.
 
 use std::collections::BinaryHeap;
 
@@ -9,14 +9,14 @@ use crate::collision::Ball;
 use crate::interruption::is_stopped;
 use crate::spatial::Vector3;
 
-/// Cells that ask for most are split so often to learn how much they truly need.
+/// Number of subdivisions of the cells that need the largest radius.
 const SPLITS: u32 = 3;
-/// Rounds of steps along the axes.
+/// Rounds of coordinate search.
 const ROUNDS: u32 = 12;
-/// What rounding may hide of a radius.
+/// Relative rounding of a radius.
 const ROUNDING: f64 = 1e-12;
 
-/// The ball that holds its cells, and how far it sticks out of the solid.
+/// The ball that contains its cells, and its protrusion from the solid, metres.
 pub(super) fn shrunk(solid: &Solid<'_>, ball: Ball, cells: &[Cell], overhang: f64) -> (Ball, f64) {
     let needed = |centre: Vector3<f64>| {
         let needs = cells.iter().map(|cell| cell.needs(centre));
@@ -49,7 +49,7 @@ pub(super) fn shrunk(solid: &Solid<'_>, ball: Ball, cells: &[Cell], overhang: f6
     (Ball { centre, radius }, out.max(0.0))
 }
 
-/// The radius that the cells need, those that need most looked at in parts.
+/// The radius that the cells need. The cells that need the largest radius are subdivided first.
 fn tight(solid: &Solid<'_>, centre: Vector3<f64>, cells: &[Cell]) -> f64 {
     let asking = |times: u32| move |cell: Cell| Ranked(cell.needs(centre), (times, cell));
     let mut heap: BinaryHeap<Ranked<(u32, Cell)>> = cells.iter().copied().map(asking(0)).collect();

@@ -1,4 +1,4 @@
-//! The shapes of a link as one solid, of which points are asked how deep they are.
+//! The shapes of a link as one solid, for signed distance queries.
 
 use crate::collision::box_tree::BoxTree;
 use crate::collision::shape::{Nearest, hull_tree, nearest_on_hull};
@@ -10,23 +10,25 @@ pub(super) struct Solid<'a> {
     shapes: Vec<Placed<'a>>,
 }
 
-/// A shape, what takes a point of the link into its own coordinates, and the box around it there.
+/// A shape with its inverse placement and its bounding box in its own frame.
 struct Placed<'a> {
     object: &'a CollisionObject,
     shape_from_link: Placement<f64>,
     bounds: BoundingBox,
-    /// Of a hull over its triangles: it is asked too often to look at each of them.
+    /// AABB tree over the triangles of a hull: a linear search is too slow for the number of queries.
     tree: Option<BoxTree>,
 }
 
-/// What is known of a point that is within or near.
+/// Data of a point that is inside or near the solid.
 pub(super) struct Probe {
-    /// How far outside the nearest shape, or minus how deep in the deepest.
+    /// Distance to the nearest shape, or minus the depth in the deepest, metres.
     pub(super) distance: f64,
-    /// The point of that shape's surface that is nearest.
+    /// The closest point on that shape's surface.
     pub(super) nearest: Vector3<f64>,
-    /// Whether that shape alone is near, and convex: then all of it that is as near as was asked is nearer to
-    /// [`nearest`](Self::nearest) than that, if the point is outside.
+    /// True if that shape is the only one in range and is convex.
+    ///
+    /// For a point outside, all of the shape within the query range is then nearer to [`nearest`](Self::nearest) than
+    /// that range.
     pub(super) is_convex: bool,
 }
 
@@ -44,7 +46,7 @@ impl<'a> Placed<'a> {
         }
     }
 
-    /// In its own coordinates.
+    /// The signed distance and the closest point in the shape's frame.
     fn nearest(&self, local: Vector3<f64>) -> Nearest {
         match (self.object.shape.kind(), &self.tree) {
             (ShapeKind::Convex(hull), Some(tree)) => nearest_on_hull(local, hull, tree),
@@ -71,12 +73,12 @@ impl<'a> Solid<'a> {
         self.shapes.is_empty()
     }
 
-    /// How far outside the nearest shape, or minus how deep in the deepest: never deeper than it truly is.
+    /// Distance to the nearest shape, or minus the depth in the deepest, metres. Never exceeds the true depth.
     pub(super) fn signed_distance(&self, point: Vector3<f64>) -> f64 {
         let each = self.shapes.iter();
         each.fold(f64::INFINITY, |least, shape| {
             let local = shape.shape_from_link.apply(point);
-            // What the box around it tells needs no closer look.
+            // Skips shapes whose bounding box is already too far.
             match least > 0.0 && shape.bounds.squared_distance(local) >= least * least {
                 true => least,
                 false => least.min(shape.nearest(local).0),
@@ -84,13 +86,13 @@ impl<'a> Solid<'a> {
         })
     }
 
-    /// The point of the surface of the shape that is nearest.
+    /// The closest point on the surface of the nearest shape.
     pub(super) fn nearest(&self, point: Vector3<f64>) -> Vector3<f64> {
         let probe = self.probe(point, f64::INFINITY);
         probe.map_or(point, |probe| probe.nearest)
     }
 
-    /// What is known of a point; `None` where it is at least so far outside.
+    /// Data of a point; `None` if it is at least `within` metres outside.
     pub(super) fn probe(&self, point: Vector3<f64>, within: f64) -> Option<Probe> {
         let mut found: Option<(Nearest, &Placed<'_>)> = None;
         let mut near = 0;

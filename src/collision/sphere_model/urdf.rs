@@ -1,4 +1,4 @@
-//! Spherised URDF, as foam and VAMP have it: a robot's own file whose collision shapes are spheres.
+//! Spherised URDF, as foam and VAMP use it: a robot's URDF whose collision shapes are spheres.
 
 use std::fmt::Write;
 
@@ -10,10 +10,10 @@ use crate::file::{Place, ReadError};
 use crate::spatial::Vector3;
 
 impl SphereModel {
-    /// A robot's URDF with these spheres as its only collision shapes, the rest of the text as it is.
+    /// The text of a URDF with these spheres as its only collision shapes. The rest of the text is unchanged.
     ///
     /// # Errors
-    /// A text that is no XML with a `<robot>`; `file` is the name that the error gives it.
+    /// Returns an error if the text is not XML with a `<robot>`. The error reports `file` as its name.
     pub fn spherised(&self, urdf: &str, file: &str) -> Result<String, ReadError> {
         let document = Document::parse(urdf).map_err(|error| {
             let place = Place::Line(error.pos().row as usize);
@@ -30,7 +30,7 @@ impl SphereModel {
                 .children()
                 .filter(|node| node.has_tag_name("collision"))
             {
-                // With the blanks before it, so that no empty lines stay.
+                // Removes the preceding blanks too, so that no empty lines remain.
                 let range = collision.range();
                 text.push_str(urdf.get(at..range.start).unwrap_or_default().trim_end());
                 at = range.end;
@@ -67,7 +67,7 @@ impl SphereModel {
             .find(|group| Some(group.name.as_str()) == link.attribute("name"));
         for Ball { centre, radius } in own.map_or(&[][..], |group| &group.spheres) {
             let Vector3 { x, y, z } = centre;
-            // Writing to a String cannot fail, so the result carries nothing.
+            // Writing to a String cannot fail.
             let _ = write!(
                 text,
                 "\n    <collision><origin xyz=\"{x:?} {y:?} {z:?}\" rpy=\"0 0 0\"/><geometry><sphere radius=\"{radius:?}\"/></geometry></collision>"

@@ -1,4 +1,4 @@
-//! Spheres in YAML, as cuRobo has them:
+//! Sphere models in cuRobo's YAML format.
 //!
 //! ```yaml
 //! collision_spheres:
@@ -17,11 +17,11 @@ use crate::spatial::Vector3;
 use crate::yaml::{self, Node, Value};
 
 impl SphereModel {
-    /// The spheres as cuRobo's `collision_spheres`, numbers with as many digits as read back the same.
+    /// The spheres as cuRobo's `collision_spheres`. The numbers have enough digits to read back exactly.
     #[must_use]
     pub fn to_yaml(&self) -> String {
         let mut text = "collision_spheres:\n".to_owned();
-        // Writing to a String cannot fail, so the results carry nothing.
+        // Writing to a String cannot fail.
         for group in &self.groups {
             let _ = writeln!(text, "  {}:", quoted(&group.name));
             for Ball { centre, radius } in &group.spheres {
@@ -34,13 +34,15 @@ impl SphereModel {
     }
 }
 
-/// A name that may hold anything.
+/// A name as a quoted YAML string.
 fn quoted(name: &str) -> String {
     format!("\"{}\"", name.replace('\\', "\\\\").replace('"', "\\\""))
 }
 
-/// The spheres of a document, wherever in it `collision_spheres` stands: cuRobo has it under
-/// `robot_cfg: kinematics:` as well. One of radius 0 or less counts for nothing, as there.
+/// The spheres of a document, by link. `collision_spheres` is found at any depth, as cuRobo also writes it under
+/// `robot_cfg: kinematics:`.
+///
+/// Spheres of radius 0 or less are left out, with a note.
 pub(super) fn parse(text: &str, file: &str, notes: &mut Vec<String>) -> FromFile<NamedSpheres> {
     let root = yaml::parse(text, file)?;
     let fail = |node: &Node<'_>, problem: &str| {

@@ -1,4 +1,4 @@
-//! Obstacles by their measures.
+//! Addition of obstacles by their dimensions.
 
 use std::sync::Arc;
 
@@ -7,10 +7,10 @@ use crate::collision::shape::{Shape, ShapeError};
 use crate::spatial::{Placement, Vector3};
 
 impl World {
-    /// Adds an obstacle.
+    /// Adds an obstacle that is fixed in the world.
     ///
     /// # Errors
-    /// The name is taken or none, or the placement is not rigid.
+    /// Returns an error if the name exists or is blank, or if the placement is not rigid or farther than 10⁹ m.
     pub fn add(
         &mut self,
         name: &str,
@@ -45,14 +45,15 @@ impl World {
     }
 }
 
-/// Each by a shape of its arguments.
+/// Generates one method for each shape.
 macro_rules! adders {
     ($($(#[$about:meta])* $name:ident($($given:ident: $kind:ty),*) = $shape:expr;)*) => {
         impl World {$(
             $(#[$about])*
             ///
             /// # Errors
-            /// The name is taken, the placement is not rigid, or there is no such shape.
+            /// Returns an error if the name exists or is blank, if the placement is not rigid, or if the shape is
+            /// invalid.
             pub fn $name(
                 &mut self,
                 name: &str,
@@ -66,15 +67,15 @@ macro_rules! adders {
 }
 
 adders! {
-    /// Adds a box with its whole lengths along x, y and z.
+    /// Adds a box with its full lengths along x, y and z, metres.
     add_box(size: [f64; 3]) = Shape::cuboid(size);
-    /// Adds a sphere.
+    /// Adds a sphere with its radius in metres.
     add_sphere(radius: f64) = Shape::sphere(radius);
-    /// Adds a cylinder along z, `length` from one end to the other.
+    /// Adds a cylinder along z. `length` is the distance between its end faces, metres.
     add_cylinder(radius: f64, length: f64) = Shape::cylinder(radius, length);
-    /// Adds a capsule along z, whose segment has the `length`.
+    /// Adds a capsule along z. `length` is that of its segment, metres.
     add_capsule(radius: f64, length: f64) = Shape::capsule(radius, length);
-    /// Adds everything below z = 0 of its placement.
+    /// Adds the half-space below z = 0 of its placement.
     add_plane() = Ok(Shape::half_space());
     /// Adds the convex hull of points.
     add_convex(points: &[Vector3<f64>]) = Shape::convex(points);
@@ -82,7 +83,7 @@ adders! {
     add_mesh(vertices: Vec<Vector3<f64>>, triangles: Vec<[u32; 3]>) = Shape::mesh(vertices, triangles);
     /// Adds spheres of one radius about points.
     add_points(positions: Vec<Vector3<f64>>, radius: f64) = Shape::points(positions, radius);
-    /// Adds a ground of heights over a grid: see [`Shape::height_field`].
+    /// Adds a height field: see [`Shape::height_field`].
     add_height_field(heights: Vec<f64>, columns: usize, spacing: [f64; 2]) =
         Shape::height_field(heights, columns, spacing);
 }

@@ -1,69 +1,69 @@
-//! What can be wrong with an edit of a world.
+//! Errors of changes to a world.
 
 use super::Obstacle;
 use crate::bad_option::BadOption;
 use crate::collision::shape::{LARGEST, ShapeError};
 use crate::spatial::RigidDefect;
 
-/// Why a world cannot be changed so.
+/// Reason why a world cannot be changed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum WorldError {
-    /// An obstacle of the name is there already.
+    /// An obstacle of that name exists.
     #[error("there is an obstacle {0:?} already")]
     Taken(String),
-    /// A name without a letter.
+    /// A blank name.
     #[error("an obstacle needs a name, not {0:?}")]
     Unnamed(String),
-    /// There is no obstacle of the name.
+    /// No obstacle of that name exists.
     #[error("there is no obstacle {name:?}; {}", listed(.valid))]
     Unknown {
-        /// The name asked for.
+        /// Requested name.
         name: String,
-        /// The first of those there are.
+        /// Names of obstacles, at most the first 30.
         valid: Vec<String>,
     },
-    /// Neither of two names is an obstacle's.
+    /// Neither of two names is an obstacle.
     #[error("neither {:?} nor {:?} is an obstacle; {}", .names[0], .names[1], listed(.valid))]
     NoObstacle {
-        /// The names.
+        /// Requested names.
         names: [String; 2],
-        /// The first of those there are.
+        /// Names of obstacles, at most the first 30.
         valid: Vec<String>,
     },
-    /// Two that may not touch.
+    /// The collision of the two is not allowed.
     #[error("{:?} and {:?} are kept apart: nothing lets them touch", .0[0], .0[1])]
     KeptApart([String; 2]),
-    /// An obstacle that stands in the world already.
+    /// The obstacle is not attached.
     #[error("obstacle {0:?} is attached to nothing that it could be detached from")]
     NotAttached(String),
     /// A placement that is not rigid.
     #[error("the placement of obstacle {name:?} is not rigid: {defect}")]
     Placement {
-        /// Whose.
+        /// Name of the obstacle.
         name: String,
-        /// What is wrong with it.
+        /// Deviation from a rigid placement.
         defect: RigidDefect,
     },
-    /// Placed so far away that no distance could be told.
+    /// A placement so far from the origin that distances would be inaccurate.
     #[error(
         "obstacle {name:?} is placed {metres:e} m from the origin, which is more than {LARGEST:e}"
     )]
     TooFar {
-        /// Which.
+        /// Name of the obstacle.
         name: String,
-        /// How far, metres.
+        /// Distance from the origin, metres.
         metres: f64,
     },
-    /// A factor that no world can be scaled by.
+    /// An invalid scale factor.
     #[error(transparent)]
     Option(#[from] BadOption),
-    /// A shape that cannot be.
+    /// An invalid shape.
     #[error("obstacle {name:?}: {error}")]
     Shape {
-        /// Whose.
+        /// Name of the obstacle.
         name: String,
-        /// What is wrong with it.
+        /// Reason why the shape is invalid.
         #[source]
         error: ShapeError,
     },
@@ -89,7 +89,7 @@ impl WorldError {
 }
 
 fn first_names<'a>(all: impl Iterator<Item = &'a Obstacle>) -> Vec<String> {
-    // Worlds may have thousands; nobody reads more of them.
+    // Limits the length of the message for worlds with thousands of obstacles.
     const LISTED: usize = 30;
     all.take(LISTED).map(|o| o.name.clone()).collect()
 }

@@ -1,4 +1,4 @@
-//! Worlds from and to files.
+//! Reading and writing of world files.
 
 use std::path::Path;
 
@@ -8,9 +8,9 @@ use crate::file_access::FileAccess;
 use crate::file_replacement::write_file;
 
 impl World {
-    /// Reads a world: our JSON from `.json`, a planning scene of MoveIt's from `.yaml` or `.yml`.
+    /// Reads a world: kinopt's JSON from `.json`, a planning scene of MoveIt from `.yaml` or `.yml`.
     ///
-    /// JSON lists obstacles by kind, all lengths in metres, quaternions as w, x, y, z:
+    /// JSON lists obstacles by kind. Lengths are in metres, quaternions are w, x, y, z:
     ///
     /// ```json
     /// {
@@ -24,19 +24,24 @@ impl World {
     /// }
     /// ```
     ///
-    /// A `position` left out is the origin, a `quaternion` left out no turn; `attached` names a frame of the robot,
-    /// in which the obstacle then stands, and `may_touch` lists the links and the obstacles that [may touch](Self::allow_touch) it;
-    /// a list `may_be_missing` beside those of obstacles has those names among them that neither robot nor world needs to have. A mesh is a file below this one's folder (OBJ, STL, DAE or PLY) or has `vertices`
-    /// and `triangles`; `convex` has `points`, and `height_fields` have `heights`, `columns` and `spacing`.
-    /// Obstacles come in this order of kinds, or in that of a list `order` of all names.
+    /// The fields and lists:
+    ///
+    /// - `position`: default the origin. `quaternion`: default no rotation.
+    /// - `attached`: name of a robot frame. The pose is then relative to that frame.
+    /// - `may_touch`: names of the links and obstacles of [allowed collisions](Self::allow_touch).
+    /// - `may_be_missing`: a list next to those of obstacles, with names in `may_touch` that need not exist.
+    /// - `meshes`: a file (OBJ, STL, DAE or PLY) below the folder of this file, or `vertices` and `triangles`.
+    /// - `convex`: `points`. `height_fields`: `heights`, `columns` and `spacing`.
+    /// - `order`: a list of all names in the order of the obstacles. The default order is that of the kinds.
     ///
     /// # Errors
-    /// A file that cannot be read, is of neither kind or damaged, and obstacles that cannot be, each with its place.
+    /// Returns an error if the file cannot be read, has neither format, or is malformed. Returns an error for an
+    /// invalid obstacle, with its position in the file.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, ReadError> {
         Self::read_with(path, &FileAccess::new())
     }
 
-    /// Reads a world and the meshes it names, as far as `access` allows.
+    /// Reads a world and its mesh files, as far as `access` allows.
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -54,8 +59,9 @@ impl World {
         })
     }
 
-    /// Reads a world from JSON's bytes; `name` stands for the file in errors. Meshes in files of their own are not
-    /// opened: that is an error here.
+    /// Parses a world from JSON. Errors report `name` as the file.
+    ///
+    /// A mesh in a file of its own is an error.
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -63,7 +69,7 @@ impl World {
         json::parse(bytes, name, None)
     }
 
-    /// Reads a planning scene of MoveIt's from YAML's bytes; `name` stands for the file in errors.
+    /// Parses a planning scene of MoveIt from YAML. Errors report `name` as the file.
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -71,16 +77,17 @@ impl World {
         moveit::parse(bytes, name)
     }
 
-    /// The world as JSON, meshes and clouds within; read again it is the same, to the bit.
+    /// The world as JSON, with meshes and point clouds included. It reads back exactly.
     #[must_use]
     pub fn to_json(&self) -> String {
         json::text(self)
     }
 
-    /// Writes the world as [`to_json`](Self::to_json) gives it.
+    /// Writes the world as [`to_json`](Self::to_json) to a file.
     ///
     /// # Errors
-    /// The file cannot be written, or its name does not end in .json, from which [`read`](Self::read) knows what it holds.
+    /// Returns an error if the file cannot be written, or if its name does not end in .json, which [`read`](Self::read)
+    /// requires.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), WriteError> {
         let path = path.as_ref();
         let end = path.extension().and_then(|end| end.to_str());

@@ -1,4 +1,4 @@
-//! How high obstacles stand over a place.
+//! Height of obstacles along a line.
 
 use super::{Obstacle, World};
 use crate::bisection::bisect;
@@ -6,15 +6,17 @@ use crate::collision::distance::separation_within;
 use crate::collision::shape::{Shape, ShapeKind};
 use crate::spatial::{Matrix3, Placement, Vector3};
 
-/// How thick the line is that is let down, as a share of the height of all obstacles.
+/// Radius of the probe line, relative to the height of all obstacles.
 const LINE: f64 = 1e-9;
-/// Halvings of that height: to the last bit.
+/// Number of bisections of that height: to full precision.
 const HALVINGS: usize = 60;
 
 impl World {
-    /// How high the topmost obstacle on the line through `at` along `up` reaches, in lengths of `up` (a unit vector) from
-    /// the world's origin, to 1e-9 of the height of all obstacles; `None` where no obstacle is on it. Obstacles that move
-    /// with a robot do not count. A line on the edge of an obstacle meets it.
+    /// Height of the topmost obstacle on the line through `at` along `up`, a unit vector.
+    ///
+    /// The height is measured along `up` from the world's origin, in metres, to 1e-9 of the height of all obstacles.
+    /// `None` if no obstacle is on the line. Attached obstacles are ignored. A line on the edge of an obstacle meets
+    /// it.
     #[must_use]
     pub fn top(&self, at: Vector3<f64>, up: Vector3<f64>) -> Option<f64> {
         let foot = at - up * at.dot(up);
@@ -32,7 +34,7 @@ impl World {
         if !(range > 0.0 && range.is_finite()) {
             return None;
         }
-        // From where a line down from above is free.
+        // Bisects the lowest end of a collision-free line from above.
         let turned = turned_to(up);
         let is_free = |from: f64, to: f64| {
             let Ok(line) = Shape::capsule(LINE * range, (to - from).max(LINE * range)) else {
@@ -53,7 +55,7 @@ impl World {
     }
 }
 
-/// Between which heights an obstacle is at most; of a floor where the line meets it.
+/// Bounds of an obstacle's height. For a half-space, both are the height at which the line meets it.
 fn heights(obstacle: &Obstacle, foot: Vector3<f64>, up: Vector3<f64>) -> Option<[f64; 2]> {
     let stands = &obstacle.placement;
     if let ShapeKind::HalfSpace = obstacle.shape.kind() {
@@ -66,7 +68,7 @@ fn heights(obstacle: &Obstacle, foot: Vector3<f64>, up: Vector3<f64>) -> Option<
     Some([middle - ball.radius, middle + ball.radius])
 }
 
-/// Axes whose z is `up`.
+/// A rotation whose z axis is `up`.
 fn turned_to(up: Vector3<f64>) -> Matrix3<f64> {
     let [x, y, _] = Vector3::UNITS;
     let across = if up.x.abs() < 0.9 { x } else { y };

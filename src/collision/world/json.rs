@@ -1,4 +1,4 @@
-//! Our JSON of worlds.
+//! JSON format of worlds.
 
 use std::collections::{BTreeSet, HashMap};
 use std::marker::PhantomData;
@@ -15,7 +15,7 @@ use crate::file::{FromFile, Place, ReadError, ReadProblem};
 use crate::file_access::AllowedFiles;
 use crate::spatial::Vector3;
 
-/// The kinds of obstacles, each with its own measures beside what all have; the file's lists of them.
+/// Defines the kinds of obstacles with their dimensions and common fields, and the lists of a file.
 macro_rules! kinds {
     ($($list:ident: $kind:ident { $($(#[$attribute:meta])* $measure:ident: $type:ty),* })*) => {
         $(
@@ -43,12 +43,12 @@ macro_rules! kinds {
             $(#[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "objects")] $list: Vec<$kind>,)*
             #[serde(skip_serializing_if = "Vec::is_empty")]
             order: Vec<String>,
-            /// Names in `may_touch` that neither the robot nor the world needs to have.
+            /// Names in `may_touch` that need not exist.
             #[serde(skip_serializing_if = "BTreeSet::is_empty")]
             may_be_missing: BTreeSet<String>,
         }
 
-        /// All obstacles of a file, kind by kind.
+        /// Reads all obstacles of a file, kind by kind.
         fn read_all(contents: Contents, reader: &Reader<'_>) -> FromFile<World> {
             let mut world = World::new();
             world.may_be_missing = contents.may_be_missing;
@@ -77,7 +77,7 @@ macro_rules! kinds {
             Ok(world)
         }
 
-        /// Of all lists the names, in the order of the kinds.
+        /// The names in all lists, in the order of the kinds.
         fn names(contents: &Contents) -> Vec<String> {
             let mut all = Vec::new();
             $(all.extend(contents.$list.iter().map(|entry| entry.name.clone()));)*
@@ -107,7 +107,7 @@ kinds! {
     points: Points { positions: Vec<[f64; 3]>, radius: f64 }
 }
 
-/// What must be written with its keys: serde would take a list for any of these, an empty one for a world without obstacles.
+/// A value that must be a JSON object. serde would accept an array too, and an empty one as an empty world.
 struct Object<T>(T);
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Object<T> {
@@ -139,10 +139,10 @@ where
     Ok(all.into_iter().map(|Object(one)| one).collect())
 }
 
-/// What is known while a file is read.
+/// Context of the reader of one file.
 struct Reader<'f> {
     file: &'f str,
-    /// The files of meshes that may be opened; `None` opens none.
+    /// Mesh files that may be opened; `None` opens none.
     allowed: Option<&'f AllowedFiles>,
 }
 
@@ -156,10 +156,10 @@ impl Reader<'_> {
     }
 }
 
-/// A shape, or why there is none; outside of it why its file cannot be read.
+/// A shape or its error. The outer error is a read error of its file.
 type Made = Result<Result<Shape, ShapeError>, ReadError>;
 
-/// Each kind's shape of its measures.
+/// Defines the shape of each kind from its dimensions.
 macro_rules! shapes {
     ($($kind:ident($($measure:ident: $type:ty),*) = $shape:expr;)*) => {
         $(impl $kind {
@@ -220,13 +220,13 @@ impl Mesh {
     }
 }
 
-/// A world of JSON's bytes.
+/// Parses a world from JSON.
 pub(super) fn parse(bytes: &[u8], file: &str, allowed: Option<&AllowedFiles>) -> FromFile<World> {
     let Object(contents) = crate::io::json::parse(bytes, file)?;
     read(contents, &Reader { file, allowed })
 }
 
-/// The same of what the file holds.
+/// Builds a world from the contents of a file.
 fn read(mut contents: Contents, reader: &Reader<'_>) -> FromFile<World> {
     let order = std::mem::take(&mut contents.order);
     let mut world = read_all(contents, reader)?;
@@ -253,7 +253,7 @@ fn read(mut contents: Contents, reader: &Reader<'_>) -> FromFile<World> {
 
 /// A world as JSON.
 pub(super) fn text(world: &World) -> String {
-    // Numbers of obstacles are finite and keys are texts, so nothing can fail.
+    // Cannot fail: numbers of obstacles are finite and keys are strings.
     serde_json::to_string_pretty(&contents(world)).unwrap_or_default()
 }
 
@@ -289,7 +289,7 @@ fn contents(world: &World) -> Contents {
 }
 
 fn push(contents: &mut Contents, obstacle: &Obstacle) {
-    /// One entry with what all have.
+    /// Adds an entry with the common fields.
     macro_rules! entry {
         ($list:ident: $kind:ident { $($measure:ident: $value:expr),* }) => {{
             let Pose { position, quaternion, rotation } = Pose::of(&obstacle.placement);

@@ -1,4 +1,4 @@
-//! Worlds: named obstacles, each a shape with a place.
+//! Worlds of named obstacles, each with a shape and a placement.
 
 mod add;
 mod error;
@@ -29,20 +29,20 @@ use crate::spatial::Placement;
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Obstacle {
-    /// Its name, of which there is one in a world.
+    /// Name, unique in its world.
     pub name: String,
-    /// What it is.
+    /// Shape.
     pub shape: Shape,
-    /// Where it stands: in the world, or in the frame that it is attached to.
+    /// Placement in the world, or in the frame that the obstacle is attached to.
     pub placement: Placement<f64>,
-    /// The frame of the robot that it moves with, as something grasped does.
+    /// Frame of the robot that the obstacle moves with, for instance a grasped object; `None` for a fixed obstacle.
     pub attached: Option<String>,
-    /// The links of the robot, and the obstacles, that it may touch ([`World::allow_touch`]).
+    /// Names of the links and obstacles that it is allowed to collide with ([`World::allow_touch`]).
     pub may_touch: Vec<String>,
 }
 
 impl Obstacle {
-    /// An obstacle by itself, in the world or attached to a frame.
+    /// An obstacle that is fixed in the world, or attached to a frame.
     #[must_use]
     pub fn new(
         name: impl Into<String>,
@@ -60,47 +60,48 @@ impl Obstacle {
     }
 }
 
-/// Named obstacles in the order in which they were added. Cheap to clone: copies share what neither changes, so that what is made of one
-/// is made of the other for what is different.
+/// Named obstacles in the order in which they were added.
+///
+/// Cheap to clone: copies share all data that neither of them changes. A checker of a changed copy rebuilds only the
+/// changed data.
 #[derive(Clone, Debug, Default)]
 pub struct World {
     obstacles: Numbered,
     names: Names,
-    /// The numbers of those that are attached to frames, in order.
+    /// Sorted numbers of the obstacles that are attached to frames.
     attached: Vec<u64>,
-    /// The numbers of those that may touch something, in order.
+    /// Sorted numbers of the obstacles with allowed collisions.
     touching: Vec<u64>,
-    /// The next number.
+    /// Number of the next obstacle.
     next: u64,
     revision: u64,
-    /// What of its file was not taken.
+    /// Messages about parts of the file that were left out.
     notes: Vec<String>,
-    /// Names of what obstacles may touch that need not be there, as a planning scene has them.
+    /// Names in allowed collisions that need not exist, as in MoveIt's planning scenes.
     may_be_missing: BTreeSet<String>,
 }
 
 impl World {
-    /// A world without obstacles.
+    /// An empty world.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
     getters! {
-        /// How many obstacles there are.
+        /// Number of obstacles.
         pub fn len(&self) -> usize = self.obstacles.len();
-        /// Whether there are none.
+        /// True if the world has no obstacles.
         pub fn is_empty(&self) -> bool = self.len() == 0;
-        /// A number that every change raises, so that what was made of a world knows whether it is still so.
+        /// A number that every change increases, for detecting changes.
         pub fn revision(&self) -> u64 = self.revision;
-        /// All obstacles in the order in which they were added.
+        /// All obstacles, in the order in which they were added.
         pub fn obstacles(&self) -> impl ExactSizeIterator<Item = &Obstacle> = self.obstacles.iter().map(|(_, o)| &**o);
-        /// All with their numbers, by which they are in order.
+        /// All obstacles with their numbers, in increasing order of the numbers.
         pub(crate) fn numbered(&self) -> impl ExactSizeIterator<Item = (u64, &Arc<Obstacle>)> = self.obstacles.iter();
     }
 
-    /// What is to be known of it, one text each: what the file that it was read from says and is not taken up, and what was found about the
-    /// shapes of its obstacles and taken all the same ([`Shape::notes`]), as that a mesh is open and so has no inside.
+    /// Messages about the world: parts of its file that were left out, and the [notes](Shape::notes) of its shapes.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let of_shapes = self.obstacles().flat_map(|obstacle| {
@@ -110,16 +111,16 @@ impl World {
         self.notes.iter().cloned().chain(of_shapes).collect()
     }
 
-    /// Those that are attached to frames, in order.
+    /// Attached obstacles, in the order of their numbers.
     pub(crate) fn attached(&self) -> impl Iterator<Item = &Obstacle> {
         let attached = self.attached.iter();
         attached.filter_map(|number| Some(&**self.obstacles.get(*number)?))
     }
 
-    /// Looks an obstacle up.
+    /// The obstacle of a name.
     ///
     /// # Errors
-    /// There is none of that name; the error lists those there are.
+    /// Returns an error if there is no obstacle of that name. The error lists the names of obstacles.
     pub fn obstacle(&self, name: &str) -> Result<&Obstacle, WorldError> {
         let number = self.number(name)?;
         let found = self.obstacles.get(number);
@@ -131,7 +132,7 @@ impl World {
         self.names.find(name, has)
     }
 
-    /// The number of an obstacle, if there is one of the name.
+    /// The number of an obstacle, or `None` if the name is unknown.
     pub(crate) fn number_of(&self, name: &str) -> Option<u64> {
         self.find(name)
     }
@@ -144,12 +145,12 @@ impl World {
         WorldError::unknown(name, self.obstacles())
     }
 
-    /// What is not the same in another world; what copies share costs nothing.
+    /// Differences to another world. Chunks that both share are skipped.
     pub(crate) fn changes<'a>(&'a self, to: &'a Self) -> Vec<Change<'a>> {
         self.obstacles.changes(&to.obstacles)
     }
 
-    /// Puts all in another order.
+    /// Reorders all obstacles, which get new numbers.
     fn sort_by_key<K: Ord>(&mut self, key: impl Fn(&Obstacle) -> K) {
         let mut all: Vec<Arc<Obstacle>> =
             self.obstacles.iter().map(|(_, o)| Arc::clone(o)).collect();
@@ -168,7 +169,7 @@ impl World {
         self.revision = revision;
     }
 
-    /// Adds one whose name is not there.
+    /// Adds an obstacle. Its name must be new.
     fn push(&mut self, obstacle: Arc<Obstacle>) {
         let number = self.next;
         self.names.insert(&obstacle.name, number);
@@ -183,10 +184,10 @@ impl World {
         self.revision += 1;
     }
 
-    /// Moves an obstacle; of an attached one the placement in its frame.
+    /// Sets the placement of an obstacle, for an attached one in its frame.
     ///
     /// # Errors
-    /// There is none of that name, or the placement is not rigid.
+    /// Returns an error if there is no obstacle of that name, or if the placement is not rigid or farther than 10⁹ m.
     pub fn move_to(
         &mut self,
         name: &str,
@@ -196,10 +197,10 @@ impl World {
         self.edit(name, |obstacle| obstacle.placement = placement)
     }
 
-    /// Takes an obstacle out, and with it what it may touch and what may touch it.
+    /// Removes an obstacle, together with its allowed collisions.
     ///
     /// # Errors
-    /// There is none of that name; the error lists those there are.
+    /// Returns an error if there is no obstacle of that name. The error lists the names of obstacles.
     pub fn remove(&mut self, name: &str) -> Result<(), WorldError> {
         let number = self.number(name)?;
         self.names.remove(name, number);
@@ -210,11 +211,12 @@ impl World {
         Ok(())
     }
 
-    /// Makes an obstacle move with a frame of the robot, at `frame_from_object` in it. Whether the robot has the
-    /// frame shows when both come together.
+    /// Attaches an obstacle to a frame of the robot, with its placement in that frame.
+    ///
+    /// A [`Checker`](crate::collision::Checker) reports a frame that the robot does not have.
     ///
     /// # Errors
-    /// There is no obstacle of that name, or the placement is not rigid.
+    /// Returns an error if there is no obstacle of that name, or if the placement is not rigid or farther than 10⁹ m.
     pub fn attach(
         &mut self,
         name: &str,
@@ -228,10 +230,11 @@ impl World {
         })
     }
 
-    /// Leaves an obstacle in the world again, at `world_from_object`.
+    /// Detaches an obstacle and fixes it in the world, at `world_from_object`.
     ///
     /// # Errors
-    /// There is none of that name, it is attached to nothing, or the placement is not rigid.
+    /// Returns an error if there is no obstacle of that name, or if it is not attached. Returns an error if the
+    /// placement is not rigid or farther than 10⁹ m.
     pub fn detach(
         &mut self,
         name: &str,
@@ -260,7 +263,7 @@ impl World {
     }
 }
 
-/// Keeps a number among others in order, or takes it out.
+/// Inserts a number into a sorted list, or removes it.
 fn keep_number(numbers: &mut Vec<u64>, number: u64, keep: bool) {
     match (numbers.binary_search(&number), keep) {
         (Err(at), true) => numbers.insert(at, number),
@@ -271,7 +274,7 @@ fn keep_number(numbers: &mut Vec<u64>, number: u64, keep: bool) {
     }
 }
 
-/// A placement that is rigid to the bits that files leave.
+/// The placement, made exactly rigid. Deviations up to 1e-6, as from rounding in files, are accepted.
 fn rigid(name: &str, placement: Placement<f64>) -> Result<Placement<f64>, WorldError> {
     match placement.check_rigid(1e-6) {
         Ok(()) if placement.translation.norm() > LARGEST => Err(WorldError::TooFar {

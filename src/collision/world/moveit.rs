@@ -1,5 +1,6 @@
-//! MoveIt's planning scenes in YAML, as of MotionBenchMaker's problems: the collision objects of `world`, and those
-//! that `robot_state` holds attached to links.
+//! MoveIt planning scenes in YAML, as in MotionBenchMaker's problems.
+//!
+//! The reader takes the collision objects of `world` and the attached objects of `robot_state`.
 
 use crate::collision::shape::{Shape, ShapeError};
 use crate::file::{FromFile, Place, ReadError, ReadProblem};
@@ -10,16 +11,16 @@ use super::World;
 use super::moveit_frames::{Frames, frame_of};
 use super::pose::unit_quaternion;
 
-/// What the reader of one file knows.
+/// State of the reader of one file.
 pub(super) struct Scene<'f> {
     file: &'f str,
     pub(super) world: World,
     frames: Frames,
-    /// The obstacles of each object, by its `id`.
+    /// Obstacles of each object, by its `id`.
     pub(super) objects: Vec<(String, Vec<String>)>,
 }
 
-/// A scene's obstacles. Of an object with several primitives each is an obstacle: `name/0`, `name/1`, ….
+/// Parses the obstacles of a scene. The primitives of an object with several are the obstacles `name/0`, `name/1`, ….
 pub(super) fn parse(bytes: &[u8], file: &str) -> FromFile<World> {
     let text = std::str::from_utf8(bytes).map_err(|error| {
         ReadError::malformed(file, Place::Byte(error.valid_up_to()), "is not UTF-8")
@@ -93,7 +94,7 @@ impl Scene<'_> {
             .ok_or_else(|| self.fail(node, &format!("`{what}` is not a text")))
     }
 
-    /// Numbers in a list, or under these keys.
+    /// Numbers of a list, or of a map with these keys.
     fn numbers(&self, node: &Node<'_>, what: &str, keys: &[&str]) -> FromFile<Vec<f64>> {
         let nodes: Vec<&Node<'_>> = match (&node.value, keys) {
             (Value::Map(_), [_, ..]) => {
@@ -118,7 +119,7 @@ impl Scene<'_> {
         Ok(numbers)
     }
 
-    /// What stands in the scene's frame, and how others stand in that.
+    /// Frames of the scene: its planning frame, and frames with a known transform to it.
     fn frames(&self, root: &Node<'_>) -> FromFile<Frames> {
         let mut frames = Frames::of_state(root);
         if let Some(given) = root.get("fixed_frame_transforms") {
@@ -131,7 +132,7 @@ impl Scene<'_> {
         Ok(frames)
     }
 
-    /// Where an object's frame stands in the scene, or in the link that holds it.
+    /// Placement of an object's frame in the planning frame, or in the link that holds the object.
     fn base_of(
         &self,
         object: &Node<'_>,
@@ -153,7 +154,7 @@ impl Scene<'_> {
         })
     }
 
-    /// Octomaps are not read: what one holds would be missing.
+    /// Rejects octomaps with cells, since their obstacles would be missing.
     fn no_octomap(&self, world: &Node<'_>) -> FromFile<()> {
         let map = world.get("octomap").and_then(|map| map.get("octomap"));
         let Some(data) = map.and_then(|map| map.get("data")) else {
@@ -169,7 +170,7 @@ impl Scene<'_> {
         self.placed(node, ["position", "orientation"])
     }
 
-    /// Quaternions are x, y, z, w here.
+    /// Reads a transform. Quaternions are x, y, z, w.
     fn placed(
         &self,
         node: &Node<'_>,

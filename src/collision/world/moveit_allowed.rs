@@ -1,4 +1,5 @@
-//! What may touch each other in a planning scene: pairs with an object; those of links are the robot's.
+//! Allowed collision matrix of a MoveIt planning scene. Only pairs with an object are used; pairs of links belong to
+//! the robot.
 
 use std::collections::BTreeSet;
 
@@ -9,7 +10,7 @@ use crate::yaml::Node;
 const MATRIX: &str = "allowed_collision_matrix";
 
 impl Scene<'_> {
-    /// Lets what the matrix allows touch.
+    /// Applies the allowed pairs of the matrix.
     pub(super) fn allowed(&mut self, matrix: &Node<'_>) -> FromFile<()> {
         let none = [];
         let part = |key: &str| matrix.get(key).map(|node| self.list(node, key)).transpose();
@@ -31,7 +32,7 @@ impl Scene<'_> {
         let mut of_links = false;
         for (at, (name, row)) in names.iter().zip(rows).enumerate() {
             let first = self.text(name, "entry_names")?;
-            // As messages are written, or as lists.
+            // Rows of the message type, or plain lists.
             let row = row.get("enabled").unwrap_or(row);
             let values = self.list(row, "entry_values")?;
             if values.len() != names.len() {
@@ -39,7 +40,7 @@ impl Scene<'_> {
                 let problem = format!("`{MATRIX}` has a row of {values} values for {names} names");
                 return Err(self.fail(row, &problem));
             }
-            // The matrix is symmetric, and MoveIt reads what is above its diagonal.
+            // The matrix is symmetric. MoveIt reads the part above its diagonal.
             for (value, other) in values.iter().zip(names).skip(at + 1) {
                 let allowed = match value.text() {
                     Some("true" | "True" | "1") => true,
@@ -67,7 +68,9 @@ impl Scene<'_> {
         Ok(())
     }
 
-    /// Lets all obstacles of an object touch a link, or those of another; whether one of both is an object.
+    /// Allows the collision of all obstacles of an object with a link, or with those of another object.
+    ///
+    /// Returns true if one of the names is an object.
     pub(super) fn allow(&mut self, at: &Node<'_>, one: &str, other: &str) -> FromFile<bool> {
         let of = |id: &str| {
             let known = self.objects.iter().find(|(own, _)| own == id);
@@ -78,7 +81,7 @@ impl Scene<'_> {
         let first = first.unwrap_or_else(|| vec![one.to_owned()]);
         let second = second.unwrap_or_else(|| vec![other.to_owned()]);
         if is_of_object {
-            // Its names outlive what they were of, and are of another robot where that is exchanged.
+            // The names may refer to removed objects or to another robot.
             let names = first.iter().chain(&second).cloned();
             self.world.may_be_missing.extend(names);
             for a in &first {

@@ -1,22 +1,23 @@
-//! The frames of a planning scene: its own, and those that it says how they stand in that.
+//! Frames of a MoveIt planning scene: the planning frame, and frames with a known transform to it.
 
 use crate::spatial::Placement;
 use crate::yaml::Node;
 
-/// What a scene's frame is called where it does not say.
+/// Default name of the planning frame.
 const WORLD: &str = "world";
 
-/// Frames by name. In `fixed_frame_transforms` the scene's own frame is the child, as MoveIt's `Transforms` writes and reads them.
+/// Frames by name. In `fixed_frame_transforms` the planning frame is the child, as MoveIt's `Transforms` writes and
+/// reads them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Frames {
     own: Option<String>,
-    /// Those in which the state of the robot stands.
+    /// Frames in which the state of the robot is given.
     of_state: Vec<String>,
     others: Vec<(String, Placement<f64>)>,
 }
 
 impl Frames {
-    /// Those that a robot's state is given in.
+    /// Collects the frames in which the state of the robot is given.
     pub(super) fn of_state(root: &Node<'_>) -> Self {
         let state = root.get("robot_state");
         let parts = ["joint_state", "multi_dof_joint_state"].iter();
@@ -27,7 +28,7 @@ impl Frames {
         }
     }
 
-    /// Adds a fixed frame: where its header's stands in its child.
+    /// Adds a fixed transform: the placement of its header's frame in its child frame.
     pub(super) fn add(&mut self, transform: &Node<'_>, child_from_header: Placement<f64>) {
         let child = transform.get("child_frame_id").and_then(Node::text);
         let Some(child) = child.map(bare).filter(|child| !child.is_empty()) else {
@@ -39,12 +40,12 @@ impl Frames {
         }
     }
 
-    /// The name of the scene's own.
+    /// Name of the planning frame.
     pub(super) fn own(&self) -> &str {
         self.own.as_deref().unwrap_or(WORLD)
     }
 
-    /// Where a frame stands in the scene's own.
+    /// Placement of a frame in the planning frame; `None` if it is unknown.
     pub(super) fn placement(&self, frame: &str) -> Option<Placement<f64>> {
         let is_own = frame == self.own() || self.of_state.iter().any(|own| own == frame);
         if is_own {
@@ -55,13 +56,13 @@ impl Frames {
     }
 }
 
-/// The frame of what has a header, if that names one.
+/// The frame in a node's header, if it names one.
 pub(super) fn frame_of<'n>(node: &'n Node<'_>) -> Option<&'n str> {
     let frame = node.get("header")?.get("frame_id")?.text().map(bare);
     frame.filter(|frame| !matches!(*frame, "" | "~" | "null"))
 }
 
-/// Without the slash that older files begin names with.
+/// Removes the leading slash of frame names in older files.
 fn bare(name: &str) -> &str {
     name.strip_prefix('/').unwrap_or(name)
 }

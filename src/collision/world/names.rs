@@ -1,23 +1,23 @@
-//! The numbers of obstacles by their names.
+//! Index of obstacle numbers by name.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
-/// Shards: a change of a copy copies one of them.
+/// Number of shards. A change of a copy copies one shard.
 const SHARDS: usize = 64;
 
 /// Hashes and numbers, sorted.
 type Shard = Vec<(u64, u64)>;
 
-/// Hashes of names and the numbers under them, sorted, in shards that copies share until one of them changes.
+/// Hashes of names with their numbers, in shards that copies share until one of them changes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Names {
-    /// By the remainder of the hash; none while there is no name.
+    /// Shards by the remainder of the hash; empty while there is no name.
     shards: Arc<Vec<Arc<Shard>>>,
 }
 
 impl Names {
-    /// The number under a name, of those that may be under it; `has` tells which bears it.
+    /// The number of a name. `has` tests if the obstacle of a number has the name, since hashes may collide.
     pub(super) fn find(&self, name: &str, has: impl Fn(u64) -> bool) -> Option<u64> {
         let hash = hash(name);
         let shard = self.shards.get(shard(hash))?;
@@ -28,7 +28,7 @@ impl Names {
         same.map(|(_, number)| *number).find(|number| has(*number))
     }
 
-    /// Adds a name that is not there.
+    /// Adds a new name.
     pub(super) fn insert(&mut self, name: &str, number: u64) {
         let hash = hash(name);
         let shards = Arc::make_mut(&mut self.shards);
@@ -40,7 +40,7 @@ impl Names {
         own.insert(at, (hash, number));
     }
 
-    /// Takes a name out.
+    /// Removes a name.
     pub(super) fn remove(&mut self, name: &str, number: u64) {
         let hash = hash(name);
         let shards = Arc::make_mut(&mut self.shards);
@@ -50,7 +50,7 @@ impl Names {
     }
 }
 
-/// The same for the same name, always.
+/// A hash that is equal for equal names in all worlds.
 fn hash(name: &str) -> u64 {
     let mut hasher = DefaultHasher::new();
     name.hash(&mut hasher);

@@ -4,38 +4,39 @@ use std::sync::Arc;
 
 use super::Obstacle;
 
-/// Obstacles of a chunk at most: a copy of a world takes a pointer for each chunk, a change after it one for each obstacle of a chunk.
+/// Largest number of obstacles in a chunk. A copy of a world copies one pointer for each chunk. A change copies one
+/// pointer for each obstacle of a chunk.
 const CHUNK: usize = 128;
 
 type Chunk = Vec<(u64, Arc<Obstacle>)>;
 
-/// Obstacles in the order of their numbers.
+/// Obstacles in increasing order of their numbers.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Numbered {
-    /// None of them is empty.
+    /// No chunk is empty.
     chunks: Vec<Arc<Chunk>>,
     len: usize,
 }
 
-/// An obstacle that is not in two worlds the same.
+/// A difference between two worlds at one obstacle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Change<'a> {
-    /// Obstacles stand in a world in the order of their numbers.
+    /// Number of the obstacle.
     pub(crate) number: u64,
-    /// In the one world, where it is in it.
+    /// The obstacle in the first world, if it exists.
     pub(crate) before: Option<&'a Arc<Obstacle>>,
-    /// In the other.
+    /// The obstacle in the second world, if it exists.
     pub(crate) after: Option<&'a Arc<Obstacle>>,
 }
 
 impl Change<'_> {
-    /// Whether it is of an obstacle that moves with a frame before or after it.
+    /// True if the obstacle is attached to a frame in one of the worlds.
     pub(crate) fn is_of_attached(&self) -> bool {
         let mut both = [self.before, self.after].into_iter().flatten();
         both.any(|obstacle| obstacle.attached.is_some())
     }
 
-    /// Whether it is more than that one stands elsewhere: one came or went, or may touch something else.
+    /// True if more than the placement differs: the obstacle is new, removed, renamed, or has other allowed collisions.
     pub(crate) fn is_of_names(&self) -> bool {
         match (self.before, self.after) {
             (Some(before), Some(after)) => {
@@ -65,7 +66,7 @@ impl Numbered {
         Some(&mut Arc::make_mut(&mut self.chunks[chunk])[at].1)
     }
 
-    /// The chunk, and the place in it.
+    /// Index of the chunk, and the index in it.
     fn find(&self, number: u64) -> Option<(usize, usize)> {
         let after = self.chunks.partition_point(|chunk| chunk[0].0 <= number);
         let chunk = after.checked_sub(1)?;
@@ -73,7 +74,7 @@ impl Numbered {
         Some((chunk, at.ok()?))
     }
 
-    /// Adds one with a number above all others.
+    /// Adds an obstacle with a number above all others.
     pub(super) fn push(&mut self, number: u64, obstacle: Arc<Obstacle>) {
         self.len += 1;
         match self.chunks.last_mut() {
@@ -97,13 +98,13 @@ impl Numbered {
             .get(chunk + 1)
             .is_some_and(|next| next.len() + left <= CHUNK / 2)
         {
-            // Chunks of a few would be as many as obstacles.
+            // Merges small chunks, so that their number remains small.
             let next = self.chunks.remove(chunk + 1);
             Arc::make_mut(&mut self.chunks[chunk]).extend(next.iter().cloned());
         }
     }
 
-    /// What is not the same in another, by number; what both share is passed over.
+    /// Differences to another list, by number. Shared chunks are skipped.
     pub(super) fn changes<'a>(&'a self, to: &'a Self) -> Vec<Change<'a>> {
         let mut changes = Vec::new();
         let (mut before, mut after) = (Cursor::new(self), Cursor::new(to));
@@ -146,7 +147,7 @@ impl Numbered {
     }
 }
 
-/// Where one goes through all.
+/// Position in a traversal of all obstacles.
 struct Cursor<'a> {
     all: &'a Numbered,
     chunk: usize,
@@ -159,7 +160,7 @@ impl<'a> Cursor<'a> {
         Self { all, chunk, at }
     }
 
-    /// The chunk that comes next, where none of it was passed.
+    /// The next chunk, if none of its entries was passed.
     fn at_chunk(&self) -> Option<&'a Arc<Chunk>> {
         self.all.chunks.get(self.chunk).filter(|_| self.at == 0)
     }
@@ -186,7 +187,7 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// An iterator that knows how many are left.
+/// An iterator with a known remaining length.
 struct Counted<I> {
     inner: I,
     left: usize,

@@ -1,11 +1,11 @@
-//! Where obstacles stand, as files say it.
+//! Poses of obstacles in files.
 
 use crate::spatial::{Matrix3, Placement, Quaternion, Vector3};
 
-/// How far a file's quaternion may be from unit length: written with four digits.
+/// Tolerance of a quaternion's length, for quaternions written with four digits.
 const OFF: f64 = 1e-3;
 
-/// A quaternion of unit length next to a given one, or what is wrong with it.
+/// Normalises a quaternion. The error describes a length that is off by more than [`OFF`].
 pub(super) fn unit_quaternion(given: Quaternion<f64>) -> Result<Quaternion<f64>, String> {
     let Quaternion { w, v } = given;
     let length = (w * w + v.norm_squared()).sqrt();
@@ -21,7 +21,7 @@ pub(super) fn unit_quaternion(given: Quaternion<f64>) -> Result<Quaternion<f64>,
     ))
 }
 
-/// Where something stands, as a file says it.
+/// A pose as a file writes it. The quaternion is w, x, y, z; the rotation matrix is row by row.
 pub(super) struct Pose {
     pub(super) position: [f64; 3],
     pub(super) quaternion: Option<[f64; 4]>,
@@ -41,7 +41,7 @@ impl Pose {
         let quaternion = Quaternion::from_matrix(&placement.rotation);
         let [x, y, z] = quaternion.v.to_array();
         pose.quaternion = Some([quaternion.w, x, y, z]);
-        // A matrix is read again as it was, a quaternion not always.
+        // A matrix reads back exactly, a quaternion not always.
         if pose.placement().as_ref() != Ok(placement) {
             let Matrix3 { x, y, z } = placement.rotation.transpose();
             pose.quaternion = None;

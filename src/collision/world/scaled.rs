@@ -1,4 +1,4 @@
-//! Worlds so many times as large.
+//! Uniform scaling of worlds.
 
 use std::sync::Arc;
 
@@ -7,11 +7,13 @@ use crate::bad_option::{BadOption, POSITIVE};
 use crate::spatial::Placement;
 
 impl World {
-    /// The same obstacles `times` as large and as far from the world's origin, as a person's surroundings are for a robot whose
-    /// steps are so many times as long; attached ones as far from the origin of their frame.
+    /// The world scaled by the factor `times` about its origin. Attached obstacles are scaled about the origin of their
+    /// frame.
+    ///
+    /// For example, this adapts a person's surroundings to a robot with longer steps.
     ///
     /// # Errors
-    /// A factor that is not positive and finite, or with which an obstacle is too small or too large to be one.
+    /// Returns an error if the factor is not positive and finite, or if a scaled obstacle is too small or too large.
     pub fn scaled(&self, times: f64) -> Result<Self, WorldError> {
         BadOption::check("times", times, POSITIVE)?;
         let mut scaled = Self {

@@ -1,13 +1,15 @@
-//! What an obstacle may touch.
+//! Allowed collisions of obstacles.
 
 use super::{Obstacle, World, WorldError};
 
 impl World {
-    /// Lets two things touch, however deep: an obstacle and a link of the robot, or two obstacles, as feet and the floor, a gripper and its
-    /// can, or a can that is held and the table. Every check passes them over. It lasts until it is [forbidden](Self::forbid_touch) or one of
-    /// the obstacles is [removed](Self::remove); what is moved, attached or detached keeps it. A name means the link that bears it as
-    /// well as the obstacle. Whether the robot has the link shows when both come together; links are let touch each other by
-    /// [`CollisionModel::with_ignored`](crate::collision::CollisionModel::with_ignored).
+    /// Allows the collision of an obstacle and a link of the robot, or of two obstacles, at any depth.
+    ///
+    /// Examples are feet and the floor, a gripper and its can, or a held can and the table. All checks skip the pair.
+    /// The permission lasts until it is [forbidden](Self::forbid_touch) or an obstacle is [removed](Self::remove).
+    /// Moving, attaching and detaching keep it. A name denotes both the link and the obstacle of that name. A
+    /// [`Checker`](crate::collision::Checker) reports links that the robot does not have.
+    /// [`CollisionModel::with_ignored`](crate::collision::CollisionModel::with_ignored) allows collisions of two links.
     ///
     /// ```
     /// use kinopt::collision::{Checker, World};
@@ -24,7 +26,7 @@ impl World {
     /// ```
     ///
     /// # Errors
-    /// Neither is an obstacle, and the error lists those there are; a name without a letter.
+    /// Returns an error if a name is blank, or if neither name is an obstacle. The error lists the names of obstacles.
     pub fn allow_touch(&mut self, one: &str, other: &str) -> Result<(), WorldError> {
         if self.find(one).or(self.find(other)).is_none() {
             return Err(self.no_obstacle(one, other));
@@ -41,10 +43,10 @@ impl World {
         Ok(())
     }
 
-    /// Keeps two things apart again that may touch.
+    /// Forbids the collision of two bodies again.
     ///
     /// # Errors
-    /// Neither is an obstacle, or they may not touch.
+    /// Returns an error if neither name is an obstacle, or if their collision is not allowed.
     pub fn forbid_touch(&mut self, one: &str, other: &str) -> Result<(), WorldError> {
         if self.find(one).or(self.find(other)).is_none() {
             return Err(self.no_obstacle(one, other));
@@ -63,7 +65,7 @@ impl World {
         Ok(())
     }
 
-    /// Whether two things were let touch, in either order.
+    /// True if the collision of two bodies is allowed, in either order.
     #[must_use]
     pub fn may_touch(&self, one: &str, other: &str) -> bool {
         [(one, other), (other, one)].iter().any(|(own, with)| {
@@ -72,18 +74,18 @@ impl World {
         })
     }
 
-    /// The obstacles that may touch something, each with its number.
+    /// Obstacles with allowed collisions, each with its number.
     pub(crate) fn touching(&self) -> impl Iterator<Item = (u64, &Obstacle)> {
         let touching = self.touching.iter();
         touching.filter_map(|number| Some((*number, &**self.obstacles.get(*number)?)))
     }
 
-    /// Whether what bears a name need not be there, as a file said it.
+    /// True if a name in an allowed collision need not exist, according to the file.
     pub(crate) fn may_be_missing(&self, name: &str) -> bool {
         self.may_be_missing.contains(name)
     }
 
-    /// Forgets what may touch an obstacle that is no more.
+    /// Removes the allowed collisions of a removed obstacle.
     pub(super) fn forget_touch_of(&mut self, name: &str, number: u64) {
         self.touching.retain(|other| *other != number);
         let of_it = self
@@ -91,7 +93,7 @@ impl World {
             .filter(|(_, other)| other.may_touch.iter().any(|n| n == name));
         let of_it: Vec<String> = of_it.map(|(_, other)| other.name.clone()).collect();
         for other in of_it {
-            // It was found above.
+            // The obstacle was found above.
             let _ = self.edit(&other, |other| {
                 other.may_touch.retain(|known| known != name)
             });
