@@ -136,7 +136,9 @@ fn what_is_dragged_onto_a_table_slides_along_it() {
                 assert!(text.contains("obstacle `table` end the way"), "{text}");
                 assert!(!text.contains("too near"), "{text}");
             }
-            let way = checker.way(&mut workspace, &before, drag.q()).unwrap();
+            let way = checker
+                .check_motion(&mut workspace, &before, drag.q())
+                .unwrap();
             assert_eq!(way.blocked_by, None, "frame {step}");
             let at = kinematics.place(drag.q()).unwrap()[left.index()].translation;
             let beside = at - target;
@@ -233,7 +235,9 @@ fn feet_on_a_level_of_their_own_stay_while_a_hand_slides() {
             feet.iter().all(|miss| *miss < 1e-5),
             "frame {step}: {feet:?}"
         );
-        let way = checker.way(&mut workspace, &before, drag.q()).unwrap();
+        let way = checker
+            .check_motion(&mut workspace, &before, drag.q())
+            .unwrap();
         assert_eq!(way.blocked_by, None, "frame {step}");
     }
     let nearest = checker
@@ -450,7 +454,9 @@ fn a_figure_s_hand_stops_at_its_belly() {
             drag.target_mut(hand).unwrap().set_target(target);
             let before = drag.q().to_vec();
             drag.advance();
-            let way = checker.way(&mut workspace, &before, drag.q()).unwrap();
+            let way = checker
+                .check_motion(&mut workspace, &before, drag.q())
+                .unwrap();
             blocked += usize::from(way.blocked_by.is_some());
         }
         (drag.solution().clone(), blocked)
@@ -514,7 +520,9 @@ fn a_closed_loop_holds_where_something_is_in_the_way() {
             .filter_map(|task| task.position_error())
             .collect();
         assert!(solution.loops_closed(), "frame {step}: {open:?}");
-        let way = checker.way(&mut workspace, &before, drag.q()).unwrap();
+        let way = checker
+            .check_motion(&mut workspace, &before, drag.q())
+            .unwrap();
         assert_eq!(way.blocked_by, None, "frame {step}");
     }
     assert_eq!(drag.solution().collisions()[0].second, "stone");

@@ -134,7 +134,9 @@ fn a_way_is_blocked_by_what_is_deepest() {
         }
         let checker = Checker::new(balls()).with_world(&world).unwrap();
         let mut workspace = checker.workspace();
-        let way = checker.way(&mut workspace, &[0.0; 3], &[0.3; 3]).unwrap();
+        let way = checker
+            .check_motion(&mut workspace, &[0.0; 3], &[0.3; 3])
+            .unwrap();
         let blocked = way.blocked_by.unwrap();
         assert_eq!(blocked.first, link);
         assert!((blocked.distance + 0.08).abs() < 1e-9, "{blocked:?}");
@@ -260,7 +262,9 @@ fn a_way_is_free_up_to_where_it_touches_and_never_beyond() {
     let mut workspace = checker.workspace();
     let touches = (0.9_f64 / 3.0).asin();
     let to = [1.2, 0.0, 0.0];
-    let way = checker.way(&mut workspace, &[0.0; 3], &to).unwrap();
+    let way = checker
+        .check_motion(&mut workspace, &[0.0; 3], &to)
+        .unwrap();
     let exact = touches / 1.2;
     assert!(
         way.free <= exact && way.free > exact - 1e-4,
@@ -272,7 +276,7 @@ fn a_way_is_free_up_to_where_it_touches_and_never_beyond() {
     // Short of it all is free, and so is the way back.
     let short = [0.999 * touches, 0.0, 0.0];
     for (from, to) in [([0.0; 3], short), (short, [0.0; 3])] {
-        let way = checker.way(&mut workspace, &from, &to).unwrap();
+        let way = checker.check_motion(&mut workspace, &from, &to).unwrap();
         assert_eq!((way.free, way.blocked_by), (1.0, None));
     }
     // Through a thin wall and out again: free at both ends, not between.
@@ -283,7 +287,7 @@ fn a_way_is_free_up_to_where_it_touches_and_never_beyond() {
     let (from, to) = ([0.0; 3], [3.0, 0.0, 0.0]);
     assert!(checker.collisions(&from).unwrap().is_empty());
     assert!(checker.collisions(&to).unwrap().is_empty());
-    let way = checker.way(&mut workspace, &from, &to).unwrap();
+    let way = checker.check_motion(&mut workspace, &from, &to).unwrap();
     assert!(
         way.free < 1.4_f64.atan2(3.0) / 3.0 + 0.02 && way.blocked_by.is_some(),
         "{way:?}"
@@ -314,7 +318,7 @@ fn what_reaches_far_at_either_end_of_a_way_is_stopped() {
             world.add_sphere("pea", 0.01, at).unwrap();
             let checker = Checker::new(own.clone()).with_world(&world).unwrap();
             let mut workspace = checker.workspace();
-            let way = checker.way(&mut workspace, &from, &to).unwrap();
+            let way = checker.check_motion(&mut workspace, &from, &to).unwrap();
             assert!(
                 way.free <= share && way.blocked_by.is_some(),
                 "{share}: {way:?}"
@@ -348,7 +352,9 @@ fn a_way_into_the_margin_is_stopped() {
                 .unwrap();
             let checker = checker.with_margin(0.05).unwrap();
             let mut workspace = checker.workspace();
-            let way = checker.way(&mut workspace, &[0.0; 2], &to).unwrap();
+            let way = checker
+                .check_motion(&mut workspace, &[0.0; 2], &to)
+                .unwrap();
             assert_eq!(way.blocked_by.is_some(), stops, "{gap} {to:?}: {way:?}");
             assert_eq!(way.free < 1.0, stops, "{gap} {to:?}: {way:?}");
         }
@@ -389,7 +395,7 @@ fn a_workspace_serves_one_checker_after_another() {
             let told = |workspace: &mut CheckerWorkspace| {
                 let collisions = checker.collisions_with(workspace, &to).unwrap();
                 let nearest = checker.nearest(workspace, &to, 1.0).unwrap();
-                let way = checker.way(workspace, &from, &to).unwrap();
+                let way = checker.check_motion(workspace, &from, &to).unwrap();
                 let free = checker.is_free(workspace, &from).unwrap();
                 (collisions, nearest, way, free)
             };

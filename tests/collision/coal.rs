@@ -12,7 +12,7 @@ struct Fixture {
 #[derive(Deserialize)]
 struct Pair {
     shapes: [Solid; 2],
-    /// Rows.
+    /// RowBlock.
     rotations: [[f64; 9]; 2],
     translations: [[f64; 3]; 2],
     distance: f64,

@@ -20,7 +20,7 @@ fn steps_a_ball_and_a_slope_are_where_geometry_has_them() {
         .add("ball", Shape::sphere(0.3).unwrap(), at(-2.0, 1.0, 0.0))
         .unwrap();
     let up = Vector3::UNITS[1];
-    let top = |x: f64, z: f64| world.top(Vector3::new(x, -7.0, z), up);
+    let top = |x: f64, z: f64| world.height_at(Vector3::new(x, -7.0, z), up);
     for (x, height) in [
         (0.1, 0.2),
         (0.4999, 0.2),
@@ -42,10 +42,10 @@ fn steps_a_ball_and_a_slope_are_where_geometry_has_them() {
     let turned = Matrix3::from_columns(along, normal.cross(along), normal);
     let slope = Placement::new(turned, Vector3::new(0.0, -0.5, 0.0));
     world.add("slope", Shape::half_space(), slope).unwrap();
-    let top = |x: f64| world.top(Vector3::new(x, 0.0, 0.0), up).unwrap();
+    let top = |x: f64| world.height_at(Vector3::new(x, 0.0, 0.0), up).unwrap();
     assert!((top(30.0) - 9.5).abs() < 1e-6 && (top(0.1) - 0.2).abs() < TO);
     assert!((top(-30.0) + 10.5).abs() < 1e-6);
-    assert_eq!(World::new().top(Vector3::zero(), up), None);
+    assert_eq!(World::new().height_at(Vector3::zero(), up), None);
 }
 
 /// What a robot holds is no ground to stand on, wherever its file has it in the hand; put down it is.
@@ -62,7 +62,7 @@ fn what_moves_with_a_robot_is_no_top() {
         .unwrap();
     let beside = Vector3::new(-1.0, 0.0, 5.0);
     let over = Vector3::new(0.5, 0.1, 5.0);
-    let top = |world: &World, at| world.top(at, up).unwrap();
+    let top = |world: &World, at| world.height_at(at, up).unwrap();
     assert!((top(&world, over) - 0.9).abs() < TO);
     world.attach("crate", "hand", place).unwrap();
     for at in [over, beside] {
@@ -75,7 +75,7 @@ fn what_moves_with_a_robot_is_no_top() {
     held.add("crate", Shape::cuboid([0.4; 3]).unwrap(), place)
         .unwrap();
     held.attach("crate", "hand", place).unwrap();
-    assert_eq!(held.top(over, up), None);
+    assert_eq!(held.height_at(over, up), None);
 }
 
 /// So steep that it is nearly six times as high over a place as it is far from it.
@@ -88,7 +88,7 @@ fn a_steep_slope_is_as_high_as_it_is() {
     let place = Placement::new(slope, Vector3::zero());
     world.add("slope", Shape::half_space(), place).unwrap();
     for at in [0.5, 3.0] {
-        let top = world.top(Vector3::new(at, 0.2, 0.0), Vector3::UNITS[2]);
+        let top = world.height_at(Vector3::new(at, 0.2, 0.0), Vector3::UNITS[2]);
         assert!(
             (top.unwrap() - at * sin / cos).abs() < 1e-6 * at,
             "{at}: {top:?}"

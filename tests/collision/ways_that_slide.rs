@@ -67,7 +67,7 @@ fn what_slides_along_something_is_free_as_far_as_is_said() {
             }
         }
         let checker = nearer_by(low - 1e-5);
-        let way = checker.way(&mut workspace, &q, &to).unwrap();
+        let way = checker.check_motion(&mut workspace, &q, &to).unwrap();
         let mut between = q.clone();
         for step in 0..=300 {
             let share = way.free * f64::from(step) / 300.0;
@@ -124,7 +124,7 @@ fn a_way_that_dips_into_the_ground_is_stopped() {
         let mut workspace = checker.workspace();
         for (from, to) in [(from, to), (to, from)] {
             assert!(checker.is_free(&mut workspace, &from).unwrap(), "{deep}");
-            let way = checker.way(&mut workspace, &from, &to).unwrap();
+            let way = checker.check_motion(&mut workspace, &from, &to).unwrap();
             assert_eq!(way.blocked_by.is_none(), is_free, "{deep}: {way:?}");
         }
     }
@@ -142,7 +142,7 @@ fn what_turns_about_its_own_middle_sweeps() {
     let (from, to) = ([0.0, 0.0], [std::f64::consts::FRAC_PI_2, 0.0]);
     for (from, to) in [(from, to), (to, from)] {
         assert!(checker.is_free(&mut workspace, &from).unwrap());
-        let way = checker.way(&mut workspace, &from, &to).unwrap();
+        let way = checker.check_motion(&mut workspace, &from, &to).unwrap();
         assert_eq!(way.blocked_by.unwrap().second, "pole");
         assert!(way.free < 0.5, "{}", way.free);
     }
@@ -176,7 +176,7 @@ fn what_turns_on_a_ball_sweeps() {
         for (from, to) in [(0.0, turn), (turn, 0.0)] {
             let (from, to) = (turned(from), turned(to));
             assert!(checker.is_free(&mut workspace, &from).unwrap());
-            let way = checker.way(&mut workspace, &from, &to).unwrap();
+            let way = checker.check_motion(&mut workspace, &from, &to).unwrap();
             assert!(
                 way.blocked_by.is_some() && way.free < 0.5,
                 "{turn}: {way:?}"
@@ -210,11 +210,17 @@ fn what_turns_deep_in_something_comes_to_an_end_and_goes_on_a_little() {
     let checker = Checker::new(bodies.with_checked("pin", "hub").unwrap());
     let mut workspace = checker.workspace();
     let (from, to) = ([0.0, 0.0], [1.5, 1.5]);
-    assert!(checker.way(&mut workspace, &from, &to).unwrap().free == 0.0);
+    assert!(
+        checker
+            .check_motion(&mut workspace, &from, &to)
+            .unwrap()
+            .free
+            == 0.0
+    );
     let way = checker
         .way_from_contact(&mut workspace, &from, &to)
         .unwrap();
-    assert!((way.begins_deep - 0.3).abs() < 1e-9, "{way:?}");
+    assert!((way.initial_penetration - 0.3).abs() < 1e-9, "{way:?}");
     assert!(way.free > 1e-4 && way.blocked_by.is_some(), "{way:?}");
     // As far as an arm goes in a tick it is free.
     let near = [1e-4, 1e-4];

@@ -123,7 +123,7 @@ fn told(checker: &Checker, arm: &Arm, random: &mut Random) -> String {
         to[..q.len()].copy_from_slice(&q);
         let collisions = checker.collisions(&to).unwrap();
         let nearest = checker.nearest(&mut workspace, &to, FARTHEST).unwrap();
-        let way = checker.way(&mut workspace, &from, &to).unwrap();
+        let way = checker.check_motion(&mut workspace, &from, &to).unwrap();
         told += &format!("{collisions:?} {nearest:?} {way:?}\n");
         from = to;
         if index % 4 == 0 {

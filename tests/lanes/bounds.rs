@@ -1,7 +1,7 @@
 //! No q that the lane engine returns lies outside its bounds by one bit, reached or not.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::lanes::{Chain, LaneOptions, PoseOutcome, PoseSolver, Prefer};
+use kinopt::simd_ik::{Chain, LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use support::lane_chains::{
     Random, far_away, panda, planar, random_chain, target, ur5, within_bounds,
 };

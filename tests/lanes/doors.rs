@@ -1,7 +1,7 @@
 //! Promise: every door of a pose solver asks what the others do, refuses what they do, and keeps to its options.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::lanes::{
+use kinopt::simd_ik::{
     AxisGoal, Chain, ChainError, LaneError, LaneOptions, PoseOutcome, PoseSolver, Prefer,
 };
 use kinopt::spatial::{Matrix3, Placement, Vector3};

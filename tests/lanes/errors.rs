@@ -1,7 +1,7 @@
 //! The errors beside a q are the errors of that q, judged by nalgebra's kinematics.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::lanes::{Chain, ChainError, ChainJoint, JointKind, LaneOptions, PoseSolver, Prefer};
+use kinopt::simd_ik::{Chain, ChainError, ChainJoint, JointKind, LaneOptions, PoseSolver, Prefer};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::lane_chains::{Random, errors, far_away, panda, planar, random_chain, target, ur5};
 
@@ -203,7 +203,7 @@ fn what_many_long_links_cannot_resolve_is_not_reached() {
 /// Each of the twelve numbers of weights and half widths is asked, and refused where it is none.
 #[test]
 fn every_number_of_a_goal_s_axes_is_looked_at() {
-    use kinopt::lanes::AxisGoal;
+    use kinopt::simd_ik::AxisGoal;
     type Part = fn(&mut AxisGoal) -> &mut [f64; 3];
     let parts: [Part; 4] = [
         |goal| &mut goal.position_weights,

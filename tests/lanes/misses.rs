@@ -1,7 +1,7 @@
 //! Promise: a question that none of its attempts answers keeps the best of them, or the start's own.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::lanes::{LaneOptions, PoseOutcome, PoseSolver, Prefer};
+use kinopt::simd_ik::{LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use support::lane_chains::{Random, errors, panda, target};
 
 /// ½ p² + w² (1 − cos θ), by nalgebra's kinematics: what the engine lowers.

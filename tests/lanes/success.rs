@@ -1,7 +1,7 @@
 //! Every reachable pose is solved, on arms of every size and kind.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::lanes::{
+use kinopt::simd_ik::{
     AxisGoal, Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer,
 };
 use kinopt::spatial::{Matrix3, Placement};

@@ -1,7 +1,7 @@
 //! Promise: what a file includes stands in its place and in its order, up to 32 files within each other.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::robot::{Fault, Robot, RobotFileError};
+use kinopt::robot::{ParseIssue, Robot, RobotFileError};
 
 use crate::malformed::files;
 
@@ -59,7 +59,7 @@ fn files_within_each_other_are_read_up_to_a_limit() {
     assert!(
         matches!(
             &error,
-            RobotFileError::Element { file, fault: Fault::TooDeep { limit: 32 }, .. } if file.ends_with("chain_32.xml")
+            RobotFileError::Element { file, fault: ParseIssue::TooDeep { limit: 32 }, .. } if file.ends_with("chain_32.xml")
         ),
         "{error}"
     );

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use kinopt::robot::{Fault, Robot, RobotFileError};
+use kinopt::robot::{ParseIssue, Robot, RobotFileError};
 use support::changed_xml::Element;
 use support::random::Random;
 use support::robot_promises;
@@ -163,7 +163,7 @@ fn quaternions_of_no_length_and_loops_that_cannot_close() {
         matches!(
             &error,
             RobotFileError::Element {
-                fault: Fault::ZeroLength { attribute: "quat" },
+                fault: ParseIssue::ZeroLength { attribute: "quat" },
                 ..
             }
         ),

@@ -2,7 +2,7 @@
 //! from URDF by its element.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::robot::{Geometry, LeftToMeshes, Robot};
+use kinopt::robot::{Geometry, MissingInertia, Robot};
 use kinopt::spatial::Vector3;
 
 #[test]
@@ -85,7 +85,7 @@ fn geoms_are_shapes_as_their_groups_and_contacts_have_it() {
     assert!(told.iter().any(|told| told.contains("hill")), "{told:?}");
     // The mass of a mesh is in its file.
     assert_eq!(link.inertial, None);
-    assert_eq!(link.left_to_meshes, Some(LeftToMeshes::Mass));
+    assert_eq!(link.left_to_meshes, Some(MissingInertia::Mass));
 }
 
 /// `meshdir` is for meshes, `assetdir` for all assets that have no folder of their own.

@@ -1,7 +1,7 @@
 //! Promise: what is asked of a motion and cannot be is an error that names it, and limits hold at its fixed ends.
 
 use kinopt::model::{Limits, Model};
-use kinopt::motion::clip::{
+use kinopt::motion::trajectory::{
     Contact, MotionBound, MotionError, MotionProblem, MotionProblemBuilder, MotionSolver, RateCost,
 };
 use kinopt::spatial::{Placement, Vector3};

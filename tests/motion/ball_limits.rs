@@ -2,7 +2,7 @@
 //! their quaternions, and come to the minima that hinges and slides of the same limits come to.
 
 use kinopt::model::{BallLimits, FrameId, JointId, Limits, Model, ModelBuilder, ParameterMap};
-use kinopt::motion::clip::{
+use kinopt::motion::trajectory::{
     MotionBound, MotionError, MotionProblem, MotionProblemBuilder, MotionSolution, MotionSolver,
     MotionTermination, RateCost, Windows,
 };

@@ -1,7 +1,7 @@
 //! Clips within limits of position and speed come to the costs that CasADi and IPOPT come to (notebooks-ref/motions.py).
 
 use kinopt::model::Model;
-use kinopt::motion::clip::{MotionProblem, MotionSolver, MotionTermination, RateCost};
+use kinopt::motion::trajectory::{MotionProblem, MotionSolver, MotionTermination, RateCost};
 use kinopt::robot::Robot;
 use kinopt::task::Point;
 use serde::Deserialize;

@@ -1,7 +1,7 @@
 //! Promise: a limit on one side alone is kept in every frame, from wherever the search starts, and told of where it holds alone.
 
 use kinopt::model::{Limits, Model};
-use kinopt::motion::clip::{MotionProblem, MotionSolver, MotionTermination, RateCost};
+use kinopt::motion::trajectory::{MotionProblem, MotionSolver, MotionTermination, RateCost};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Point;
 

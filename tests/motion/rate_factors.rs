@@ -1,7 +1,7 @@
 //! Promise: the factor of a joint in a rate cost is of that joint alone, and counts as a weight does.
 
 use kinopt::model::{FrameId, Limits, Model};
-use kinopt::motion::clip::{MotionProblem, MotionSolver, RateCost};
+use kinopt::motion::trajectory::{MotionProblem, MotionSolver, RateCost};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::Orientation;
 

@@ -1,7 +1,7 @@
 //! Promise: a joint that follows another is within its own limit of speed, which binds its leader by their ratio and no more.
 
 use kinopt::model::{Limits, Model};
-use kinopt::motion::clip::{MotionProblem, MotionSolver, RateCost};
+use kinopt::motion::trajectory::{MotionProblem, MotionSolver, RateCost};
 use kinopt::robot::{Mimic, Robot};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Point;

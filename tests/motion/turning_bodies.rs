@@ -1,7 +1,7 @@
 //! Promise: a free body turns smoothly through whole turns and more: no chart of rotations shows.
 
 use kinopt::model::{Limits, Model};
-use kinopt::motion::clip::{MotionProblem, MotionSolver, RateCost};
+use kinopt::motion::trajectory::{MotionProblem, MotionSolver, RateCost};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::Pose;
 

@@ -2,7 +2,9 @@
 //! accelerations cost over the seam counts in it, as the normal equations of its frames have it.
 
 use kinopt::model::{Limits, Model};
-use kinopt::motion::clip::{MotionProblem, MotionSolver, MotionTermination, RateCost, Windows};
+use kinopt::motion::trajectory::{
+    MotionProblem, MotionSolver, MotionTermination, RateCost, Windows,
+};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Point;
 use nalgebra::{DMatrix, DVector};

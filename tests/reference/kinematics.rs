@@ -23,7 +23,7 @@ const PLACED_WITHIN: f64 = 1e-12;
 const JACOBIAN_WITHIN: f64 = 1e-10;
 
 /// Six rows, linear then angular, a number a variable each.
-type Rows = Vec<Vec<f64>>;
+type RowBlock = Vec<Vec<f64>>;
 
 #[derive(Deserialize)]
 struct Robots {
@@ -41,7 +41,7 @@ struct ReferenceRobot {
 struct RobotCase {
     /// All moving joints, followers included.
     q: Vec<f64>,
-    jacobians: BTreeMap<String, Rows>,
+    jacobians: BTreeMap<String, RowBlock>,
 }
 
 #[derive(Deserialize)]
@@ -61,7 +61,7 @@ struct RigCase {
     x: Vec<f64>,
     /// x, y, z, then the rotation by rows.
     frames: BTreeMap<String, [f64; 12]>,
-    jacobians: BTreeMap<String, Rows>,
+    jacobians: BTreeMap<String, RowBlock>,
     /// One for each of [`tips`].
     targets: Vec<[f64; 3]>,
     cost: f64,
@@ -135,7 +135,7 @@ fn twists(
     jacobian
 }
 
-fn assert_jacobian(ours: &DMatrix<f64>, theirs: &Rows, what: &str) {
+fn assert_jacobian(ours: &DMatrix<f64>, theirs: &RowBlock, what: &str) {
     assert_eq!(theirs.len(), 6, "{what}");
     for (row, theirs) in theirs.iter().enumerate() {
         assert_eq!(theirs.len(), ours.ncols(), "{what}");

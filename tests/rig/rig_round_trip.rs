@@ -48,7 +48,7 @@ fn the_numbers_mean_what_the_format_says() {
             .iter()
             .all(|limits| limits.upper == f64::INFINITY)
     );
-    // Rows: canonical x goes to model y, from (0.625, 0, 0.1).
+    // RowBlock: canonical x goes to model y, from (0.625, 0, 0.1).
     assert_eq!(end.rest_tail().to_array(), [0.625, 0.0, 0.1]);
     assert_eq!(end.rest_tip().to_array(), [0.625, 0.25, 0.1]);
     assert_eq!(indices(&rig), [2]);

@@ -129,7 +129,7 @@ fn derivatives_agree_at_the_identity_near_half_a_turn_and_on_the_edge_of_a_cone(
             if case == 3 {
                 // Far out: what is beyond an edge is put on it.
                 x.iter_mut().for_each(|value| *value *= 9.0);
-                kinopt::problem::Question::from(&problem)
+                kinopt::problem::ProblemInstance::from(&problem)
                     .space()
                     .project(&mut x);
             }

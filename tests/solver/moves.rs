@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use kinopt::ik::{BoundKind, Drag, MoveLimits, SolveError};
 use kinopt::model::{BallLimits, FrameId, Limits, Model, ParameterMap};
-use kinopt::problem::{Derivatives, Evaluation, Question};
+use kinopt::problem::{Derivatives, Evaluation, ProblemInstance};
 use kinopt::solver::{LeastSquares, Side};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
 use kinopt::task::{Orientation, Point, Pose};
@@ -61,7 +61,7 @@ fn a_ball_goes_the_shortest_way_as_far_as_it_may_and_is_named() {
             let problem = turned_to(&model, hand, start * way);
             let from = quaternion(start);
             let moves = MoveLimits::new(&problem, &[most; 4], &from).unwrap();
-            let question = Question::from(&problem).with_moves(&moves).unwrap();
+            let question = ProblemInstance::from(&problem).with_moves(&moves).unwrap();
             let solution = Solver::default().solve_once(question, &from).unwrap();
             assert!(!solution.reached);
             // Along the geodesic, so much of the way.
@@ -161,7 +161,7 @@ fn hinges_slides_and_followers_go_as_far_as_they_may() {
     let start = [0.2, 0.3, -0.5];
     // The follower's tenth holds the hinge at half of that.
     let moves = MoveLimits::new(&problem, &[0.05, 1.0, 0.1], &start).unwrap();
-    let question = Question::from(&problem).with_moves(&moves).unwrap();
+    let question = ProblemInstance::from(&problem).with_moves(&moves).unwrap();
     let solution = Solver::default().solve_once(question, &start).unwrap();
     let moved: Vec<f64> = solution.q.iter().zip(start).map(|(a, b)| a - b).collect();
     assert!((moved[0].abs() - 0.05).abs() < 1e-12, "{moved:?}");
@@ -204,7 +204,7 @@ fn a_leader_goes_as_far_as_it_and_its_follower_may() {
                 [followers, own]
             };
             let moves = MoveLimits::new(&problem, &most, &[0.0; 2]).unwrap();
-            let question = Question::from(&problem).with_moves(&moves).unwrap();
+            let question = ProblemInstance::from(&problem).with_moves(&moves).unwrap();
             let solution = Solver::default().solve_once(question, &[0.0; 2]).unwrap();
             let moved = solution.q[usize::from(!leader_first)];
             assert!((moved - goes).abs() < 1e-12, "{most:?}: {moved}");
@@ -227,7 +227,7 @@ fn no_place_within_a_move_is_farther_than_that() {
             problem.parameters().reduce(&start, &mut centre).unwrap();
             let most = random.within(0.05, 0.8);
             let moves = MoveLimits::new(&problem, &[most; 4], &start).unwrap();
-            let question = Question::from(&problem).with_moves(&moves).unwrap();
+            let question = ProblemInstance::from(&problem).with_moves(&moves).unwrap();
             for _ in 0..200 {
                 let mut x = centre.map(|at| at + random.within(-most, most));
                 question.space().project(&mut x);
@@ -258,14 +258,14 @@ fn derivatives_agree_on_the_edge_of_a_move() {
         let mut x: Vec<f64> = (0..problem.variables())
             .map(|_| random.within(-3.0, 3.0))
             .collect();
-        Question::from(&problem)
+        ProblemInstance::from(&problem)
             .with_moves(&moves)
             .unwrap()
             .space()
             .project(&mut x);
         let jacobians = Derivatives::ALL.map(|route| {
             let problem = problem.clone().with_derivatives(route);
-            let question = Question::from(&problem).with_moves(&moves).unwrap();
+            let question = ProblemInstance::from(&problem).with_moves(&moves).unwrap();
             let mut scratch = problem.scratch();
             let mut jacobian =
                 na::DMatrix::from_element(problem.rows(), problem.variables(), f64::NAN);
@@ -346,7 +346,7 @@ fn moves_that_are_none_are_refused_by_name() {
     assert!(matches!(zero, SolveError::StartNoRotation { .. }));
     assert!(MoveLimits::by_angle(&problem, 0.0, &start).is_err());
     let moves = MoveLimits::new(&problem, &[0.0; 4], &start).unwrap();
-    let question = Question::from(&problem).with_moves(&moves).unwrap();
+    let question = ProblemInstance::from(&problem).with_moves(&moves).unwrap();
     let still = Solver::default().solve_once(question, &start).unwrap();
     assert_eq!(still.q, start);
 
@@ -354,7 +354,9 @@ fn moves_that_are_none_are_refused_by_name() {
     let mut tasks = Problem::builder(&other);
     tasks.add(Point::new(other.frame("tip").unwrap(), [1.0, 0.0, 0.0]));
     let other = tasks.build().unwrap();
-    let foreign = Question::from(&other).with_moves(&moves).unwrap_err();
+    let foreign = ProblemInstance::from(&other)
+        .with_moves(&moves)
+        .unwrap_err();
     assert!(matches!(
         foreign,
         SolveError::ForeignMoves {
@@ -377,7 +379,7 @@ fn moves_never_lead_out_of_a_whole_angle() {
     for case in 0..40 {
         let start = quaternion(random_turn(random, 9.0));
         let moves = MoveLimits::new(&problem, &[0.3; 4], &start).unwrap();
-        let question = Question::from(&problem).with_moves(&moves).unwrap();
+        let question = ProblemInstance::from(&problem).with_moves(&moves).unwrap();
         for _ in 0..400 {
             let mut x = [2.0, 2.0, 9.0].map(|size| random.within(-size, size));
             question.space().project(&mut x);

@@ -8,7 +8,7 @@ use kinopt::problem::{Problem, TaskId};
 use kinopt::solver::Termination;
 use kinopt::spatial::Placement;
 use kinopt::task::{
-    LimitCentring, Point, Pose, Posture, Quantity, Residual, Rows, Smoothness, Task,
+    LimitCentring, Point, Pose, Posture, Quantity, Residual, RowBlock, Smoothness, Task,
 };
 use kinopt::{Scalar, Solver};
 use support::arms::panda;
@@ -94,7 +94,7 @@ fn a_figure_of_many_bones_with_preferences_of_every_kind() {
     assert!(steps < 6 * 50, "{steps}");
 }
 
-/// Rows for which any error will do hold nothing: a pose whose orientation is free leaves as much to a
+/// RowBlock for which any error will do hold nothing: a pose whose orientation is free leaves as much to a
 /// posture as a point does.
 #[test]
 fn rows_that_cannot_be_missed_hold_nothing() {
@@ -203,8 +203,8 @@ impl Residual for Sum {
         self.0.to_vec()
     }
 
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Ratio, 1)]
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Ratio, 1)]
     }
 
     fn evaluate<S: Scalar>(&self, _: &[Placement<S>], joints: &[S], residual: &mut [S]) {

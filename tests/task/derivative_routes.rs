@@ -11,7 +11,7 @@ use kinopt::model::{FrameId, Limits};
 use kinopt::problem::{Derivatives, Evaluation};
 use kinopt::solver::LeastSquares;
 use kinopt::spatial::{Placement, Vector3};
-use kinopt::task::{Point, Quantity, Residual, Rows, Task};
+use kinopt::task::{Point, Quantity, Residual, RowBlock, Task};
 use kinopt::{Model, Problem, Scalar};
 use nalgebra::{DMatrix, DVector};
 use support::maps::maps_of;
@@ -172,8 +172,8 @@ impl Residual for Centre {
         self.0.clone()
     }
 
-    fn rows(&self) -> Vec<Rows> {
-        vec![Rows::new(Quantity::Metres, 2)]
+    fn rows(&self) -> Vec<RowBlock> {
+        vec![RowBlock::new(Quantity::Metres, 2)]
     }
 
     fn evaluate<S: Scalar>(&self, frames: &[Placement<S>], _joints: &[S], r: &mut [S]) {
@@ -203,7 +203,7 @@ fn frames_that_share_their_joints() {
     }
     let model = builder.build().unwrap();
     let mut tasks = Problem::builder(&model);
-    // Rows of others above and below.
+    // RowBlock of others above and below.
     tasks.add(Point::new(frames[3], [0.0; 3]));
     tasks.add(Task::new(Centre(frames.clone())).times(0.5));
     tasks.add(Point::new(frames[11], [0.0; 3]));
@@ -222,7 +222,7 @@ fn frames_that_share_their_joints() {
 #[test]
 fn on_the_edges_of_cones() {
     use kinopt::model::BallLimits;
-    use kinopt::problem::Question;
+    use kinopt::problem::ProblemInstance;
     use kinopt::task::Pose;
     let mut random = Random::new(47);
     for _ in 0..20 {
@@ -247,7 +247,7 @@ fn on_the_edges_of_cones() {
         let mut x: Vec<f64> = (0..problem.variables())
             .map(|_| random.within(-2.5, 2.5))
             .collect();
-        Question::from(&problem).space().project(&mut x);
+        ProblemInstance::from(&problem).space().project(&mut x);
         let exact = jacobian(&problem, Derivatives::Dual, &x);
         for (route, within) in [
             (Derivatives::Analytic, 1e-12),

@@ -54,7 +54,7 @@ fn every_task_has_the_unit_of_what_it_asks() {
             vec![JointUnitsPerSecond],
         ),
         (quantities(&LimitCentring::new(&model)), vec![Ratio]),
-        // Room changes no unit.
+        // Inequality changes no unit.
         (
             quantities(&Within::at_least(pair(slide, hinge), 0.0)),
             vec![Metres],

@@ -103,7 +103,7 @@ fn errors_are_told_from_the_interval_on() {
     assert!((task.position_error().unwrap() - 0.25).abs() < 1e-9);
 }
 
-/// Room changes neither what a task is called nor what it is of.
+/// Inequality changes neither what a task is called nor what it is of.
 #[test]
 fn a_body_s_task_with_room_is_of_the_body_still() {
     let (model, _, tip) = arm(3.0);

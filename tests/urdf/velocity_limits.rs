@@ -128,7 +128,7 @@ fn a_step_of_a_controller_goes_no_further_than_speeds_let_it() {
     let problem = tasks.build().unwrap();
     let start = model.neutral();
     let moves = kinopt::ik::MoveLimits::new(&problem, &most, &start).unwrap();
-    let question = kinopt::problem::Question::from(&problem)
+    let question = kinopt::problem::ProblemInstance::from(&problem)
         .with_moves(&moves)
         .unwrap();
     let step = kinopt::Solver::default()

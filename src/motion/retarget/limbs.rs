@@ -1,8 +1,8 @@
 //! Target positions of a model from captured joint positions.
 
-use super::hip_line::HipLine;
 use super::limb_lengths::{capture_places, lengths, model_places, quantile, rest_length};
 use super::limb_tree::{hips, leg_limbs, moving_joint, order};
+use super::pelvis_heading::HipLine;
 use super::sole::{Sole, ends_on_ground, soles};
 use super::up_detection::upward;
 use super::{BodyMap, Capture, FootShapes, RetargetError, UpAxis};
