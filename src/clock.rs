@@ -1,5 +1,8 @@
 //! Clock for time limits: the system's, or the one of [`set`] on systems without, such as `wasm32-unknown-unknown`.
 
+#[cfg(feature = "collision")]
+pub(crate) mod cut_short;
+
 use std::sync::OnceLock;
 use std::time::Duration;
 

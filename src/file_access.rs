@@ -126,9 +126,29 @@ impl AllowedFiles {
         read_bytes(&self.resolve(&path)?, self.max_bytes).map_err(renamed)
     }
 
-    /// The real path of a file below the allowed folders.
-    ///
-    /// A path whose text leads outside them is rejected without access to the file system.
+    /// Whether a path is below the allowed folders by its text; no link is followed.
+    #[cfg(feature = "collision")]
+    pub(crate) fn are_above(&self, path: &Path) -> bool {
+        let real_roots: Vec<PathBuf> = self.real_roots().collect();
+        self.are_above_with(path, &real_roots)
+    }
+
+    fn are_above_with(&self, path: &Path, real_roots: &[PathBuf]) -> bool {
+        let Some(whole) = without_dots(path) else {
+            return false;
+        };
+        let wholes = self.roots.iter().filter_map(|root| without_dots(root));
+        let mut all = wholes.chain(real_roots.iter().cloned());
+        all.any(|root| whole.starts_with(root))
+    }
+
+    fn real_roots(&self) -> impl Iterator<Item = PathBuf> + '_ {
+        self.roots
+            .iter()
+            .filter_map(|root| root.canonicalize().ok())
+    }
+
+    /// The real path of a file below the allowed folders. Nothing outside of them is looked at, as far as the path's text shows.
     pub(crate) fn resolve(&self, path: &Path) -> FromFile<PathBuf> {
         let file = path.display().to_string();
         let fail = |problem: ReadProblem| ReadError::new(&file, Place::File, problem);
@@ -138,13 +158,8 @@ impl AllowedFiles {
                 folders: folders.collect(),
             })
         };
-        let real_roots: Vec<PathBuf> = (self.roots.iter())
-            .filter_map(|root| root.canonicalize().ok())
-            .collect();
-        let whole = without_dots(path).ok_or_else(outside)?;
-        let wholes = self.roots.iter().filter_map(|root| without_dots(root));
-        let mut all = wholes.chain(real_roots.iter().cloned());
-        if !all.any(|root| whole.starts_with(root)) {
+        let real_roots: Vec<PathBuf> = self.real_roots().collect();
+        if !self.are_above_with(path, &real_roots) {
             return Err(outside());
         }
         let real = path.canonicalize().map_err(|error| fail(error.into()))?;

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use kinopt::Model;
 use kinopt::animation::{Armature, EulerClip, Playback, Pose, ReachError};
+use kinopt::io::bvh::BvhChannel;
 use kinopt::io::gltf::SceneFile;
 use kinopt::io::rig::Rig;
 use kinopt::model::{FrameId, JointId, JointKind, ParameterMap, Source};
@@ -88,6 +89,8 @@ pub(crate) struct Capture {
     pub(crate) armature: Armature,
     /// From one frame to the next, in seconds.
     pub(crate) frame_time: f64,
+    /// Of each bone.
+    pub(crate) channels: Vec<Vec<BvhChannel>>,
     notes: Vec<String>,
 }
 
@@ -173,6 +176,7 @@ impl LoadedModel {
         let capture = frames.map(|frames| Capture {
             armature,
             frame_time: frames.time,
+            channels: frames.channels,
             notes,
         });
         Ok(Self {

@@ -103,6 +103,7 @@ fn normalised(quaternion: [f64; 4]) -> Result<[f64; 4], String> {
 /// `--start`.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Start {
+    Default,
     Rest,
     Bent,
     Random,
@@ -112,15 +113,17 @@ pub(crate) enum Start {
 impl Start {
     pub(crate) fn parse(text: &str) -> Result<Self, String> {
         match text.trim() {
+            "default" => Ok(Self::Default),
             "rest" => Ok(Self::Rest),
             "bent" => Ok(Self::Bent),
             "random" => Ok(Self::Random),
             numbers => match crate::number_list::parse(numbers) {
                 Ok(numbers) => Ok(Self::Numbers(numbers)),
                 Err(problem) if number(first_word(numbers)).is_ok() => Err(problem),
-                Err(_) => {
-                    Err("expected `rest`, `bent`, `random` or the configuration's numbers".into())
-                }
+                Err(_) => Err(
+                    "expected `default`, `rest`, `bent`, `random` or the configuration's numbers"
+                        .into(),
+                ),
             },
         }
     }

@@ -3,14 +3,14 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use kinopt::io::bvh::{self, BvhChannel, BvhNote};
-use kinopt::model::UnknownName;
+use kinopt::io::bvh::{self, BvhChannel};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
 use crate::animation::{Armature, Clip};
 use crate::contents::text_or_bytes;
 use crate::error::{OrRaise, invalid};
+use crate::io::channels_of;
 use crate::pickling;
 
 /// Content of a BVH file: a skeleton and its motion by capture frame, in the file's unit of length.
@@ -19,6 +19,7 @@ pub(crate) struct MotionCapture {
     pub(crate) inner: bvh::MotionCapture,
     armature: Arc<kinopt::animation::Armature>,
     clip: Arc<kinopt::animation::Clip>,
+    notes: Vec<String>,
 }
 
 impl From<bvh::MotionCapture> for MotionCapture {
@@ -26,6 +27,7 @@ impl From<bvh::MotionCapture> for MotionCapture {
         Self {
             armature: Arc::new(inner.armature.clone()),
             clip: Arc::new(inner.clip.clone()),
+            notes: inner.notes.iter().map(ToString::to_string).collect(),
             inner,
         }
     }
@@ -88,29 +90,34 @@ impl MotionCapture {
         self.inner.channels.iter().map(names).collect()
     }
 
-    /// Parts of the file that the reader ignored, one text each.
+    /// Repairs made by the reader, one text each: truncated or surplus frames, renamed joints, bytes that are not UTF-8.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.inner.notes.iter().map(ToString::to_string).collect()
+        self.notes.clone()
+    }
+
+    /// The capture as BVH text, with its own channels, frames and frame time.
+    ///
+    /// Raises `InvalidValueError` for a name that the format cannot hold.
+    fn to_text(&self, py: Python<'_>) -> PyResult<String> {
+        py.detach(|| self.inner.to_text()).or_raise()
+    }
+
+    /// Writes the capture to the BVH file `path`, as `to_text` has it.
+    ///
+    /// Raises `FileError`, and `InvalidValueError` as `to_text` does.
+    fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        py.detach(|| self.inner.write(&path)).or_raise()
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let surplus = self.inner.notes.iter().filter_map(|note| match note {
-            BvhNote::SurplusFrames {
-                line,
-                announced,
-                surplus,
-            } => Some((*line, *announced, *surplus)),
-            _ => None,
-        });
-        let surplus: Vec<(usize, usize, usize)> = surplus.collect();
         let parts = (
             self.armature(),
             self.clip(),
             self.inner.frames,
             self.inner.frame_time,
             self.channels(),
-            surplus,
+            self.notes.clone(),
         );
         pickling::by_rebuild::<Self>(py, parts)
     }
@@ -122,35 +129,25 @@ impl MotionCapture {
         frames: usize,
         frame_time: f64,
         channels: Vec<Vec<String>>,
-        surplus: Vec<(usize, usize, usize)>,
+        notes: Vec<String>,
     ) -> PyResult<Self> {
-        let named = |name: &String| {
-            let found = BvhChannel::ALL.into_iter().find(|own| own.name() == name);
-            let names = BvhChannel::ALL.map(BvhChannel::name);
-            found
-                .ok_or_else(|| UnknownName::new("channel", name, names))
-                .or_raise()
-        };
-        let channels = channels.iter().map(|own| own.iter().map(named).collect());
         let armature = &armature.get().inner;
-        let channels = channels.collect::<PyResult<Vec<Vec<_>>>>()?;
+        let channels = channels_of(&channels)?;
         if channels.len() != armature.bones() {
             return Err(invalid("there are not channels for each bone"));
         }
-        let note = |(line, announced, surplus)| BvhNote::SurplusFrames {
-            line,
-            announced,
-            surplus,
-        };
         let capture = bvh::MotionCapture {
             armature: kinopt::animation::Armature::clone(armature),
             clip: kinopt::animation::Clip::clone(&clip.get().inner),
             frames,
             frame_time,
             channels,
-            notes: surplus.into_iter().map(note).collect(),
+            notes: Vec::new(),
         };
-        Ok(capture.into())
+        Ok(Self {
+            notes,
+            ..capture.into()
+        })
     }
 
     fn __repr__(&self) -> String {

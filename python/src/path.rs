@@ -189,8 +189,8 @@ impl PathSolution {
         velocity_limits: Option<&Bound<'py, PyAny>>,
         jerk_limits: Option<&Bound<'py, PyAny>>,
         arm: Option<&Bound<'py, Arm>>,
-        tool_linear_limits: Option<(f64, f64)>,
-        tool_angular_limits: Option<(f64, f64)>,
+        tool_linear_limits: Option<&Bound<'_, PyAny>>,
+        tool_angular_limits: Option<&Bound<'_, PyAny>>,
         corner_tolerance: f64,
         grid_points: usize,
     ) -> PyResult<Trajectory> {
@@ -203,6 +203,13 @@ impl PathSolution {
         if let Some(arm) = arm_inner.as_deref() {
             limits = limits.with_arm(arm);
         }
+        let tool_linear_limits =
+            tool_limits(tool_linear_limits, "tool_linear_limits", "m/s and m/s²")?;
+        let tool_angular_limits = tool_limits(
+            tool_angular_limits,
+            "tool_angular_limits",
+            "rad/s and rad/s²",
+        )?;
         if let Some((speed, acceleration)) = tool_linear_limits {
             limits = limits.with_tool_linear_limits(speed, acceleration);
         }
@@ -324,6 +331,24 @@ impl PathSolution {
             rates,
         }
     }
+}
+
+/// Largest speed and acceleration of the tool.
+fn tool_limits(
+    given: Option<&Bound<'_, PyAny>>,
+    what: &str,
+    units: &str,
+) -> PyResult<Option<(f64, f64)>> {
+    let pair = |given: &Bound<'_, PyAny>| {
+        let shown = arrays::shown(given);
+        let fault = |_| {
+            invalid(format!(
+                "{what} is {shown}: (speed, acceleration) in {units}"
+            ))
+        };
+        given.extract::<(f64, f64)>().map_err(fault)
+    };
+    given.map(pair).transpose()
 }
 
 impl PathSolution {

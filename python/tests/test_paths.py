@@ -178,6 +178,9 @@ def test_trajectory_limits_name_option_and_joint(arm: kinopt.Arm) -> None:
             solved.trajectory(**{"acceleration_limits": 1.0, option: limits})  # type: ignore[arg-type]
     with pytest.raises(InvalidValueError, match="arm"):
         solved.trajectory(1.0, tool_linear_limits=(0.1, 1.0))
+    for wrong in (0.5, (0.1,), "fast", (0.1, None)):
+        with pytest.raises(kinopt.InvalidValueError, match=r"tool_linear_limits is .*: \(speed, acceleration\) in m/s"):
+            solved.trajectory(1.0, arm=arm, tool_linear_limits=wrong)
     with pytest.raises(InvalidValueError, match="corner_tolerance"):
         solved.trajectory(1.0, corner_tolerance=-1.0)
 

@@ -474,3 +474,23 @@ def test_whole_movement_ends_by_ctrl_c() -> None:
     child.send_signal(signal.SIGINT)
     out, errors = child.communicate(timeout=60)
     assert out == "" and "KeyboardInterrupt" in errors
+
+
+def test_axis_upward_is_detected(tmp_path: Path) -> None:
+    nao = kinopt.Robot.from_urdf(NAO, base_joint="free")
+    joints = ["Hips", "LeftFoot", "RightFoot"]
+    places = np.zeros((12, 3, 3))
+    places[:, 0, 2] = 0.9
+    places[:, 0, 1] = 0.02 * np.sin(np.arange(12))
+    places[:, 1, 1], places[:, 2, 1] = 0.1, -0.1
+    upright = kinopt.retarget(places, nao, joints=joints, fps=30)
+    assert upright.capture.up == "z" and not any("upward" in note for note in upright.notes)
+    # The same movement with y upward.
+    turned = np.stack([places[..., 0], places[..., 2], -places[..., 1]], axis=-1)
+    detected = kinopt.retarget(turned, nao, joints=joints, fps=30)
+    assert detected.capture.up == "y"
+    assert "the body stands along y, which is taken for upward: up= sets it" in detected.notes
+    assert np.abs(detected.q - upright.q).max() < 1e-9
+    given = kinopt.retarget(turned, nao, joints=joints, fps=30, up="z")
+    assert given.capture.up == "z" and np.abs(given.q - upright.q).max() > 1e-3
+    assert "the body stands along y, but z is taken for upward" in given.notes

@@ -163,6 +163,23 @@ def test_a_capture_is_what_its_frames_say():
         kinopt.MotionCapture.from_bytes(b"HIERARCHY\nROOT")
 
 
+def test_capture_written_keeps_its_channels(tmp_path):
+    text = NOD.replace("1 Xrotation", "2 Yrotation Xrotation").replace("Frames: 3", "Frames: 2")
+    capture = kinopt.MotionCapture.from_bytes(text)
+    capture.write(tmp_path / "nod.bvh")
+    assert (tmp_path / "nod.bvh").read_text() == capture.to_text()
+    again = kinopt.MotionCapture.read(tmp_path / "nod.bvh")
+    assert again.channels == capture.channels == [["Yrotation", "Xrotation"], []]
+    assert (again.frames, again.frame_time) == (capture.frames, capture.frame_time)
+    armature, poses = capture.armature, capture.clip.sample([0.0, 0.5])
+    written = kinopt.io.bvh_poses_to_text(armature, poses, 2.0, channels=capture.channels)
+    assert "CHANNELS 2 Yrotation Xrotation" in written
+    with pytest.raises(kinopt.UnknownNameError, match="Wrotation"):
+        kinopt.io.bvh_poses_to_text(armature, poses, 2.0, channels=[["Wrotation"], []])
+    with pytest.raises(kinopt.InvalidValueError, match="lists of channels"):
+        kinopt.io.bvh_poses_to_text(armature, poses, 2.0, channels=[])
+
+
 def test_motion_is_written_as_bvh(scene, tmp_path):
     capture = kinopt.MotionCapture.from_bytes(NOD)
     text = kinopt.io.bvh_to_text(capture.armature, capture.clip, 2.0)
@@ -202,3 +219,12 @@ def test_meshes_and_tables_go_through_their_files(rig, tmp_path):
         io.ply_to_bytes(rig.mesh, "morse")
     with pytest.raises(kinopt.InvalidFileError, match="m.ply"):
         io.ply_from_bytes(b"ply\n", "m.ply")
+
+
+def test_damaged_captures_are_read_with_notes():
+    text = NOD.replace("Frames: 3", "Frames: 9").replace("Neck", "N\u00e9ck")
+    capture = kinopt.MotionCapture.from_bytes(text.encode("latin-1"))
+    assert capture.armature.names == ["N\u00e9ck", "N\u00e9ck/tip"]
+    assert capture.frames == 4
+    assert [note.split(":")[0] for note in capture.notes] == ["line 2", "line 13"]
+    assert pickle.loads(pickle.dumps(capture)).notes == capture.notes

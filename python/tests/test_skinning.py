@@ -13,6 +13,7 @@ from kinopt.skinning import (
     CageBinding,
     HeatWeights,
     MeshWeights,
+    MorphTargets,
     PointHandle,
     SkinWeights,
 )
@@ -202,3 +203,16 @@ def test_shared_scale_keeps_the_point_of_the_joint():
     for mesh in (MeshWeights(weights, pivots=pivots), MeshWeights(weights)):
         for method in ("lbs", "dqs"):
             assert np.allclose(mesh.positions(method, transforms, rest)[1], [1, 0, 0], atol=1e-6)
+
+
+@pytest.mark.parametrize("count", [2**31, 2**40, 2**62, 2**63, 2**64])
+def test_absurd_counts_of_vertices_raise(count):
+    wrong = (kinopt.InvalidValueError, MemoryError, OverflowError)
+    for make in (SkinWeights, SkinWeights.repaired):
+        with pytest.raises(wrong):
+            make([0], [0], [1.0], count, 1)
+        with pytest.raises(wrong):
+            make([0], [0], [1.0], 1, count)
+    with pytest.raises(wrong):
+        targets = MorphTargets(count, [])
+        targets.apply([], positions=np.zeros((1, 3), np.float32))

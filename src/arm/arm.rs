@@ -142,7 +142,7 @@ impl Arm {
     /// Returns an error for a configuration of the wrong length or with a value that is not finite.
     pub fn base_from_tool(&self, q: &[f64]) -> Result<Placement<f64>, QueryError> {
         self.check_length("q", q.len(), self.joint_count())?;
-        self.check_finite(q)?;
+        self.check_finite("q", q)?;
         if let Some(chain) = &self.serial.chain {
             return Ok(chain.tip_at(q));
         }
@@ -241,7 +241,7 @@ impl Arm {
         clippy::eq_op,
         reason = "what is not finite leaves itself no zero, and all are asked at once"
     )]
-    pub(super) fn check_finite(&self, q: &[f64]) -> Reply<()> {
+    pub(super) fn check_finite(&self, what: &'static str, q: &[f64]) -> Reply<()> {
         let all = q
             .iter()
             .fold(0, |left, value| left | (value - value).to_bits());
@@ -251,6 +251,7 @@ impl Arm {
         match q.iter().position(|value| !value.is_finite()) {
             None => Ok(()),
             Some(bad) => Err(QueryError::NotFinite {
+                what,
                 joint: self.joint_name(bad % self.joint_count()),
                 value: q[bad],
             }),

@@ -171,6 +171,7 @@ impl Arm {
             starts,
             search: options.search.lanes(),
             attempts: Attempts::UpTo(options.attempts.min(TOGETHER)),
+            deadline: None,
             q,
             outcomes,
         });

@@ -38,7 +38,7 @@ impl Arm {
         for (value, &coordinate) in q_arm.iter_mut().zip(&self.coordinates.own) {
             *value = q_model[coordinate];
         }
-        self.check_finite(q_arm)
+        self.check_finite("q", q_arm)
     }
 
     fn check_lengths(&self, q_arm: &[f64], q_model: &[f64]) -> Reply<()> {

@@ -56,6 +56,7 @@ impl Arm {
             starts,
             search: Prefer::Start,
             attempts: Attempts::UpTo(1),
+            deadline: None,
             q: &mut ends.q,
             outcomes: &mut ends.outcomes,
         });
@@ -82,6 +83,7 @@ impl Arm {
             starts,
             search: Prefer::Start,
             attempts: Attempts::CarriedOn,
+            deadline: None,
             q: &mut ends.q,
             outcomes: &mut ends.outcomes,
         });
@@ -108,6 +110,7 @@ impl Arm {
                 starts: start,
                 search: Prefer::Start,
                 attempts: Attempts::From(first),
+                deadline: None,
                 q,
                 outcomes,
             });

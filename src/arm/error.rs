@@ -126,10 +126,12 @@ pub enum QueryError {
         /// Defect of the placement.
         problem: RigidDefect,
     },
-    /// A configuration contains NaN or infinity.
-    #[error("q holds {value} for joint `{joint}`, which is not finite")]
+    /// A configuration, velocity or acceleration that holds NaN or infinity.
+    #[error("{what} holds {value} for joint `{joint}`, which is not finite")]
     NotFinite {
-        /// Name of the joint.
+        /// The argument.
+        what: &'static str,
+        /// The joint.
         joint: String,
         /// Value of the joint.
         value: f64,

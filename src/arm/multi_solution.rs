@@ -71,7 +71,7 @@ impl Arm {
             };
             let count = group.min(wanted - first);
             self.run_attempts(workspace, query, first, count);
-            if first == 0 {
+            if first == 0 && !query.is_late() {
                 self.continue_first(workspace, query);
             }
             first += count;
@@ -136,6 +136,7 @@ impl Arm {
             starts: query.start,
             search: simd_ik::Prefer::Start,
             attempts: simd_ik::Attempts::From(first),
+            deadline: query.deadline,
             q: &mut workspace.found[begun * n..],
             outcomes: &mut workspace.outcomes[begun..],
         });

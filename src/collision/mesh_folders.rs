@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::file::read_bytes;
+use crate::file::{ReadError, ReadProblem, read_bytes};
+use crate::file_access::AllowedFiles;
 
 /// Name of the manifest of a ROS package, and the largest size that is read, bytes.
 const MANIFEST: &str = "package.xml";
@@ -27,7 +28,7 @@ impl MeshFolders {
         if let Some(found) = places.iter().find(is_file) {
             return Ok(found.clone());
         }
-        let declared = self.places_by_manifest(reference);
+        let declared = self.places_by_manifest(reference, |_| true);
         if let Some(found) = declared.iter().find(is_file) {
             return Ok(found.clone());
         }
@@ -35,15 +36,49 @@ impl MeshFolders {
         Err(places)
     }
 
-    /// Candidate paths in packages whose `package.xml` states the name.
-    ///
-    /// The search covers the folders above the robot's file, the packages next to the one that holds the file, and the
-    /// given folders with their subfolders.
-    fn places_by_manifest(&self, reference: &str) -> Vec<PathBuf> {
+    /// As [`find`](Self::find), among the allowed files alone: nothing else is looked at, neither meshes nor manifests. The error is
+    /// that of a file elsewhere, or the places that were looked at.
+    pub(super) fn find_allowed(
+        &self,
+        reference: &str,
+        allowed: &AllowedFiles,
+    ) -> Result<PathBuf, Result<ReadError, Vec<PathBuf>>> {
+        let mut looked_at = Vec::new();
+        let mut elsewhere = None;
+        let mut look_at = |place: PathBuf| {
+            // A package is looked for in many folders, also outside; a path is at one place.
+            if package_of(reference).is_some() && !allowed.are_above(&place) {
+                return None;
+            }
+            match allowed.resolve(&place) {
+                Ok(real) if real.is_file() => return Some(real),
+                Err(error) if matches!(error.problem, ReadProblem::Outside { .. }) => {
+                    elsewhere.get_or_insert(error);
+                }
+                _ => looked_at.push(place),
+            }
+            None
+        };
+        let named = self.places(reference).into_iter().find_map(&mut look_at);
+        let is_allowed = |folder: &Path| allowed.resolve(&folder.join(MANIFEST)).is_ok();
+        let found = named.or_else(|| {
+            let declared = self.places_by_manifest(reference, is_allowed);
+            declared.into_iter().find_map(&mut look_at)
+        });
+        found.ok_or_else(|| elsewhere.ok_or(looked_at))
+    }
+
+    /// Places in packages whose `package.xml` has the name: folders above the robot's file, packages beside the one that holds it,
+    /// and the given folders with the folders in them. Only manifests of allowed folders are read.
+    fn places_by_manifest(
+        &self,
+        reference: &str,
+        is_allowed: impl Fn(&Path) -> bool,
+    ) -> Vec<PathBuf> {
         let Some((name, rest)) = package_of(reference) else {
             return Vec::new();
         };
-        let above: Vec<PathBuf> = self.above().collect();
+        let above: Vec<PathBuf> = self.above().filter(|folder| is_allowed(folder)).collect();
         let own = above.iter().find(|folder| folder.join(MANIFEST).is_file());
         let beside = own.and_then(|folder| folder.parent()).map(Path::to_owned);
         let within = self
@@ -57,7 +92,7 @@ impl MeshFolders {
             .cloned()
             .chain(above.clone())
             .chain(within);
-        all.filter(|folder| declares(folder, name))
+        all.filter(|folder| is_allowed(folder) && declares(folder, name))
             .map(|folder| folder.join(rest))
             .collect()
     }

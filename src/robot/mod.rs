@@ -26,7 +26,7 @@ pub use base_joint::BaseJoint;
 pub use link::{Geometry, Inertial, Link, MissingInertia, Shape};
 pub use mimic::Mimic;
 #[cfg(feature = "mjcf")]
-pub use mjcf::{mjcf_with_includes, mjcf_with_includes_confined};
+pub use mjcf::MjcfReader;
 #[cfg(feature = "xml")]
 pub use srdf::{DisabledPair, EndEffector, Group, GroupState, Srdf, SrdfReader, VirtualJoint};
 #[cfg(feature = "urdf")]

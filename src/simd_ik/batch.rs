@@ -12,6 +12,7 @@ use super::query::Query;
 use super::seeds::QuerySeeds;
 use super::stages::Stages;
 use super::whole_turns::unwrap_towards;
+use crate::clock::{Instant, is_past};
 use crate::spatial::Placement;
 
 /// Input and output of a batch.
@@ -22,6 +23,8 @@ pub(crate) struct Work<'a> {
     pub(crate) starts: &'a [f64],
     pub(crate) search: Prefer,
     pub(crate) attempts: Attempts,
+    /// Past this time attempts end where they are. Those not begun are misses with infinite errors, whose q stays as it is.
+    pub(crate) deadline: Option<Instant>,
     pub(crate) q: &'a mut [f64],
     pub(crate) outcomes: &'a mut [PoseOutcome],
 }
@@ -100,7 +103,9 @@ struct Batch<'a, V, const L: usize, const N: usize> {
     seeds: [QuerySeeds; L],
     /// Bit mask of the lanes that have a job.
     active: u32,
-    /// Buffer for a configuration read from or written to a lane.
+    /// Whether the deadline is past.
+    is_late: bool,
+    /// A configuration on its way into or out of a lane.
     q: [f64; MAX_JOINTS],
 }
 
@@ -116,6 +121,7 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
             jobs: [const { None }; L],
             seeds: std::array::from_fn(|_| QuerySeeds::new()),
             active: 0,
+            is_late: false,
             q: [0.0; MAX_JOINTS],
         }
     }
@@ -131,6 +137,11 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
             Attempts::CarriedOn => return None,
         };
         if source >= work.targets.len() || index >= work.outcomes.len() {
+            return None;
+        }
+        if self.is_late && index > 0 {
+            self.work.outcomes[index..].fill(PoseOutcome::NOT_BEGUN);
+            self.next = self.work.outcomes.len();
             return None;
         }
         self.next += 1;
@@ -183,7 +194,9 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
     /// Counts a step of all lanes. Returns the bit mask of the lanes whose attempt may have ended.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn age(&mut self, ended: &Ended) -> u32 {
-        let mut over = (ended.reached | ended.stalled | ended.closing) & self.active;
+        self.is_late = is_past(self.work.deadline);
+        let late = if self.is_late { self.active } else { 0 };
+        let mut over = (ended.reached | ended.stalled | ended.closing) & self.active | late;
         for (lane, job) in self.jobs.iter_mut().enumerate() {
             if let Some(job) = job {
                 job.age += 1;
@@ -219,7 +232,10 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
                 reached = true;
                 errors = Some(found);
                 q.copy_from_slice(point);
-            } else if ended.stalled >> lane & 1 == 0 && job.age < options.iterations {
+            } else if ended.stalled >> lane & 1 == 0
+                && job.age < options.iterations
+                && !self.is_late
+            {
                 return false;
             }
         }
@@ -239,6 +255,7 @@ impl<'a, V: LaneScalar, const L: usize, const N: usize> Batch<'a, V, L, N> {
         job.ended += 1;
         let over = reached
             || job.nearby
+            || self.is_late
             || job.ended >= job.query.attempts.1
             || job.iterations >= options.total_iterations;
         if over {

@@ -129,7 +129,19 @@ pub struct PoseOutcome {
     pub winner: Option<u32>,
 }
 
-/// Error of a call to the SIMD solver.
+impl PoseOutcome {
+    /// The outcome of an attempt that was not begun.
+    pub(super) const NOT_BEGUN: Self = Self {
+        reached: false,
+        position_error: f64::INFINITY,
+        orientation_error: f64::INFINITY,
+        iterations: 0,
+        attempts: 0,
+        winner: None,
+    };
+}
+
+/// What is wrong with a call.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LaneError {

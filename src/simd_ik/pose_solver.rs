@@ -182,6 +182,7 @@ impl PoseSolver {
             starts,
             search,
             attempts: Attempts::UpTo(self.attempts()),
+            deadline: None,
             q,
             outcomes,
         });
@@ -217,6 +218,7 @@ impl PoseSolver {
                     starts,
                     search,
                     attempts: Attempts::UpTo(self.attempts()),
+                    deadline: None,
                     q,
                     outcomes,
                 });
@@ -250,6 +252,7 @@ impl PoseSolver {
             starts: start,
             search,
             attempts: Attempts::From(first),
+            deadline: None,
             q,
             outcomes,
         });

@@ -533,3 +533,24 @@ fn limits_out_of_range_are_named() {
         assert!(error.contains("jerk_limits"), "{error}");
     }
 }
+
+#[test]
+fn motion_not_finite_names_its_argument() {
+    let arm = panda_with_limits();
+    let start = arm.default_start().to_vec();
+    let motion = |velocity: f64, acceleration: f64| {
+        let servo = arm.servo(&start, 0.004).unwrap();
+        let error = servo.with_motion(&[velocity; 7], &[acceleration; 7]);
+        error.unwrap_err().to_string()
+    };
+    let wrong = motion(f64::NAN, 0.0);
+    assert!(
+        wrong.starts_with("the velocity holds NaN for joint `"),
+        "{wrong}"
+    );
+    let wrong = motion(0.0, f64::INFINITY);
+    assert!(
+        wrong.starts_with("the acceleration holds inf for joint `"),
+        "{wrong}"
+    );
+}

@@ -1,5 +1,6 @@
 //! Motion capture from and to BVH.
 
+mod channel_order;
 mod malformed;
 mod matrices;
 mod positions;

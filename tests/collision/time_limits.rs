@@ -20,7 +20,7 @@ use crate::arms_keep_clear::drawn;
 /// Lanes of the widest group: iterations in one lock step.
 const LOCK_STEP: usize = 8;
 /// Attempts that are compared between two looks at the clock, and the most iterations of one.
-const COMPARED: (usize, usize) = (16, 100);
+const COMPARED: (usize, usize) = (LOCK_STEP, 2);
 
 /// All above the Panda's base is filled: nothing that reaches is free.
 fn all_blocked(robot: &Robot, with_spheres: bool) -> Checker {

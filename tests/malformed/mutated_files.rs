@@ -386,7 +386,7 @@ fn check_robot(robot: &Robot) {
 fn damaged_mjcf() {
     // What it includes is not there: the damage is in one document.
     let walker = include_str!("../mjcf/files/walker.xml");
-    let gripper = kinopt::robot::mjcf_with_includes(concat!(
+    let gripper = Robot::mjcf_reader().text_with_includes(concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/mjcf/files/gripper.xml"
     ));

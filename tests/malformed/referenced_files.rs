@@ -10,7 +10,7 @@ use std::fmt::Debug;
 use std::os::unix::fs::symlink;
 use std::path::PathBuf;
 
-use kinopt::collision::{CollisionModel, SphereModel, World};
+use kinopt::collision::{CollisionModel, CollisionModelError, SphereModel, World};
 use kinopt::io::gltf::{self, SceneFile};
 use kinopt::io::rig::Rig;
 use kinopt::io::{FileAccess, Place, ReadError};
@@ -25,7 +25,7 @@ const SECRET: &str = "SECRET7f3a91c05be2";
 const SECRET_IN_BASE64: &str = "U0VDUkVUN2YzYTkxYzA1YmUy";
 /// A coordinate in the meshes outside.
 const SECRET_NUMBER: &str = "48151.62";
-const REFERENCES: usize = 600;
+const REFERENCES: usize = 800;
 
 /// Files outside, by name.
 fn outside_files() -> Vec<(String, Vec<u8>)> {
@@ -105,7 +105,7 @@ impl Scenery {
         let file = &self.names[random.below(self.names.len())];
         let whole = self.folder.path("outside").join(file);
         let whole = whole.display().to_string();
-        let plain = match random.below(22) {
+        let plain = match random.below(28) {
             0 => whole,
             1 => format!("../outside/{file}"),
             2 => format!("sub/../../outside/{file}"),
@@ -127,6 +127,13 @@ impl Scenery {
             18 => format!("FILE://{whole}"),
             19 => format!("http://localhost{whole}"),
             20 => format!("../outside/{file}?{file}#{file}"),
+            // Other characters that look like dots and slashes, and the end of a text in C.
+            21 => format!("..\u{2215}outside\u{2215}{file}"),
+            22 => format!("\u{ff0e}\u{ff0e}/outside/{file}"),
+            23 => format!("\u{202e}../outside/{file}\u{feff}"),
+            24 => format!("../outside/{file}\0.png"),
+            25 => format!("own\0/../../outside/{file}"),
+            26 => format!("~/{file} ../outside/{file}"),
             _ => format!("C:{}", whole.replace('/', "\\")),
         };
         match random.below(6) {
@@ -341,7 +348,15 @@ fn confined_robot_opens_no_mesh_outside_its_folder() {
             format!("model://../{reference}"),
         ] {
             std::fs::write(&path, urdf(&reference)).unwrap();
-            let robot = Robot::reader().confined().read(&path).unwrap();
+            let robot = match Robot::reader().confined().read(&path) {
+                Ok(robot) => robot,
+                // XML has no such character.
+                Err(error) if reference.contains('\0') => {
+                    assert_error_is_silent(&error, &reference);
+                    continue;
+                }
+                Err(error) => panic!("{error}"),
+            };
             assert!(robot.is_confined());
             assert_refused(CollisionModel::of(&robot), &reference);
             // Without its file it opens nothing at all.
@@ -379,15 +394,94 @@ fn confined_mjcf_includes_no_file_outside_its_folder() {
             format!("<mujoco><worldbody><body name='b'>{include}</body></worldbody></mujoco>");
         for text in [text, once] {
             std::fs::write(&path, &text).unwrap();
-            assert_refused(Robot::read_mjcf_confined(&path), reference);
+            assert_refused(Robot::mjcf_reader().confined().read(&path), reference);
             assert_refused(Robot::reader().confined().read(&path), reference);
-            let joined = kinopt::robot::mjcf_with_includes_confined(&path);
+            let joined = Robot::mjcf_reader().confined().text_with_includes(&path);
             assert_refused(joined, reference);
             if let Err(error) = Robot::read_mjcf(&path) {
                 assert_error_is_silent(&error, reference);
             }
         }
     });
+}
+
+#[test]
+fn confined_mjcf_opens_no_mesh_outside_its_folder() {
+    for_references("refs-mjcf-meshes", |scenery, reference| {
+        let path = scenery.inside().join("robot.xml");
+        let outside = scenery.folder.path("outside").display().to_string();
+        for folder in ["", "../outside", "elsewhere", &outside] {
+            let text = format!(
+                "<mujoco><compiler meshdir=\"{folder}\"/><asset><mesh name='m' file=\"{}\"/></asset>\
+                 <worldbody><body name='b'><geom type='mesh' mesh='m'/></body></worldbody></mujoco>",
+                attribute(reference)
+            );
+            std::fs::write(&path, &text).unwrap();
+            let read = Robot::mjcf_reader().confined().read(&path);
+            match read.map(|robot| CollisionModel::of(&robot)) {
+                // Meshes of other kinds are left out with a note.
+                Ok(Ok(model)) => {
+                    assert!(model.objects().is_empty(), "{folder} {reference}");
+                    assert_silent(&format!("{model:?}"), reference);
+                }
+                Ok(Err(error)) => assert_error_is_silent(&error, reference),
+                Err(error) => assert_error_is_silent(&error, reference),
+            }
+        }
+    });
+}
+
+#[test]
+fn confined_robot_reads_no_manifest_outside_its_folder() {
+    let scenery = Scenery::new("refs-manifests");
+    let manifest = |folder: PathBuf, name: &str| {
+        std::fs::create_dir_all(&folder).unwrap();
+        let text = format!("<package><name>{name}</name></package>");
+        std::fs::write(folder.join("package.xml"), text).unwrap();
+    };
+    // The package around the robot's folder, one beside, and one whose manifest is a link that leads outside.
+    manifest(scenery.folder.path(""), "around");
+    manifest(scenery.folder.path("outside"), "outer");
+    manifest(scenery.inside().join("own"), "inner");
+    let linked = scenery.inside().join("linked");
+    std::fs::create_dir_all(&linked).unwrap();
+    symlink("../../outside/package.xml", linked.join("package.xml")).unwrap();
+    let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    for folder in [
+        scenery.folder.path("outside"),
+        scenery.inside().join("own"),
+        linked,
+    ] {
+        std::fs::write(folder.join("body.obj"), mesh).unwrap();
+    }
+    let path = scenery.inside().join("robot.urdf");
+    let model = |reference: &str, confined: bool| {
+        std::fs::write(&path, urdf(reference)).unwrap();
+        let reader = Robot::reader();
+        let reader = if confined { reader.confined() } else { reader };
+        let robot = reader.read(&path).unwrap();
+        let builder = CollisionModel::builder(&robot).with_package_folder(scenery.inside());
+        builder.build()
+    };
+    let own = model("package://inner/body.obj", true);
+    assert!(own.is_ok(), "{own:?}");
+    for reference in [
+        "package://around/outside/body.obj",
+        "package://outer/body.obj",
+    ] {
+        let found = model(reference, false);
+        assert!(found.is_ok(), "{found:?}");
+        let CollisionModelError::MeshNotFound { looked_at, .. } =
+            model(reference, true).unwrap_err()
+        else {
+            panic!("{reference}");
+        };
+        assert!(
+            looked_at
+                .iter()
+                .all(|place| place.starts_with(scenery.inside()))
+        );
+    }
 }
 
 #[test]

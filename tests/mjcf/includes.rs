@@ -1,7 +1,7 @@
 //! Promise: what a file includes stands in its place and in its order, up to 32 files within each other.
 #![allow(clippy::unwrap_used)]
 
-use kinopt::robot::{ParseIssue, Robot, RobotFileError, mjcf_with_includes};
+use kinopt::robot::{ParseIssue, Robot, RobotFileError};
 
 use crate::malformed::files;
 
@@ -23,7 +23,7 @@ fn bodies_of_an_included_file_keep_their_order() {
         ],
     );
     let path = folder.join("main.xml");
-    let text = mjcf_with_includes(&path).unwrap();
+    let text = Robot::mjcf_reader().text_with_includes(&path).unwrap();
     for robot in [
         Robot::read_mjcf(&path).unwrap(),
         Robot::parse_mjcf(&text, "whole.xml").unwrap(),

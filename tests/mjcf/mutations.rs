@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use kinopt::robot::{ParseIssue, Robot, RobotFileError, mjcf_with_includes};
+use kinopt::robot::{ParseIssue, Robot, RobotFileError};
 use support::changed_xml::Element;
 use support::random::Random;
 use support::robot_promises;
@@ -71,7 +71,7 @@ fn outcome(text: &str, seed: u64) -> String {
 
 #[test]
 fn a_changed_document_is_a_named_error_or_a_robot() {
-    let gripper = mjcf_with_includes(concat!(
+    let gripper = Robot::mjcf_reader().text_with_includes(concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/mjcf/files/gripper.xml"
     ));

@@ -159,7 +159,7 @@ fn either_contact_bit_counts_and_boxes_lie_along_lines() {
 #[test]
 fn names_with_signs_come_through_includes() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/mjcf/files/quoted.xml");
-    let text = kinopt::robot::mjcf_with_includes(path).unwrap();
+    let text = Robot::mjcf_reader().text_with_includes(path).unwrap();
     let [whole, read] = [
         Robot::parse_mjcf(&text, "whole.xml").unwrap(),
         Robot::read(path).unwrap(),

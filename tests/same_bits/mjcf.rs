@@ -4,7 +4,7 @@
 
 use kinopt::collision::{Checker, CollisionModel};
 use kinopt::model::Limits;
-use kinopt::robot::{BaseJoint, Robot, mjcf_with_includes};
+use kinopt::robot::{BaseJoint, Robot};
 
 use crate::digest::{Digest, check};
 use crate::robot_texts::{add_error, add_text, changed, told};
@@ -238,7 +238,10 @@ fn included() -> u64 {
     let mut digest = Digest::new();
     for name in ["gripper", "quoted", "walker"] {
         let path = format!("mjcf/files/{name}.xml");
-        let text = mjcf_with_includes(&path).unwrap().replace('\r', "");
+        let text = Robot::mjcf_reader()
+            .text_with_includes(&path)
+            .unwrap()
+            .replace('\r', "");
         add_text(&mut digest, &text);
         let [read, whole] = [
             Robot::read_mjcf(&path).unwrap(),

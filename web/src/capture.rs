@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::rc::Rc;
 
+use kinopt::io::bvh::{self, BvhChannel, BvhFormat};
 use kinopt::skeleton::BoneId;
 use wasm_bindgen::prelude::*;
 
@@ -19,6 +20,7 @@ pub struct MotionCapture {
     turning: BTreeSet<BoneId>,
     frames: usize,
     frame_time: f64,
+    channels: Vec<Vec<BvhChannel>>,
     notes: Vec<String>,
 }
 
@@ -28,7 +30,7 @@ impl MotionCapture {
     #[wasm_bindgen(js_name = fromBytes)]
     pub fn from_bytes(data: &[u8], name: Option<String>) -> Result<Self, JsError> {
         let name = name.as_deref().unwrap_or("capture.bvh");
-        let read = kinopt::io::bvh::from_bytes(data, name).map_err(raise)?;
+        let read = bvh::from_bytes(data, name).map_err(raise)?;
         let turning = read.turning_bones();
         Ok(Self {
             turning,
@@ -38,6 +40,7 @@ impl MotionCapture {
             clip: read.clip,
             frames: read.frames,
             frame_time: read.frame_time,
+            channels: read.channels,
             notes: read.notes.iter().map(ToString::to_string).collect(),
         })
     }
@@ -66,13 +69,20 @@ impl MotionCapture {
         self.frame_time
     }
 
-    /// Parts of the file that the reader ignored.
+    /// Repairs made by the reader: truncated or surplus frames, renamed joints, bytes that are not UTF-8.
     #[wasm_bindgen(getter)]
     pub fn notes(&self) -> Vec<String> {
         self.notes.clone()
     }
 
-    /// A skeleton to drag, with the given pose as its rest pose.
+    /// The text of a BVH file of the capture, with its own channels, frames and frame time.
+    #[wasm_bindgen(js_name = toBvh)]
+    pub fn to_bvh(&self) -> Result<String, JsError> {
+        let format = BvhFormat::of_frame_time(self.frame_time).with_channels(&self.channels);
+        bvh::to_text(&self.armature.inner, &self.clip, format).map_err(raise)
+    }
+
+    /// A figure to drag, standing in a pose.
     pub fn figure(&self, pose: &Pose) -> Result<Figure, JsError> {
         Figure::standing(&self.armature.inner, &self.turning, pose)
     }

@@ -137,11 +137,7 @@ fn say_parts(file: &str, guess: &MapGuess) {
 /// What is to be looked at.
 fn say(file: &str, guess: &MapGuess, up: UpAxis) {
     if let Some(along) = guess.up.filter(|along| *along != up) {
-        let name = |axis| match axis {
-            UpAxis::Y => "y",
-            UpAxis::Z => "z",
-        };
-        let (along, up) = (name(along), name(up));
+        let (along, up) = (along.name(), up.name());
         output::message(&format!(
             "note: {file}: the body stands along {along}, but {up} is taken for upward: --up {along} says otherwise"
         ));

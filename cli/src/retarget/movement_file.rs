@@ -5,7 +5,7 @@ use std::path::Path;
 
 use clap::ValueEnum;
 use kinopt::animation::Armature;
-use kinopt::io::bvh;
+use kinopt::io::bvh::{self, BvhFormat};
 use kinopt::io::gltf::{self, Scene, WriteOptions};
 use kinopt::motion::retarget::{FigureTarget, Retargeted, UpAxis};
 use kinopt::skeleton::Skeleton;
@@ -96,12 +96,17 @@ impl Format {
             return Err(failure!("{}: it is no figure", loaded.file));
         };
         if self == Self::Bvh {
-            let own = match (&loaded.scene, &loaded.capture) {
-                (Some(scene), _) => scene.file.scene().armature.clone(),
-                (None, Some(capture)) => capture.armature.clone(),
-                _ => return write_rig_as_bvh(skeleton, figure.up(), found, to),
+            let format = BvhFormat::from(found.frame_rate);
+            return match (&loaded.scene, &loaded.capture) {
+                (Some(scene), _) => {
+                    write_bvh(figure, &scene.file.scene().armature, found, format, to)
+                }
+                (None, Some(capture)) => {
+                    let format = format.with_channels(&capture.channels);
+                    write_bvh(figure, &capture.armature, found, format, to)
+                }
+                _ => write_rig_as_bvh(skeleton, figure.up(), found, to),
             };
-            return write_bvh(figure, &own, found, to);
         }
         if let Some(scene) = &loaded.scene {
             let file = scene.file.clone();
@@ -131,12 +136,19 @@ fn write_rig_as_bvh(skeleton: &Skeleton, up: UpAxis, found: &Retargeted, to: &Pa
     let turn = Placement::new(y_from_z * up.turned_to_z(), Vector3::zero());
     let standing = skeleton.placed(turn)?;
     let figure = FigureTarget::new(&standing, UpAxis::Y)?;
-    write_bvh(&figure, &Armature::of_skeleton(&standing), found, to)
+    let armature = Armature::of_skeleton(&standing);
+    write_bvh(&figure, &armature, found, found.frame_rate.into(), to)
 }
 
-fn write_bvh(figure: &FigureTarget, own: &Armature, found: &Retargeted, to: &Path) -> Outcome<()> {
+fn write_bvh(
+    figure: &FigureTarget,
+    own: &Armature,
+    found: &Retargeted,
+    format: BvhFormat<'_>,
+    to: &Path,
+) -> Outcome<()> {
     let poses = figure.poses(own, own.rest(), &found.q)?;
-    Ok(bvh::write_poses(own, &poses, found.frame_rate, to)?)
+    Ok(bvh::write_poses(own, &poses, format, to)?)
 }
 
 fn as_npz(found: &Retargeted, names: &[String]) -> Outcome<Vec<u8>> {

@@ -30,7 +30,8 @@ pub(super) struct SourceOptions {
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
 
-    /// The axis that points upward in the source. Default: as the map says, else y of .bvh, .glb and .gltf, and z.
+    /// The axis that points upward in the source. Default: as the map says, else the one along which the body stands, else y of
+    /// .bvh, .glb and .gltf, and z.
     #[arg(long, value_enum, value_name = "AXIS")]
     up: Option<Up>,
 }
@@ -83,6 +84,9 @@ impl SourceOptions {
         let (capture, up) = match kind.as_str() {
             "bvh" | "glb" | "gltf" => {
                 let animated = AnimatedArmature::read(path)?;
+                for note in &animated.notes {
+                    output::message(&format!("note: {file}: {note}"));
+                }
                 let own = animated.frames.as_ref().map(|frames| 1.0 / frames.time);
                 let rate = said.or(own).unwrap_or(CLIP_RATE);
                 let clip = animated.clip(self.clip.as_deref())?;
@@ -108,8 +112,15 @@ impl SourceOptions {
                 ));
             }
         };
-        let said = self.up.map(UpAxis::from);
-        let up = said.or(map.and_then(|map| map.up)).unwrap_or(up);
+        let given = self.up.map(UpAxis::from).or(map.and_then(|map| map.up));
+        let detected = capture.up_axis();
+        if let Some(along) = detected.filter(|along| given.is_none() && *along != up) {
+            let (along, other) = (along.name(), up.name());
+            output::message(&format!(
+                "note: {file}: the body stands along {along}, which is taken for upward; --up {other} sets the other axis"
+            ));
+        }
+        let up = given.or(detected).unwrap_or(up);
         Ok(Source { capture, up })
     }
 }

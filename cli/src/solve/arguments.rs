@@ -223,11 +223,12 @@ pub(crate) struct Arguments {
 
     /// Where the search starts: a word, or numbers in radians and metres.
     ///
-    /// `rest` is all zeros, moved into the limits; `bent` the same with the knees of a body on a free base bent a
+    /// `default` of a robot's arm is its state `ready` or `home` in the SRDF file (--srdf), else the middle of its joints' limits
+    /// and 0 of joints without limits; everything else is at rest. `rest` is all zeros, moved into the limits; `bent` the same with the knees of a body on a free base bent a
     /// little over what --hold names, so that it crouches rather than bows; `random` is drawn within the limits from
     /// --rng-seed; numbers are a configuration in the order of `kinopt info`: radians (degrees with
     /// --degrees) and, for sliding joints, metres. They are moved into the limits.
-    #[arg(long, value_name = "NUMBERS|rest|bent|random", default_value = "rest", allow_hyphen_values = true,
+    #[arg(long, value_name = "NUMBERS|default|rest|bent|random", default_value = "default", allow_hyphen_values = true,
           value_parser = Start::parse, help_heading = SEARCH)]
     pub(super) start: Start,
 

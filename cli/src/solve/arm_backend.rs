@@ -78,7 +78,10 @@ impl<'a> ArmBackend<'a> {
         let columns = loaded.columns_of(coordinates.collect());
         let builder = with_joint_options(builder, loaded, &columns, arguments)?;
         let rest = loaded.rest();
-        let arm = builder.build()?;
+        let mut arm = builder.build()?;
+        if let Some(srdf) = &loaded.srdf {
+            arm = arm.with_srdf(srdf);
+        }
         let arm = (arguments.obstacles).keep_clear(arm, loaded, &rest)?;
         Ok(Self {
             loaded,
@@ -247,6 +250,12 @@ impl QueryBackend for ArmBackend<'_> {
 
     fn columns(&self) -> Option<JointColumns> {
         Some(self.columns.clone())
+    }
+
+    fn default_start(&self) -> Outcome<Vec<f64>> {
+        let mut q = self.loaded.rest();
+        self.arm.configuration(self.arm.default_start(), &mut q)?;
+        Ok(q)
     }
 
     fn batch(&self, queries: &[Query], parallel: bool) -> Outcome<(Vec<Answer>, f64)> {

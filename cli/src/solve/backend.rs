@@ -36,6 +36,9 @@ pub(super) trait QueryBackend: Sync {
     /// Columns for the free joints from base to tip, where there is one tip.
     fn columns(&self) -> Option<JointColumns>;
 
+    /// The start without --start.
+    fn default_start(&self) -> Outcome<Vec<f64>>;
+
     /// Answers all queries by themselves, on the threads of the current pool where `parallel`.
     fn each(
         &self,

@@ -20,7 +20,7 @@ use crate::target;
 /// Joints to hold and to free, and a tool.
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct ChainArguments {
-    /// Hold a joint: at a value, or where the start has it.
+    /// Hold a joint: at a value, or where --start has it, without --start at rest.
     ///
     /// Values are in radians (--degrees) or metres. Joints are named as `kinopt info` lists them; in a rig or scene a bone's name stands for all
     /// its angles, and then takes no value; nor does a ball. Repeat it for several. Default: none.
@@ -30,11 +30,11 @@ pub(crate) struct ChainArguments {
     /// Let only these joints move.
     ///
     /// By name, separated by commas (in a rig or scene also bones); every other one is held where --start
-    /// has it, whatever a file's starts say. Default: all move.
+    /// has it, without --start at rest, whatever a file's starts say. Default: all move.
     #[arg(long = "only", value_name = "JOINT,…", value_delimiter = ',', help_heading = MODEL)]
     only: Vec<String>,
 
-    /// A robot's SRDF file: its passive joints are held where --start has them.
+    /// A robot's SRDF file: an arm starts at its state `ready` or `home`, and its passive joints are held where --start has them.
     ///
     /// Its names must be the robot's, or with --lenient what has others is left out. Default: none.
     #[arg(long, value_name = "FILE", help_heading = MODEL)]

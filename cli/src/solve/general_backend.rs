@@ -322,4 +322,8 @@ impl QueryBackend for GeneralBackend<'_> {
     fn columns(&self) -> Option<JointColumns> {
         None
     }
+
+    fn default_start(&self) -> Outcome<Vec<f64>> {
+        Ok(self.loaded.rest())
+    }
 }

@@ -118,18 +118,19 @@ impl<'a> Goals<'a> {
         backend: &impl QueryBackend,
     ) -> Outcome<Vec<Query>> {
         let columns = backend.columns();
+        let default = backend.default_start()?;
         let arguments = self.arguments;
         let Some((path, file)) = &self.file else {
             let targets = arguments.targets.iter().map(|target| target.placement);
             return Ok(vec![Query {
                 targets: targets.collect(),
-                start: arguments.start(loaded, columns)?,
+                start: arguments.start(loaded, columns, &default)?,
             }]);
         };
         let fail = |problem| failure!("{}: {problem}", path.display());
         let starts = match file.starts(loaded, columns.as_ref()).map_err(fail)? {
             Some(starts) => starts.iter().map(|q| loaded.within_limits(q)).collect(),
-            None => vec![arguments.start(loaded, columns)?; file.targets.len()],
+            None => vec![arguments.start(loaded, columns, &default)?; file.targets.len()],
         };
         let targets = file.targets.iter().zip(starts);
         let queries = targets.map(|(&target, start)| Query {

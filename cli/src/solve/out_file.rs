@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use kinopt::animation::Clip;
-use kinopt::io::bvh;
+use kinopt::io::bvh::{self, BvhFormat};
 use kinopt::skinning::SkinningMethod;
 
 use crate::animated_armature::extension;
@@ -105,8 +105,9 @@ impl Written<'_> {
             Self::Capture(path, capture, bridge) => {
                 let mut pose = capture.armature.rest().clone();
                 bridge.pose_of(q, &mut pose)?;
-                let rate = 1.0 / capture.frame_time;
-                bvh::write_poses(&capture.armature, &[pose], rate, path)?;
+                let format = BvhFormat::of_frame_time(capture.frame_time);
+                let format = format.with_channels(&capture.channels);
+                bvh::write_poses(&capture.armature, &[pose], format, path)?;
                 Ok(path)
             }
             Self::Clip(path, name, scene, bridge) => {

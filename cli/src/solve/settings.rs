@@ -148,7 +148,7 @@ impl Arguments {
             Start::Numbers(numbers) if loaded.robot.is_some() && numbers.len() != all => {
                 loaded.rest()
             }
-            _ => self.start(loaded, None)?,
+            _ => self.start(loaded, None, &loaded.rest())?,
         };
         let held = self.chain.held(loaded, &start, self.degrees)?;
         loaded.held = Some(Box::new(held));
@@ -186,13 +186,15 @@ impl Arguments {
     }
 
     /// Where the search starts, within the limits; `arm` has the columns of an arm's own joints, which
-    /// may be typed alone.
+    /// may be typed alone. `default` is the start without --start.
     pub(super) fn start(
         &self,
         loaded: &LoadedModel,
         arm: Option<JointColumns>,
+        default: &[f64],
     ) -> Outcome<Vec<f64>> {
         let start = match &self.start {
+            Start::Default => return Ok(default.to_vec()),
             Start::Rest => return Ok(loaded.rest()),
             Start::Bent => return self.bent(loaded),
             Start::Random => loaded.model.random_configuration(self.rng_seed),

@@ -15,6 +15,7 @@ mod base_joints;
 mod check;
 mod clip_ik;
 mod command_page;
+mod default_start;
 mod derivatives;
 mod exit_codes_and_errors;
 mod figures_settle;

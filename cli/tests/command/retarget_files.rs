@@ -185,3 +185,74 @@ fn a_capture_of_no_frames_is_refused_and_nothing_written() {
     refused!("retarget {bvh} {robot} --base-joint free --out {out}" => 1, "empty.bvh | no frames");
     assert!(!std::path::Path::new(&out).exists());
 }
+
+/// A person who sways over both feet, upright along z in the file.
+const Z_UP: &str = "HIERARCHY
+ROOT Hips
+{
+OFFSET 0 0 90
+CHANNELS 6 Xposition Yposition Zposition Zrotation Yrotation Xrotation
+JOINT LeftFoot
+{
+OFFSET 15 0 -90
+CHANNELS 3 Zrotation Yrotation Xrotation
+End Site
+{
+OFFSET 0 -10 0
+}
+}
+JOINT RightFoot
+{
+OFFSET -15 0 -90
+CHANNELS 3 Zrotation Yrotation Xrotation
+End Site
+{
+OFFSET 0 -10 0
+}
+}
+}
+MOTION
+Frames: 9
+Frame Time: 0.0333333
+0 0 90 0 0 0 0 0 0 0 0 0
+1 0 90 0 0 0 0 0 0 0 0 0
+2 0 90 0 0 0 0 0 0 0 0 0
+1 0 90 0 0 0 0
+";
+
+#[test]
+fn capture_upright_along_z_is_taken_upright() {
+    let folder = Folder::new("retarget-z-up");
+    let robot = model("aldebaran_nao.urdf");
+    let source = folder.file("sway.bvh");
+    std::fs::write(&source, Z_UP).unwrap();
+    let [detected, given, other] =
+        ["detected", "given", "other"].map(|name| folder.file(&format!("{name}.json")));
+    let run = kinopt!("retarget {source} {robot} --base-joint free --out {detected}");
+    let told = String::from_utf8(run.stderr).unwrap();
+    says!(told => "which is taken for upward; --up y sets the other axis | after 3 whole frames of 9");
+    let run = kinopt!("retarget {source} {robot} --base-joint free --up z --out {given}");
+    let told = String::from_utf8(run.stderr).unwrap();
+    assert!(!told.contains("taken for upward"), "{told}");
+    assert_eq!(json(&detected), json(&given));
+    let run = kinopt!("retarget {source} {robot} --base-joint free --up y --out {other}");
+    let told = String::from_utf8(run.stderr).unwrap();
+    says!(told => "the body stands along z, but y is taken for upward");
+    assert_ne!(json(&other), json(&given));
+}
+
+#[test]
+fn solved_pose_of_a_capture_keeps_its_channels() {
+    let folder = Folder::new("solve-channels");
+    let source = folder.file("sway.bvh");
+    std::fs::write(&source, Z_UP).unwrap();
+    let out = folder.file("posed.bvh");
+    let run = kinopt!("solve {source} --target LeftFoot/tip=15,-12,1 --out {out}");
+    assert_eq!(run.status.code(), Some(0), "{run:?}");
+    let channels = |text: &str| {
+        let lines = text.lines().map(str::trim);
+        let own = lines.filter(|line| line.starts_with("CHANNELS"));
+        own.map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(channels(&text(&out)), channels(Z_UP));
+}

@@ -23,11 +23,26 @@ def dmat_to_bytes(table: ArrayLike, encoding: str = "binary") -> bytes: ...
 def dmat_write(
     table: ArrayLike, path: str | PathLike[str], encoding: str = "binary"
 ) -> None: ...
-def bvh_to_text(armature: Armature, clip: Clip, rate: float) -> str: ...
-def bvh_poses_to_text(armature: Armature, poses: Poses | Sequence[Pose], rate: float) -> str: ...
+def bvh_to_text(
+    armature: Armature, clip: Clip, rate: float, channels: Sequence[Sequence[str]] | None = None
+) -> str: ...
+def bvh_poses_to_text(
+    armature: Armature,
+    poses: Poses | Sequence[Pose],
+    rate: float,
+    channels: Sequence[Sequence[str]] | None = None,
+) -> str: ...
 def bvh_write(
-    armature: Armature, clip: Clip, rate: float, path: str | PathLike[str]
+    armature: Armature,
+    clip: Clip,
+    rate: float,
+    path: str | PathLike[str],
+    channels: Sequence[Sequence[str]] | None = None,
 ) -> None: ...
 def bvh_write_poses(
-    armature: Armature, poses: Poses | Sequence[Pose], rate: float, path: str | PathLike[str]
+    armature: Armature,
+    poses: Poses | Sequence[Pose],
+    rate: float,
+    path: str | PathLike[str],
+    channels: Sequence[Sequence[str]] | None = None,
 ) -> None: ...

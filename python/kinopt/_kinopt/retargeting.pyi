@@ -19,11 +19,11 @@ class Capture:
         positions: ArrayLike,
         joints: list[str],
         fps: float,
-        up: str = "z",
+        up: str | None = None,
         bones: list[tuple[int, int]] | None = None,
     ) -> Capture: ...
     @staticmethod
-    def of_clip(clip: Clip, fps: float, up: str = "y") -> Capture: ...
+    def of_clip(clip: Clip, fps: float, up: str | None = None) -> Capture: ...
     @property
     def joints(self) -> list[str]: ...
     @property

@@ -39,11 +39,11 @@ def read_capture(
 ) -> Capture:
     """Creates a ``Capture`` of a motion.
 
-    ``source``: an array (T, J, 3) with the joints ``joints``, or those of a known ``skeleton`` ("cmu", "lafan1" or
-    "smpl") in its order; a ``MotionCapture``, a clip, or the path of a .npy, .bvh, .glb or .gltf file, with ``clip`` as
-    the name of one of its clips (None: the first). ``fps``: for an array its frame rate (None: 120), otherwise the
-    sampling rate (None: that of the file, 60 for clips). ``up``: the upward axis (None: z for arrays, y for animation
-    files).
+    ``source``: an array (T, J, 3) whose joints ``joints`` names, or those of a known ``skeleton`` ("cmu", "lafan1" or "smpl")
+    in its order; a ``MotionCapture``, a clip, or the path of a .npy, .bvh, .glb or .gltf file, of whose clips
+    ``clip`` names one (None: the first). ``fps``: of an array the frames a second that it has (None: 120), of
+    everything else those that are taken (None: the file's own, of clips 60). ``up``: the axis that points upward (None: the one
+    along which the body stands, from its ankles to its pelvis, else z of arrays and y of files of animation).
 
     Raises ``FileError`` and ``InvalidFileError`` for a file, ``UnknownNameError`` for an unknown clip or skeleton,
     ``InvalidValueError`` for other shapes, for no frames and for numbers that are not finite, with their frame and
@@ -52,9 +52,9 @@ def read_capture(
     if isinstance(source, Capture):
         return source
     if isinstance(source, MotionCapture):
-        return Capture.of_clip(source.clip, 1.0 / source.frame_time if fps is None else fps, up or "y")
+        return Capture.of_clip(source.clip, 1.0 / source.frame_time if fps is None else fps, up)
     if isinstance(source, Clip):
-        return Capture.of_clip(source, CLIP_FPS if fps is None else fps, up or "y")
+        return Capture.of_clip(source, CLIP_FPS if fps is None else fps, up)
     if isinstance(source, (str, os.PathLike)):
         path = Path(source)
         held = _held_by(path, clip)
@@ -65,7 +65,7 @@ def read_capture(
             raise type(error)(f"{path}: {error}") from None
     array: Any = np.asarray(source)
     names = list(joints) if joints is not None else _joints_of(array, skeleton)
-    return Capture(array, names, ARRAY_FPS if fps is None else fps, up or "z")
+    return Capture(array, names, ARRAY_FPS if fps is None else fps, up)
 
 
 def _held_by(path: Path, clip: str | None) -> Any:

@@ -6,6 +6,8 @@ mod meshes;
 
 use pyo3::prelude::*;
 
+pub(crate) use bvh::channels_of;
+
 /// Files of meshes, tables and motion.
 #[pymodule(submodule)]
 pub(crate) mod io {

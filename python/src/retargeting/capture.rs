@@ -7,7 +7,7 @@ use numpy::ndarray::Ix3;
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
-use super::{axis_name, up_axis};
+use super::up_axis;
 use crate::animation::Clip;
 use crate::arrays::{self, Numbers};
 use crate::error::{OrRaise, invalid};
@@ -15,8 +15,8 @@ use crate::pickling;
 
 /// Positions of a subject's named joints in capture frames at a fixed rate, in any unit of length.
 ///
-/// `positions` of shape (T, J, 3) are in the order of the names `joints`, at `fps` frames a second; `up` is the upward
-/// axis, "y" or "z". `bones` are optional pairs of joint indices, for drawing.
+/// `positions` of shape (T, J, 3) are of the joints that `joints` names in order, `fps` frames a second; `up` is the axis that
+/// points upward, "y" or "z"; None: the one along which the body stands, from its ankles to its pelvis, else z. `bones` are pairs of joints' numbers, where they are known; they are for drawing.
 ///
 /// Raises `InvalidValueError` for another shape, a duplicate name, and numbers that are not finite, with the frame and
 /// joint.
@@ -24,22 +24,42 @@ use crate::pickling;
 pub(crate) struct Capture {
     pub(super) inner: Arc<retarget::Capture>,
     pub(super) up: UpAxis,
+    /// Whether `up` was detected, and is not the usual axis of such captures.
+    pub(super) is_detected: bool,
     bones: Option<Vec<(usize, usize)>>,
+}
+
+impl Capture {
+    /// `usual` is the axis of captures that do not show it.
+    fn of(
+        inner: retarget::Capture,
+        up: Option<UpAxis>,
+        usual: UpAxis,
+        bones: Option<Vec<(usize, usize)>>,
+    ) -> Self {
+        let own = up.or_else(|| inner.up_axis()).unwrap_or(usual);
+        Self {
+            inner: Arc::new(inner),
+            up: own,
+            is_detected: up.is_none() && own != usual,
+            bones,
+        }
+    }
 }
 
 #[pymethods]
 impl Capture {
     #[new]
-    #[pyo3(signature = (positions, joints, fps, up = "z", bones = None))]
+    #[pyo3(signature = (positions, joints, fps, up = None, bones = None))]
     fn new(
         py: Python<'_>,
         positions: &Bound<'_, PyAny>,
         joints: Vec<String>,
         fps: f64,
-        up: &str,
+        up: Option<&str>,
         bones: Option<Vec<(usize, usize)>>,
     ) -> PyResult<Self> {
-        let up = up_axis(up)?;
+        let up = up.map(up_axis).transpose()?;
         let beyond = |&&(from, to): &&(usize, usize)| from.max(to) >= joints.len();
         if let Some((from, to)) = bones.iter().flatten().find(beyond) {
             return Err(invalid(format!(
@@ -59,30 +79,29 @@ impl Capture {
         }
         let numbers = &*numbers;
         let capture = py.detach(|| retarget::Capture::new(joints, numbers, fps));
-        Ok(Self {
-            inner: Arc::new(capture.or_raise()?),
-            up,
-            bones,
-        })
+        Ok(Self::of(capture.or_raise()?, up, UpAxis::Z, bones))
     }
 
-    /// Positions of a clip's bones, at `fps` frames a second from its start to its end.
+    /// What a clip's bones do, `fps` frames a second from its beginning to its end. `up` is as of `Capture`; where the body stands along
+    /// no axis it is y.
     ///
     /// Raises `InvalidValueError` for a rate that is not positive, and for a clip of a file without frames.
     #[staticmethod]
-    #[pyo3(signature = (clip, fps, up = "y"))]
-    fn of_clip(py: Python<'_>, clip: &Bound<'_, Clip>, fps: f64, up: &str) -> PyResult<Self> {
-        let up = up_axis(up)?;
+    #[pyo3(signature = (clip, fps, up = None))]
+    fn of_clip(
+        py: Python<'_>,
+        clip: &Bound<'_, Clip>,
+        fps: f64,
+        up: Option<&str>,
+    ) -> PyResult<Self> {
+        let up = up.map(up_axis).transpose()?;
         let clip = clip.get();
         let (bones, motion) = (&clip.armature, &clip.inner);
         let capture = py.detach(|| retarget::Capture::of_clip(bones, motion, fps));
         let ids = bones.bone_ids();
         let pairs = ids.filter_map(|bone| Some((bones.parent(bone)?.index(), bone.index())));
-        Ok(Self {
-            inner: Arc::new(capture.or_raise()?),
-            up,
-            bones: Some(pairs.collect()),
-        })
+        let pairs = Some(pairs.collect());
+        Ok(Self::of(capture.or_raise()?, up, UpAxis::Y, pairs))
     }
 
     /// Names of the joints.
@@ -100,7 +119,7 @@ impl Capture {
     /// Upward axis.
     #[getter]
     fn up(&self) -> &'static str {
-        axis_name(self.up)
+        self.up.name()
     }
 
     /// Pairs of joint indices that bones connect; None if unknown.

@@ -7,7 +7,7 @@ use kinopt::motion::retarget::{self, UpAxis};
 use numpy::ndarray::Ix2;
 use pyo3::prelude::*;
 
-use super::{axis_name, up_axis};
+use super::up_axis;
 use crate::animation::{Armature, Clip};
 use crate::arrays::{self, Numbers};
 use crate::capture::MotionCapture;
@@ -101,7 +101,7 @@ impl FigureTarget {
     /// Upward axis of the file.
     #[getter]
     fn up(&self) -> &'static str {
-        axis_name(self.inner.up())
+        self.inner.up().name()
     }
 
     /// A trajectory, configurations of shape (T, nq) at `fps` a second, as a clip of the armature, in the axes of the
@@ -129,7 +129,7 @@ impl FigureTarget {
         format!(
             "FigureTarget({} bones, {} upward)",
             self.armature.bones(),
-            axis_name(self.inner.up())
+            self.inner.up().name()
         ) + &format!(" of {} numbers", model.configuration_len())
     }
 

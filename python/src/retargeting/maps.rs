@@ -1,9 +1,8 @@
 //! Maps guessed from joint names.
 
-use kinopt::motion::retarget::{BodyMap, KnownSkeleton, MapGuess, UpAxis};
+use kinopt::motion::retarget::{BodyMap, KnownSkeleton, MapGuess};
 use pyo3::prelude::*;
 
-use super::axis_name;
 use super::capture::Capture;
 use super::question::{raised, read_map, target_of};
 use crate::error::OrRaise;
@@ -16,10 +15,15 @@ type Guessed = (
     Vec<String>,
 );
 
-fn guessed(mut guess: MapGuess, up: UpAxis) -> Guessed {
-    if let Some(along) = guess.up.filter(|along| *along != up) {
-        let (along, up) = (axis_name(along), axis_name(up));
+fn guessed(mut guess: MapGuess, capture: &Capture) -> Guessed {
+    let up = capture.up.name();
+    if let Some(along) = guess.up.filter(|along| *along != capture.up) {
+        let along = along.name();
         let note = format!("the body stands along {along}, but {up} is taken for upward");
+        guess.notes.push(note);
+    }
+    if capture.is_detected {
+        let note = format!("the body stands along {up}, which is taken for upward: up= sets it");
         guess.notes.push(note);
     }
     (guess.map.to_json(), guess.skeleton, guess.body, guess.notes)
@@ -33,9 +37,7 @@ pub(super) fn map_guessed(
 ) -> PyResult<Guessed> {
     let robot = target_of(target)?;
     let guess = BodyMap::guess(&capture.get().inner, robot.model());
-    guess
-        .or_raise()
-        .map(|guess| guessed(guess, capture.get().up))
+    guess.or_raise().map(|guess| guessed(guess, capture.get()))
 }
 
 /// The map of a known skeleton.
@@ -48,9 +50,7 @@ pub(super) fn map_of_skeleton(
     let robot = target_of(target)?;
     let skeleton = KnownSkeleton::named(skeleton).or_raise()?;
     let guess = BodyMap::from_skeleton(&skeleton, &capture.get().inner, robot.model());
-    guess
-        .or_raise()
-        .map(|guess| guessed(guess, capture.get().up))
+    guess.or_raise().map(|guess| guessed(guess, capture.get()))
 }
 
 /// Completes a map given in JSON: adds drives by name if it has none for the target, and returns notes.
@@ -66,7 +66,7 @@ pub(super) fn map_completed(
     let guess = map
         .completed(&capture.get().inner, robot.model())
         .map_err(raised)?;
-    let (map, .., notes) = guessed(guess, capture.get().up);
+    let (map, .., notes) = guessed(guess, capture.get());
     Ok((lacks.then_some(map), notes))
 }
 

@@ -34,10 +34,3 @@ fn up_axis(up: &str) -> PyResult<UpAxis> {
         other => Err(invalid(format!("up is {other:?}: \"y\" or \"z\""))),
     }
 }
-
-fn axis_name(axis: UpAxis) -> &'static str {
-    match axis {
-        UpAxis::Y => "y",
-        UpAxis::Z => "z",
-    }
-}

@@ -181,17 +181,11 @@ impl Robot {
         mimic_limits: &str,
         confine: bool,
     ) -> PyResult<Self> {
-        // Reads the file first, for errors with its line numbers: the merged text has others.
-        let text = match confine {
-            true => {
-                kinopt::robot::Robot::read_mjcf_confined(&path).or_raise()?;
-                kinopt::robot::mjcf_with_includes_confined(&path)
-            }
-            false => {
-                kinopt::robot::Robot::read_mjcf(&path).or_raise()?;
-                kinopt::robot::mjcf_with_includes(&path)
-            }
-        };
+        // Faults are told by the lines of the file, which the text of all files together has not.
+        let reader = kinopt::robot::Robot::mjcf_reader();
+        let reader = if confine { reader.confined() } else { reader };
+        reader.read(&path).or_raise()?;
+        let text = reader.text_with_includes(&path);
         Self::build(Source {
             text: text.or_raise()?.into(),
             file: path.display().to_string(),

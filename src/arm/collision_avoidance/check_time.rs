@@ -1,4 +1,4 @@
-//! Duration of collision checks, so that a query with a time limit begins none that it cannot finish.
+//! Time that a check of all pairs takes, which a query with a time limit keeps for its report. Other checks are cut short.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
@@ -8,16 +8,22 @@ use crate::arm::arm::Arm;
 use crate::arm::dispatch::Query;
 use crate::clock::Instant;
 
-/// Longest duration of recent collision checks, in nanoseconds.
+/// The time that is kept is at most this part of the time limit.
+const MOST_OF_LIMIT: u128 = 3;
+
+/// After as many checks a duration that was not reached again has shrunk to a third.
+const SLOWNESS: u64 = 64;
+
+/// Longest duration of recent checks of all pairs, nanoseconds.
 #[derive(Debug, Default)]
 pub(super) struct CheckTime(AtomicU64);
 
 impl CheckTime {
     /// Runs a check, and measures it if the arm has a time limit.
     pub(super) fn measured<T>(&self, arm: &Arm, check: impl FnOnce() -> T) -> T {
-        if arm.options.time_limit.is_none() {
+        let Some(limit) = arm.options.time_limit else {
             return check();
-        }
+        };
         let begun = Instant::now();
         let result = check();
         let took = Instant::now().duration_since(begun).as_nanos() as u64;
@@ -27,7 +33,10 @@ impl CheckTime {
             0 => took,
             before => took.min(before.saturating_mul(2)),
         };
-        let kept = took.max(before - before / 32);
+        let kept = took.max(before - before / SLOWNESS);
+        // On a busy machine checks seem to take long: a search has most of its time all the same.
+        let most = limit.as_nanos() / MOST_OF_LIMIT;
+        let kept = kept.min(u64::try_from(most).unwrap_or(u64::MAX));
         self.0.store(kept, Ordering::Relaxed);
         result
     }

@@ -14,6 +14,8 @@ use self::check_time::CheckTime;
 use super::arm::Arm;
 use super::workspace::ArmWorkspace;
 use super::{ArmError, QueryError, Reply};
+use crate::clock::Instant;
+use crate::clock::cut_short::until;
 use crate::collision::simd_spheres::{
     self, Body, BodyChain, Passed, SolidMoved, Solids, SphereWorkspaces,
 };
@@ -68,6 +70,8 @@ pub(super) struct CollisionWorkspace {
     targets: Vec<Placement<f64>>,
     /// Number of solutions of a query that may still be checked by shapes.
     by_shapes: usize,
+    /// Until when checks of solutions run: what is cut short counts as touching.
+    deadline: Option<Instant>,
 }
 
 impl Arm {
@@ -159,7 +163,7 @@ impl Arm {
     /// [`collisions`](Self::collisions), but empty for an arm without a checker.
     pub(crate) fn touching(&self, q: &[f64]) -> Result<Vec<Collision>, QueryError> {
         self.check_length("q", q.len(), self.joint_count())?;
-        self.check_finite(q)?;
+        self.check_finite("q", q)?;
         match &self.collisions {
             Some(kept) => kept.collisions(self, &mut kept.room(), q),
             None => Ok(Vec::new()),
@@ -175,7 +179,10 @@ impl Arm {
         self.with_workspace(|workspace| {
             // Taken out and put back, so that nothing is allocated.
             let mut taken = workspace.clear_room.take();
-            let out = run(workspace, taken.get_or_insert_with(|| kept.room()));
+            let room = taken.get_or_insert_with(|| kept.room());
+            room.deadline = None;
+            let out = run(workspace, room);
+            room.deadline = None;
             workspace.clear_room = taken;
             out
         })?
@@ -259,6 +266,7 @@ impl CollisionAvoidance {
             seeds: Vec::new(),
             targets: Vec::new(),
             by_shapes: 0,
+            deadline: None,
         }
     }
 
@@ -274,17 +282,23 @@ impl CollisionAvoidance {
         Ok(self.check_time.measured(arm, check)?)
     }
 
-    /// Distance of the worst pair at a configuration of the arm, metres; infinite if all pairs are free.
+    /// How far the two are apart that are worst at a configuration of the arm, metres; infinite where all pairs are free, and negative
+    /// infinity where the check was cut short.
     fn worst(&self, arm: &Arm, room: &mut CollisionWorkspace, q: &[f64]) -> Reply<f64> {
-        let pairs = self.collisions(arm, room, q)?;
-        Ok(pairs.first().map_or(f64::INFINITY, |pair| pair.distance))
+        arm.configuration(q, &mut room.q_model)?;
+        let check = || self.checker.collisions_with(&mut room.exact, &room.q_model);
+        let Some(pairs) = until(room.deadline, check) else {
+            return Ok(f64::NEG_INFINITY);
+        };
+        Ok(pairs?.first().map_or(f64::INFINITY, |pair| pair.distance))
     }
 
     /// Returns true if all pairs are far enough apart, by the exact check.
     fn is_free(&self, arm: &Arm, room: &mut CollisionWorkspace, q: &[f64]) -> Reply<bool> {
         arm.configuration(q, &mut room.q_model)?;
         let check = || self.checker.is_free(&mut room.exact, &room.q_model);
-        Ok(self.check_time.measured(arm, check)?)
+        let free = until(room.deadline, check);
+        Ok(free.transpose()?.unwrap_or(false))
     }
 
     /// Checks a configuration that is not free by spheres by its shapes. Returns false if the first check was exact
@@ -333,8 +347,7 @@ impl CollisionAvoidance {
             }
             return Ok(free);
         };
-        let check = || simd_spheres::near(&lanes.bodies, &lanes.solids, q, &mut room.rooms);
-        let near = self.check_time.measured(arm, check);
+        let near = simd_spheres::near(&lanes.bodies, &lanes.solids, q, &mut room.rooms);
         Ok(!near & ((1 << (q.len() / n)) - 1))
     }
 

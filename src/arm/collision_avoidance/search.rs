@@ -30,6 +30,7 @@ impl Arm {
         let plain = kept.with_time_to_check(query);
         let (mut found, mut errors) = self.answer_anywhere(&plain, solution)?;
         self.with_room(kept, |workspace, room| {
+            room.deadline = plain.deadline;
             let free = found.reached && kept.is_clear(self, room, &solution.q)?;
             if found.reached && !free {
                 workspace.x.copy_from_slice(&solution.q);
@@ -62,6 +63,10 @@ impl Arm {
         self.bound_moves(workspace, query.start);
         if kept.never_free {
             (found.reached, found.termination) = (false, Termination::Stationary);
+            return Ok(());
+        }
+        if kept.is_late(query, 1) {
+            (found.reached, found.termination) = (false, Termination::TimeLimit);
             return Ok(());
         }
         let before = (found.iterations, found.attempts);
@@ -217,6 +222,7 @@ impl Arm {
             starts: &seeds,
             search: simd_ik::Prefer::Start,
             attempts: simd_ik::Attempts::UpTo(1),
+            deadline: query.deadline,
             q: &mut workspace.found[begun * n..],
             outcomes: &mut workspace.outcomes[begun..],
         });
@@ -285,6 +291,7 @@ impl Arm {
         };
         let mut taken = workspace.clear_room.take();
         let room = taken.get_or_insert_with(|| kept.room());
+        room.deadline = query.deadline;
         let mut order = std::mem::take(&mut workspace.order);
         let mut free = Vec::with_capacity(order.len());
         let mut all = true;
@@ -297,6 +304,8 @@ impl Arm {
                 free.push((distance, place));
             }
         }
+        all &= !query.is_late();
+        room.deadline = None;
         workspace.order = free;
         workspace.clear_room = taken;
         Ok(all)

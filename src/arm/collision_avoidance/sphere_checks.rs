@@ -19,7 +19,7 @@ impl Arm {
     /// configuration that is not finite.
     pub fn clear_by_spheres(&self, q: &[f64], clear: &mut [bool]) -> Result<(), QueryError> {
         self.check_length("q", q.len(), self.joint_count() * clear.len())?;
-        self.check_finite(q)?;
+        self.check_finite("q", q)?;
         if !self.keeps_clear() {
             return Err(QueryError::NothingToKeepClearOf);
         }

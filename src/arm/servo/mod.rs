@@ -260,8 +260,8 @@ impl Servo<'_> {
         self.arm.check_length("the velocity", velocity.len(), n)?;
         self.arm
             .check_length("the acceleration", acceleration.len(), n)?;
-        self.arm.check_finite(velocity)?;
-        self.arm.check_finite(acceleration)?;
+        self.arm.check_finite("the velocity", velocity)?;
+        self.arm.check_finite("the acceleration", acceleration)?;
         let t = self.time_step;
         for i in 0..n {
             let limits = &self.limits[i];

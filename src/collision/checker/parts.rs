@@ -8,6 +8,7 @@ use super::placed_shapes::{PartShape, PlacedShapes, part_to_part};
 use super::scene_placements::SceneWorkspace;
 use super::sphere_cover::{Cover, PlacedCover};
 use super::touches::Touches;
+use crate::clock::cut_short::is_over;
 use crate::collision::dynamic_aabb_tree::ChangingTree;
 use crate::collision::model::Bodies;
 use crate::collision::world::Change;
@@ -182,9 +183,8 @@ impl Scene {
         pub(super) fn motion_bound(&self) -> &MotionBound = &self.motion_bound;
     }
 
-    /// Visits all checked pairs that are at most `within` metres apart, each with the separation of its closest shapes.
-    ///
-    /// The visit ends once `each` returns false.
+    /// Visits all pairs that are at most `within` apart, each by its shapes that are nearest, until told to stop or
+    /// [cut short](crate::clock::cut_short).
     pub(super) fn visit(
         &self,
         placements: &[Placement<f64>],
@@ -194,6 +194,9 @@ impl Scene {
     ) {
         self.begin(room);
         for part in 0..self.parts.len() {
+            if is_over() {
+                return;
+            }
             self.find_standing(part, placements, within, room);
             for (standing, separation) in &room.near {
                 if !each(Pair::Standing(part, *standing as usize), separation) {
@@ -202,6 +205,9 @@ impl Scene {
             }
         }
         for &pair in &*self.pairs {
+            if is_over() {
+                return;
+            }
             if let Some(separation) = self.apart(pair, placements, within, room)
                 && !each(Pair::Parts(pair[0], pair[1]), &separation)
             {
@@ -317,7 +323,10 @@ impl Scene {
             // The bound never decreases: the search visits all boxes that the ball meets.
             self.standing
                 .nearest((reach * reach).next_up(), apart, |index, bound| {
-                    // The leaves of the tree hold several obstacles.
+                    if is_over() {
+                        return f64::NEG_INFINITY;
+                    }
+                    // The leaves of the tree hold several.
                     let bounds = self.standing.bounds(index);
                     if bounds.squared_distance(at.centre) > reach * reach {
                         return bound;

@@ -132,21 +132,21 @@ impl<'r> CollisionModelBuilder<'r> {
         let Geometry::Mesh { file, scale } = &shape.geometry else {
             return Ok(vec![Shape::try_from(&shape.geometry).map_err(fault)?]);
         };
-        let path =
-            self.folders
-                .find(file)
-                .map_err(|looked_at| CollisionModelError::MeshNotFound {
-                    link: link.to_owned(),
-                    file: file.clone(),
-                    looked_at,
-                })?;
+        let not_found = |looked_at| CollisionModelError::MeshNotFound {
+            link: link.to_owned(),
+            file: file.clone(),
+            looked_at,
+        };
         let unreadable = |error: ReadError| CollisionModelError::Mesh {
             link: link.to_owned(),
             source: Box::new(error.without_contents()),
         };
         let path = match self.confined {
-            true => self.allowed().resolve(&path).map_err(unreadable)?,
-            false => path,
+            true => {
+                let found = self.folders.find_allowed(file, &self.allowed());
+                found.map_err(|error| error.map_or_else(not_found, unreadable))?
+            }
+            false => self.folders.find(file).map_err(not_found)?,
         };
         match meshes.shapes(&path, *scale, self.meshes) {
             Ok(shapes) => Ok(shapes.to_vec()),

@@ -8,6 +8,7 @@ use super::MotionCapture;
 use super::hierarchy::Joint;
 use super::lexer::Lexer;
 use super::motion::Motion;
+use super::note::BvhNote;
 use crate::animation::curve::KeyedCurve;
 use crate::animation::rotation::RotationCurve;
 use crate::animation::rotation::exponential::turn_about_exactly;
@@ -19,6 +20,7 @@ pub(super) fn capture(
     lexer: &Lexer,
     joints: Vec<Joint>,
     motion: Motion,
+    notes: Vec<BvhNote>,
 ) -> FromFile<MotionCapture> {
     let bones = joints.iter().map(|joint| ArmatureBone {
         name: joint.name.clone(),
@@ -38,7 +40,7 @@ pub(super) fn capture(
         frames: motion.frames,
         frame_time: motion.frame_time,
         channels: joints.into_iter().map(|joint| joint.channels).collect(),
-        notes: motion.surplus.into_iter().collect(),
+        notes,
     })
 }
 

@@ -37,6 +37,12 @@ impl BvhChannel {
         }
     }
 
+    /// The channel of a position along an axis or of a rotation about it; x is 0, y 1, z 2.
+    pub(super) fn of_axis(axis: usize, is_rotation: bool) -> Self {
+        let first = if is_rotation { 3 } else { 0 };
+        Self::ALL[first + axis.min(2)]
+    }
+
     /// Which axis it moves along or turns about: x is 0, y 1, z 2.
     #[must_use]
     pub fn axis(self) -> usize {
@@ -58,4 +64,23 @@ impl BvhChannel {
         let mut all = Self::ALL.into_iter();
         all.find(|channel| channel.name().eq_ignore_ascii_case(name))
     }
+}
+
+/// The first fault of a joint's channels: a channel twice, or more than three rotations. A rotation axis may come twice with
+/// another one between, as in proper Euler angles.
+pub(super) fn fault(channels: &[BvhChannel]) -> Option<String> {
+    let mut turns: Vec<BvhChannel> = Vec::new();
+    for (index, channel) in channels.iter().enumerate() {
+        let is_taken = if channel.is_rotation() {
+            let follows_itself = turns.last() == Some(channel);
+            turns.push(*channel);
+            follows_itself
+        } else {
+            channels[..index].contains(channel)
+        };
+        if is_taken {
+            return Some(format!("{} twice", channel.name()));
+        }
+    }
+    (turns.len() > 3).then(|| "more than three rotations".to_owned())
 }

@@ -35,6 +35,16 @@ pub enum BvhError {
         /// In which frame; `None` at rest.
         frame: Option<usize>,
     },
+    /// Channels that a reader rejects.
+    #[error(
+        "bone `{bone}` has {fault}; a joint has each position at most once and at most three rotations"
+    )]
+    Channels {
+        /// The bone.
+        bone: String,
+        /// The first fault.
+        fault: String,
+    },
     /// A rate that is none.
     #[error("{rate} frames a second: the rate must be more than 0, and finite")]
     Rate {

@@ -1,10 +1,11 @@
 //! The HIERARCHY of a BVH file: joints, where they hang, and what moves them.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 
 use super::LONGEST;
-use super::channel::BvhChannel;
+use super::channel::{self, BvhChannel};
 use super::lexer::{Lexer, Word};
+use super::note::BvhNote;
 use crate::io::FromFile;
 
 /// A joint or an End Site, in the order of the file: parents before children.
@@ -16,6 +17,10 @@ pub(super) struct Joint {
     pub(super) offset: [f64; 3],
     /// In the order of the file.
     pub(super) channels: Vec<BvhChannel>,
+    /// Line of the joint.
+    line: usize,
+    /// Number of an End Site among those of its joint, from 1.
+    end_site: Option<usize>,
 }
 
 /// A block whose brace is open.
@@ -29,8 +34,8 @@ struct Open {
     end_sites: usize,
 }
 
-/// Reads up to and with the word `MOTION`.
-pub(super) fn read(lexer: &mut Lexer) -> FromFile<Vec<Joint>> {
+/// Reads up to and with the word `MOTION`; with notes about joints that were renamed.
+pub(super) fn read(lexer: &mut Lexer) -> FromFile<(Vec<Joint>, Vec<BvhNote>)> {
     lexer.expect("HIERARCHY")?;
     let mut reader = Reader::default();
     loop {
@@ -39,7 +44,9 @@ pub(super) fn read(lexer: &mut Lexer) -> FromFile<Vec<Joint>> {
             match word {
                 Some(word) if word.is("ROOT") => reader.joint(lexer, word)?,
                 Some(word) if word.is("MOTION") && !reader.joints.is_empty() => {
-                    return Ok(reader.joints);
+                    let mut joints = reader.joints;
+                    let notes = name_apart(&mut joints);
+                    return Ok((joints, notes));
                 }
                 _ if reader.joints.is_empty() => return Err(lexer.unexpected("`ROOT`", word)),
                 _ => return Err(lexer.unexpected("`ROOT` or `MOTION`", word)),
@@ -86,8 +93,6 @@ struct Reader {
     joints: Vec<Joint>,
     /// The blocks that are open, from a root inwards.
     open: Vec<Open>,
-    /// On which line each name was given.
-    lines: BTreeMap<String, usize>,
 }
 
 impl Reader {
@@ -97,17 +102,14 @@ impl Reader {
             let problem = format!("expected a name after `{}`", keyword.text);
             return Err(lexer.error(keyword.line, problem));
         };
-        self.enter(lexer, keyword, name, false)
+        self.enter(lexer, keyword, name, None)
     }
 
     /// `End Site {`, whose first word was read.
     fn end_site(&mut self, lexer: &mut Lexer, keyword: Word) -> FromFile<()> {
         lexer.expect("Site")?;
-        let name = match self.open.last() {
-            Some(open) => end_site_name(&self.joints[open.joint].name, open.end_sites),
-            None => String::new(),
-        };
-        self.enter(lexer, keyword, name, true)
+        let number = self.open.last().map(|open| open.end_sites);
+        self.enter(lexer, keyword, String::new(), number)
     }
 
     fn enter(
@@ -115,17 +117,13 @@ impl Reader {
         lexer: &mut Lexer,
         keyword: Word,
         name: String,
-        is_end_site: bool,
+        end_site: Option<usize>,
     ) -> FromFile<()> {
         lexer.expect("{")?;
-        if let Some(first) = self.lines.insert(name.clone(), keyword.line) {
-            let problem = format!("the name `{name}` is taken by the joint on line {first}");
-            return Err(lexer.error(keyword.line, problem));
-        }
         let parent = self.open.last().map(|open| open.joint);
         self.open.push(Open {
             joint: self.joints.len(),
-            is_end_site,
+            is_end_site: end_site.is_some(),
             has_offset: false,
             has_channels: false,
             joints: 0,
@@ -136,9 +134,45 @@ impl Reader {
             parent,
             offset: [0.0; 3],
             channels: Vec::new(),
+            line: keyword.line,
+            end_site,
         });
         Ok(())
     }
+}
+
+/// Names End Sites after their joints, and gives joints whose name is taken another one. A name that only one joint has in the
+/// file stays.
+fn name_apart(joints: &mut [Joint]) -> Vec<BvhNote> {
+    let in_file: BTreeSet<String> = joints.iter().map(|joint| joint.name.clone()).collect();
+    let mut taken: BTreeSet<String> = BTreeSet::new();
+    let mut notes = Vec::new();
+    for index in 0..joints.len() {
+        let joint = &joints[index];
+        let parent = joint.parent.map(|parent| joints[parent].name.as_str());
+        let own = match (joint.end_site, parent) {
+            (Some(number), Some(parent)) => end_site_name(parent, number),
+            _ => joint.name.clone(),
+        };
+        let is_free = |name: &String| !taken.contains(name) && !in_file.contains(name);
+        let is_first = !taken.contains(&own) && (own == joint.name || is_free(&own));
+        let bone = match is_first {
+            true => own,
+            false => {
+                let mut others = (2..).map(|number: usize| format!("{own}_{number}"));
+                let bone = others.find(is_free).unwrap_or_default();
+                notes.push(BvhNote::Renamed {
+                    line: joint.line,
+                    name: own,
+                    bone: bone.clone(),
+                });
+                bone
+            }
+        };
+        taken.insert(bone.clone());
+        joints[index].name = bone;
+    }
+    notes
 }
 
 /// What the bone at a joint's End Site is called; `number` counts the joint's End Sites from 1.
@@ -179,7 +213,6 @@ fn channels(lexer: &mut Lexer, joint: &str) -> FromFile<Vec<BvhChannel>> {
         return Err(lexer.error(lexer.line(), problem));
     }
     let mut channels: Vec<BvhChannel> = Vec::new();
-    let mut turns: Vec<BvhChannel> = Vec::new();
     for _ in 0..number {
         let word = lexer.word();
         let named = word.and_then(|word| BvhChannel::of_name(word.text));
@@ -188,25 +221,10 @@ fn channels(lexer: &mut Lexer, joint: &str) -> FromFile<Vec<BvhChannel>> {
                             Zrotation";
             return Err(lexer.unexpected(expected, word));
         };
-        // Twice about one axis, with another turn between, is an order of Euler angles.
-        let is_taken = if channel.is_rotation() {
-            turns.last() == Some(&channel)
-        } else {
-            channels.contains(&channel)
-        };
-        if channel.is_rotation() {
-            turns.push(channel);
-        }
-        let name = channel.name();
-        if is_taken || turns.len() > 3 {
-            let problem = if is_taken {
-                format!("`{joint}` has {name} twice")
-            } else {
-                format!("`{joint}` has more than three rotations")
-            };
-            return Err(lexer.error(lexer.line(), problem));
-        }
         channels.push(channel);
+        if let Some(fault) = channel::fault(&channels) {
+            return Err(lexer.error(lexer.line(), format!("`{joint}` has {fault}")));
+        }
     }
     Ok(channels)
 }

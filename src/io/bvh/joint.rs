@@ -6,36 +6,30 @@
 
 use glam::{DQuat, DVec3, Quat, Vec3A};
 
+use super::angles::{Axes, STILL};
 use super::hierarchy::end_site_name;
-use super::{BvhError, LONGEST};
+use super::{BvhChannel, BvhError, BvhFormat, LONGEST, channel};
 use crate::animation::{Armature, LocalTransform, Pose, SizeMismatch};
 use crate::skeleton::BoneId;
 
-/// A bone that is off its rest by less, as a share of its offset or in radians, stays in its place:
-/// what blending in single precision makes of a bone that nothing moves.
-const STILL: f64 = 1e-6;
 /// A scale that is off one by less is rounding.
 const UNSCALED: f32 = 1e-5;
 
-/// What a bone is in a file.
+/// A bone as it is written.
 #[derive(Debug)]
 pub(super) struct Joint {
     pub(super) children: Vec<usize>,
-    pub(super) kind: Kind,
+    pub(super) is_end_site: bool,
     /// From the parent at rest.
     pub(super) offset: Vec3A,
+    /// Values of a frame, in the order of the file.
+    pub(super) channels: Vec<BvhChannel>,
+    /// Axes of the rotations among the channels.
+    pub(super) axes: Axes,
     /// A_p.
     parent_at_rest: DQuat,
     /// A_j.
     at_rest: DQuat,
-}
-
-/// What of a joint is in every frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
-    EndSite,
-    Turns,
-    TurnsAndMoves,
 }
 
 impl Joint {
@@ -49,15 +43,52 @@ impl Joint {
         let turn = self.parent_at_rest * local.rotation.as_dquat() * self.at_rest.conjugate();
         turn.normalize()
     }
+
+    /// Whether a position that has no channel leaves the offset.
+    fn lacks_position(
+        &self,
+        own: &[BvhChannel],
+        axis: usize,
+        mut locals: impl Iterator<Item = LocalTransform>,
+    ) -> bool {
+        let offset = self.offset.as_dvec3();
+        let leaves = |local: LocalTransform| {
+            let position = self.position(&local).as_dvec3();
+            (position[axis] - offset[axis]).abs() > STILL * offset.length()
+        };
+        !own.contains(&BvhChannel::of_axis(axis, false)) && locals.any(leaves)
+    }
+
+    /// Sets the given channels, after positions along other axes and before the rotations that complete them.
+    fn set_channels(&mut self, own: &[BvhChannel], positions: Vec<usize>, complete: bool) {
+        let turns = own.iter().filter(|channel| channel.is_rotation());
+        let given: Vec<usize> = turns.map(|channel| channel.axis()).collect();
+        let axes = Axes::new(&given);
+        self.axes = if complete { axes.completed() } else { axes };
+        let positions = positions.into_iter();
+        let added = self.axes.to_vec().into_iter().skip(given.len());
+        self.channels = positions
+            .map(|axis| BvhChannel::of_axis(axis, false))
+            .chain(own.iter().copied())
+            .chain(added.map(|axis| BvhChannel::of_axis(axis, true)))
+            .collect();
+    }
 }
 
-/// The bones as joints, by index, once it is known that a file can say what they and the poses are.
-pub(super) fn joints(armature: &Armature, poses: &[Pose]) -> Result<Vec<Joint>, BvhError> {
+/// The bones as joints, by index; an error if a file cannot hold the armature, the poses or the channels.
+pub(super) fn joints(
+    armature: &Armature,
+    poses: &[Pose],
+    format: &BvhFormat,
+) -> Result<Vec<Joint>, BvhError> {
     if armature.bones() == 0 {
         return Err(BvhError::NoBones);
     }
     for pose in poses {
         SizeMismatch::check("bones in a pose", pose.bones(), armature.bones())?;
+    }
+    if let Some(channels) = format.channels() {
+        SizeMismatch::check("lists of channels", channels.len(), armature.bones())?;
     }
     let mut joints: Vec<Joint> = Vec::with_capacity(armature.bones());
     let bones = (0..armature.bones()).filter_map(|index| armature.bone_at(index));
@@ -77,17 +108,38 @@ pub(super) fn joints(armature: &Armature, poses: &[Pose]) -> Result<Vec<Joint>, 
             }
             None => DQuat::IDENTITY,
         };
-        let moves = |pose: &Pose| is_moved(&rest, &pose.local_of(bone));
-        joints.push(Joint {
+        let mut joint = Joint {
             children: Vec::new(),
-            kind: match parent {
-                Some(_) if !poses.iter().any(moves) => Kind::Turns,
-                _ => Kind::TurnsAndMoves,
-            },
+            is_end_site: false,
             offset: turned(parent_at_rest, rest.translation),
+            channels: Vec::new(),
+            axes: Axes::new(&[]),
             parent_at_rest,
             at_rest: (parent_at_rest * rest.rotation.as_dquat()).normalize(),
-        });
+        };
+        let locals = poses.iter().map(|pose| pose.local_of(bone));
+        match format.channels().map(|all| all[bone.index()].as_slice()) {
+            None => {
+                let moves = parent.is_none() || locals.clone().any(|own| is_moved(&rest, &own));
+                joint.set_channels(&[], if moves { vec![0, 1, 2] } else { Vec::new() }, true);
+            }
+            Some(own) => {
+                if let Some(fault) = channel::fault(own) {
+                    let bone = name.clone();
+                    return Err(BvhError::Channels { bone, fault });
+                }
+                let missing =
+                    (0..3).filter(|axis| joint.lacks_position(own, *axis, locals.clone()));
+                let missing: Vec<usize> = missing.collect();
+                let axes = own.iter().filter(|channel| channel.is_rotation());
+                joint.axes = Axes::new(&axes.map(|channel| channel.axis()).collect::<Vec<_>>());
+                let reproduces =
+                    |local: LocalTransform| joint.axes.reproduce(joint.rotation(&local));
+                let is_complete = locals.clone().all(reproduces);
+                joint.set_channels(own, missing, !is_complete);
+            }
+        }
+        joints.push(joint);
     }
     let mut end_sites = vec![0; joints.len()];
     for bone in bones {
@@ -96,12 +148,18 @@ pub(super) fn joints(armature: &Armature, poses: &[Pose]) -> Result<Vec<Joint>, 
         };
         let names = armature.names();
         let own = end_site_name(&names[parent], end_sites[parent] + 1);
-        let rest = armature.rest().local_of(bone).rotation;
-        let turns = |pose: &Pose| is_turned(rest, pose.local_of(bone).rotation);
+        let rest = armature.rest().local_of(bone);
         let joint = &mut joints[bone.index()];
-        let is_still = joint.kind == Kind::Turns && !poses.iter().any(turns);
+        let is_still = match format.channels() {
+            Some(_) => joint.channels.is_empty(),
+            None => poses.iter().all(|pose| {
+                let local = pose.local_of(bone);
+                !is_moved(&rest, &local) && !is_turned(rest.rotation, local.rotation)
+            }),
+        };
         if own == names[bone.index()] && joint.children.is_empty() && is_still {
-            joint.kind = Kind::EndSite;
+            joint.is_end_site = true;
+            joint.channels.clear();
             end_sites[parent] += 1;
         }
     }

@@ -1,5 +1,8 @@
-//! The words of a BVH file and the lines they stand on.
+//! The words of a BVH file and their lines.
 
+use std::borrow::Cow;
+
+use super::note::BvhNote;
 use crate::io::{FromFile, Place, ReadError};
 
 /// A word longer than this is cut in messages.
@@ -30,28 +33,25 @@ impl Word<'_> {
 
 impl<'a> Lexer<'a> {
     /// `file` is for messages.
-    pub(super) fn new(bytes: &'a [u8], file: &'a str) -> FromFile<Self> {
-        let text = std::str::from_utf8(bytes).map_err(|error| {
-            let before = bytes.get(..error.valid_up_to()).unwrap_or(&[]);
-            let place = Place::Line(1 + line_ends(before));
-            ReadError::malformed(file, place, "is not UTF-8 text")
-        })?;
-        Ok(Self {
+    pub(super) fn new(text: &'a str, file: &'a str) -> Self {
+        Self {
             file,
             rest: text.strip_prefix('\u{feff}').unwrap_or(text),
             line: 1,
-        })
+        }
     }
 
     getters! {
         pub(super) fn file(&self) -> &'a str = self.file;
-        /// How many bytes are left.
+        /// Number of bytes left.
         pub(super) fn left(&self) -> usize = self.rest.len();
+        /// The text left.
+        pub(super) fn rest(&self) -> &'a str = self.rest;
         /// The line that the last word stands on.
         pub(super) fn line(&self) -> usize = self.line;
     }
 
-    fn skip_space(&mut self) {
+    pub(super) fn skip_space(&mut self) {
         let bytes = self.rest.as_bytes();
         let space = bytes.iter().position(|byte| !byte.is_ascii_whitespace());
         let (space, rest) = self.rest.split_at(space.unwrap_or(bytes.len()));
@@ -137,7 +137,23 @@ impl<'a> Lexer<'a> {
     }
 }
 
-/// How many lines end here: at a line feed, a carriage return, or both.
+/// The text of a file, of which bytes that are not UTF-8 are characters of Latin-1, with a note if there are any.
+pub(super) fn decode(bytes: &[u8]) -> (Cow<'_, str>, Option<BvhNote>) {
+    let error = match std::str::from_utf8(bytes) {
+        Ok(text) => return (text.into(), None),
+        Err(error) => error,
+    };
+    let before = bytes.get(..error.valid_up_to()).unwrap_or(&[]);
+    let line = 1 + line_ends(before);
+    let mut text = String::with_capacity(bytes.len());
+    for chunk in bytes.utf8_chunks() {
+        text.push_str(chunk.valid());
+        text.extend(chunk.invalid().iter().map(|byte| char::from(*byte)));
+    }
+    (text.into(), Some(BvhNote::Latin1 { line }))
+}
+
+/// Number of lines that end here: at a line feed, a carriage return, or both.
 fn line_ends(bytes: &[u8]) -> usize {
     let next = bytes.iter().skip(1).map(Some).chain([None]);
     let pairs = bytes.iter().zip(next);

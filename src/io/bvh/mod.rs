@@ -4,8 +4,8 @@
 //! ("Biovision BVH", CS 838, 1999). Where it is silent, or programs differ, files are read so:
 //!
 //! - **Joints** become bones of the same name, turned like their parents at rest, `OFFSET` away from
-//!   them. Offsets may be zero. There may be several `ROOT`s. A name may have spaces; one that is
-//!   used twice is an error, as nobody could say which of the two is meant.
+//!   them. Offsets may be zero. There may be several `ROOT`s. A name may have spaces. A name that is
+//!   taken gets a suffix, `_2` or the next free number, with a [note](BvhNote).
 //! - **End Sites** become bones as well, called `JOINT/tip` (more of one joint: `JOINT/tip/2`, …),
 //!   because the tips of fingers, toes and the head are what poses are judged and goals set by. They
 //!   never move in their joints.
@@ -23,7 +23,10 @@
 //!   round from one frame to the next.
 //! - **Frame k** is at k times the `Frame Time`, so a clip of n frames lasts n − 1 of them. One frame
 //!   is a pose that stays; without any frames all is at rest. Whole frames beyond those that `Frames:`
-//!   announces are left out, with a [note](BvhNote), as three.js and Assimp do; fewer are an error.
+//!   announces are left out, with a [note](BvhNote), as three.js and Assimp do.
+//! - **Truncated files** keep their whole frames, those with all their numbers, with a note. The last digits of the last number may
+//!   be missing. A file that announces frames and has no whole one is an error.
+//! - **Names** are UTF-8. Other bytes are characters of Latin-1, with a note.
 //! - The **unit of length** is the file's own: centimetres, inches and others occur, and no file says
 //!   which.
 //! - Keywords may be in capitals or not, numbers and braces on any lines.
@@ -32,6 +35,7 @@ mod angles;
 mod capture;
 mod channel;
 mod error;
+mod format;
 mod hierarchy;
 mod joint;
 mod lexer;
@@ -41,6 +45,7 @@ mod write;
 
 pub use channel::BvhChannel;
 pub use error::BvhError;
+pub use format::BvhFormat;
 pub use note::BvhNote;
 pub use write::{poses_to_text, to_text, write, write_poses};
 
@@ -69,7 +74,7 @@ pub struct MotionCapture {
     pub frame_time: f64,
     /// The channels of each bone in the order of the file; none for End Sites.
     pub channels: Vec<Vec<BvhChannel>>,
-    /// What reading left out.
+    /// Repairs made by the reader.
     pub notes: Vec<BvhNote>,
 }
 
@@ -119,15 +124,20 @@ impl MotionCapture {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
+/// Repairs are [notes](BvhNote): whole frames of a truncated file are read, joints whose name is taken are renamed, and bytes that
+/// are not UTF-8 are read as Latin-1.
+///
 /// # Errors
-/// A [`ReadError`] with the line: a word that is not the one expected there, a number that is not
-/// finite or missing, fewer frames than announced, a name used twice, a frame time that is not
-/// positive, frames too many to tell their times apart in single precision.
+/// A [`ReadError`] with the line: an unexpected word, a number that is missing or not finite, no whole frame although frames
+/// are announced, a frame time that is not positive, frames whose times are equal in single precision.
 pub fn from_bytes(bytes: &[u8], name: &str) -> Result<MotionCapture, ReadError> {
-    let mut lexer = Lexer::new(bytes, name)?;
-    let joints = hierarchy::read(&mut lexer)?;
-    let motion = motion::read(&mut lexer, &joints)?;
-    capture::capture(&lexer, joints, motion)
+    let (text, latin1) = lexer::decode(bytes);
+    let mut lexer = Lexer::new(&text, name);
+    let (joints, renamed) = hierarchy::read(&mut lexer)?;
+    let mut motion = motion::read(&mut lexer, &joints)?;
+    let notes = latin1.into_iter().chain(renamed);
+    let notes = notes.chain(motion.note.take()).collect();
+    capture::capture(&lexer, joints, motion, notes)
 }
 
 /// Reads a BVH file of at most 1 GiB.

@@ -5,10 +5,10 @@ use super::channel::BvhChannel;
 use super::hierarchy::Joint;
 use super::lexer::Lexer;
 use super::note::BvhNote;
-use crate::io::{FromFile, Place, ReadError};
+use crate::io::FromFile;
 
 /// The fewest bytes that a number takes: a digit and the white space before it.
-const TEXT_WIDTH: u128 = 2;
+const NUMBER_WIDTH: usize = 2;
 
 /// The numbers of all frames.
 #[derive(Debug)]
@@ -20,7 +20,7 @@ pub(super) struct Motion {
     pub(super) frame_time_line: usize,
     /// Frame by frame, the joints' channels in the order of the file. In degrees and the file's unit.
     pub(super) values: Vec<f64>,
-    pub(super) surplus: Option<BvhNote>,
+    pub(super) note: Option<BvhNote>,
 }
 
 /// Reads what follows the word `MOTION`, to the end of the file.
@@ -36,26 +36,66 @@ pub(super) fn read(lexer: &mut Lexer, joints: &[Joint]) -> FromFile<Motion> {
         let problem = format!("the frame time must be more than 0 s, not {frame_time}");
         return Err(lexer.error(frame_time_line, problem));
     }
-    let channels = joints.iter().map(|joint| joint.channels.len()).sum();
-    check_room(lexer, frames, frames_line, channels)?;
-    let mut values = Vec::with_capacity(frames * channels);
-    // Without channels there is nothing to read, however many frames there are.
-    let rows = if channels == 0 { 0 } else { frames };
-    for frame in 1..=rows {
-        for joint in joints {
-            for &channel in &joint.channels {
-                values.push(value(lexer, frame, joint, channel)?);
-            }
+    let channels: Vec<(&Joint, BvhChannel)> = joints
+        .iter()
+        .flat_map(|joint| joint.channels.iter().map(move |channel| (joint, *channel)))
+        .collect();
+    let (values, missing) = values(lexer, frames, &channels)?;
+    let width = channels.len();
+    let note = match missing {
+        Some(0) => {
+            let problem = format!(
+                "{frames} frames of {width} numbers are announced, but the file ends in the first"
+            );
+            return Err(lexer.error(frames_line, problem));
         }
-    }
-    let surplus = surplus(lexer, frames, channels)?;
+        Some(whole) => Some(BvhNote::MissingFrames {
+            line: lexer.line(),
+            announced: frames,
+            whole,
+        }),
+        None => surplus(lexer, frames, width)?,
+    };
     Ok(Motion {
-        frames,
+        frames: missing.unwrap_or(frames),
         frame_time,
         frame_time_line,
         values,
-        surplus,
+        note,
     })
+}
+
+/// The numbers of the announced frames; if the file ends before the last, those of its whole frames and how many these are.
+fn values(
+    lexer: &mut Lexer,
+    frames: usize,
+    channels: &[(&Joint, BvhChannel)],
+) -> FromFile<(Vec<f64>, Option<usize>)> {
+    let width = channels.len();
+    // Without channels there is nothing to read, however many frames there are.
+    let Some(room) = (lexer.left() / NUMBER_WIDTH).checked_div(width) else {
+        return Ok((Vec::new(), None));
+    };
+    let mut values = Vec::with_capacity(room.min(frames) * width);
+    for frame in 1..=frames {
+        let start = values.len();
+        for &(joint, channel) in channels {
+            if is_cut(lexer) {
+                lexer.skip_space();
+                values.truncate(start);
+                return Ok((values, Some(frame - 1)));
+            }
+            values.push(value(lexer, frame, joint, channel)?);
+        }
+    }
+    Ok((values, None))
+}
+
+/// Whether the file ends before the next number, or after a part of it that is none.
+fn is_cut(lexer: &Lexer) -> bool {
+    let rest = lexer.rest().trim_ascii_start();
+    let is_of_number = |byte: u8| byte.is_ascii_digit() || b"+-.eE".contains(&byte);
+    rest.is_empty() || rest.bytes().all(is_of_number) && rest.parse::<f64>().is_err()
 }
 
 /// What is there after the frames announced: nothing, or whole frames more.
@@ -81,18 +121,6 @@ fn surplus(lexer: &mut Lexer, announced: usize, channels: usize) -> FromFile<Opt
         announced,
         surplus: numbers / channels,
     }))
-}
-
-/// Whether the numbers announced can be in the rest of the file.
-fn check_room(lexer: &Lexer, frames: usize, line: usize, channels: usize) -> FromFile<()> {
-    let needed = TEXT_WIDTH * frames as u128 * channels as u128;
-    let available = lexer.left();
-    if needed <= available as u128 {
-        return Ok(());
-    }
-    let what = format!("{frames} frames of {channels} numbers");
-    let (file, place) = (lexer.file(), Place::Line(line));
-    Err(ReadError::truncated(file, place, what, needed, available))
 }
 
 fn value(lexer: &mut Lexer, frame: usize, joint: &Joint, channel: BvhChannel) -> FromFile<f64> {

@@ -5,9 +5,8 @@ use std::path::Path;
 
 use glam::Vec3A;
 
-use super::angles::{self, ORDER};
-use super::joint::{self, Joint, Kind};
-use super::{BvhChannel, BvhError};
+use super::joint::{self, Joint};
+use super::{BvhError, BvhFormat, MotionCapture};
 use crate::animation::{Armature, Clip, Cursor, Playback, Pose};
 use crate::io::write_file;
 
@@ -17,19 +16,24 @@ const MOST_FRAMES: f64 = 16_777_216.0;
 /// precision.
 const ROUNDING: f64 = 1e-3;
 
-/// A clip as BVH text, `rate` frames a second from its start to its end; what is left after the last
-/// whole frame is not written.
+/// A clip as BVH text, from its start to its last whole frame. `format` is the number of frames a second, or a
+/// [`BvhFormat`].
 ///
-/// See [`poses_to_text`] for how.
+/// [`poses_to_text`] describes the text.
 ///
 /// # Errors
 /// As [`poses_to_text`], and when the clip is of another armature's size or has too many frames.
-pub fn to_text(armature: &Armature, clip: &Clip, rate: f64) -> Result<String, BvhError> {
-    poses_to_text(armature, &sample(armature, clip, rate)?, rate)
+pub fn to_text<'a>(
+    armature: &Armature,
+    clip: &Clip,
+    format: impl Into<BvhFormat<'a>>,
+) -> Result<String, BvhError> {
+    let format = format.into();
+    poses_to_text(armature, &sample(armature, clip, &format)?, format)
 }
 
-/// Poses as BVH text, `rate` of them a second: what became of a clip by blending, layers or inverse
-/// kinematics.
+/// Poses as BVH text, for example the results of blending, layers or inverse kinematics. `format` is the number of frames a
+/// second, or a [`BvhFormat`].
 ///
 /// - A bone becomes a `JOINT` (without a parent, a `ROOT`) where the bone's tail is. Angles are
 ///   counted from the rest pose along the model's own axes, as the format has no other, so bones that
@@ -37,6 +41,8 @@ pub fn to_text(armature: &Armature, clip: &Clip, rate: f64) -> Result<String, Bv
 /// - Rotations are `Zrotation Xrotation Yrotation` to a millionth of a degree, and run on from frame
 ///   to frame without leaps of whole turns. Roots have positions, and so has any bone that leaves its
 ///   place in its parent by more than a millionth of its offset.
+/// - A format with [channels](BvhFormat::with_channels) keeps their order. A bone that its channels cannot pose gets the
+///   missing positions before them and the missing rotations after them. No End Site is added.
 /// - A bone at a tip, as [`from_bytes`](super::from_bytes) names them, becomes an `End Site` unless
 ///   something moves it. Any other bone on which nothing hangs gets one of no length, as programs
 ///   look for one on each branch; read back, it is a bone more.
@@ -46,14 +52,21 @@ pub fn to_text(armature: &Armature, clip: &Clip, rate: f64) -> Result<String, Bv
 /// # Errors
 /// A [`BvhError`]: no bones, a name the format cannot say, a scaled bone, poses of another armature's
 /// size, a rate that is not positive.
-pub fn poses_to_text(armature: &Armature, poses: &[Pose], rate: f64) -> Result<String, BvhError> {
-    let frame_time = frame_time(rate)?;
+pub fn poses_to_text<'a>(
+    armature: &Armature,
+    poses: &[Pose],
+    format: impl Into<BvhFormat<'a>>,
+) -> Result<String, BvhError> {
+    let format = format.into();
+    format.check()?;
+    let frame_time = format.frame_time();
     if !((frame_time * poses.len() as f64) as f32).is_finite() {
-        return Err(BvhError::Rate { rate });
+        return Err(format.rate_error());
     }
-    let joints = joint::joints(armature, poses)?;
+    let joints = joint::joints(armature, poses, &format)?;
     let mut text = String::from("HIERARCHY\n");
-    let order = hierarchy(armature, &joints, &mut text);
+    let adds_end_sites = format.channels().is_none();
+    let order = hierarchy(armature, &joints, adds_end_sites, &mut text);
     // Writing to a String cannot fail, so here and below the results carry nothing.
     let _ = writeln!(text, "MOTION\nFrames: {}", poses.len());
     let _ = writeln!(text, "Frame Time: {frame_time}");
@@ -64,13 +77,18 @@ pub fn poses_to_text(armature: &Armature, poses: &[Pose], rate: f64) -> Result<S
                 continue;
             };
             let local = pose.local_of(bone);
-            if joint.kind == Kind::TurnsAndMoves {
-                let _ = write!(text, "{} ", numbers(joint.position(&local)));
-            }
-            let angles = angles::nearest(joint.rotation(&local), before[index]);
+            let position = joint.position(&local);
+            let angles = joint.axes.nearest(joint.rotation(&local), before[index]);
             before[index] = angles;
-            let [z, x, y] = angles.map(f64::to_degrees);
-            let _ = write!(text, "{z:.6} {x:.6} {y:.6} ");
+            let mut angles = angles.into_iter();
+            for channel in &joint.channels {
+                let _ = if channel.is_rotation() {
+                    let degrees = angles.next().unwrap_or_default().to_degrees();
+                    write!(text, "{degrees:.6} ")
+                } else {
+                    write!(text, "{} ", number(position[channel.axis()]))
+                };
+            }
         }
         text.pop();
         text.push('\n');
@@ -82,13 +100,13 @@ pub fn poses_to_text(armature: &Armature, poses: &[Pose], rate: f64) -> Result<S
 ///
 /// # Errors
 /// As [`to_text`], and when the file cannot be written.
-pub fn write(
+pub fn write<'a>(
     armature: &Armature,
     clip: &Clip,
-    rate: f64,
+    format: impl Into<BvhFormat<'a>>,
     path: impl AsRef<Path>,
 ) -> Result<(), BvhError> {
-    let text = to_text(armature, clip, rate)?;
+    let text = to_text(armature, clip, format)?;
     Ok(write_file(path.as_ref(), text.as_bytes())?)
 }
 
@@ -96,28 +114,47 @@ pub fn write(
 ///
 /// # Errors
 /// As [`poses_to_text`], and when the file cannot be written.
-pub fn write_poses(
+pub fn write_poses<'a>(
     armature: &Armature,
     poses: &[Pose],
-    rate: f64,
+    format: impl Into<BvhFormat<'a>>,
     path: impl AsRef<Path>,
 ) -> Result<(), BvhError> {
-    let text = poses_to_text(armature, poses, rate)?;
+    let text = poses_to_text(armature, poses, format)?;
     Ok(write_file(path.as_ref(), text.as_bytes())?)
 }
 
-fn frame_time(rate: f64) -> Result<f64, BvhError> {
-    let frame_time = 1.0 / rate;
-    if frame_time as f32 > 0.0 && (frame_time as f32).is_finite() {
-        Ok(frame_time)
-    } else {
-        Err(BvhError::Rate { rate })
+impl MotionCapture {
+    /// Frame time and channels of the capture, for [`poses_to_text`] and its siblings.
+    #[must_use]
+    pub fn format(&self) -> BvhFormat<'_> {
+        BvhFormat::of_frame_time(self.frame_time).with_channels(&self.channels)
+    }
+
+    /// The capture as BVH text, with its own channels, frames and frame time.
+    ///
+    /// # Errors
+    /// As [`poses_to_text`].
+    pub fn to_text(&self) -> Result<String, BvhError> {
+        to_text(&self.armature, &self.clip, self.format())
+    }
+
+    /// Writes [`to_text`](Self::to_text) to a file.
+    ///
+    /// # Errors
+    /// As [`to_text`](Self::to_text), and when the file cannot be written.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), BvhError> {
+        Ok(write_file(path.as_ref(), self.to_text()?.as_bytes())?)
     }
 }
 
-fn sample(armature: &Armature, clip: &Clip, rate: f64) -> Result<Vec<Pose>, BvhError> {
-    let frame_time = frame_time(rate)?;
+fn sample(armature: &Armature, clip: &Clip, format: &BvhFormat) -> Result<Vec<Pose>, BvhError> {
+    format.check()?;
+    if clip.is_empty() {
+        return Ok(Vec::new());
+    }
     let duration = clip.duration();
+    let (rate, frame_time) = (format.rate(), format.frame_time());
     let last = (duration * rate + ROUNDING).floor();
     if last >= MOST_FRAMES {
         let most = MOST_FRAMES as usize;
@@ -130,7 +167,8 @@ fn sample(armature: &Armature, clip: &Clip, rate: f64) -> Result<Vec<Pose>, BvhE
     let mut cursor = Cursor::new();
     let frames = (0..=last as usize).map(|frame| {
         let mut pose = armature.rest().clone();
-        let time = clip.start() + frame as f64 * frame_time;
+        // Key times are in single precision.
+        let time = f64::from((clip.start() + frame as f64 * frame_time) as f32);
         clip.sample(time, Playback::Hold, &mut cursor, &mut pose)?;
         Ok(pose)
     });
@@ -138,7 +176,12 @@ fn sample(armature: &Armature, clip: &Clip, rate: f64) -> Result<Vec<Pose>, BvhE
 }
 
 /// Writes the joints, children inside their parents. The order in which those with channels come.
-fn hierarchy(armature: &Armature, joints: &[Joint], text: &mut String) -> Vec<usize> {
+fn hierarchy(
+    armature: &Armature,
+    joints: &[Joint],
+    adds_end_sites: bool,
+    text: &mut String,
+) -> Vec<usize> {
     enum Step {
         Open(usize),
         Close,
@@ -158,13 +201,14 @@ fn hierarchy(armature: &Armature, joints: &[Joint], text: &mut String) -> Vec<us
         let indent = "\t".repeat(depth);
         let Joint {
             children,
-            kind,
+            is_end_site,
             offset,
+            channels,
             ..
         } = &joints[index];
         let name = &armature.names()[index];
-        let _ = match (kind, depth) {
-            (Kind::EndSite, _) => writeln!(text, "{indent}End Site"),
+        let _ = match (is_end_site, depth) {
+            (true, _) => writeln!(text, "{indent}End Site"),
             (_, 0) => writeln!(text, "{indent}ROOT {name}"),
             _ => writeln!(text, "{indent}JOINT {name}"),
         };
@@ -172,17 +216,16 @@ fn hierarchy(armature: &Armature, joints: &[Joint], text: &mut String) -> Vec<us
         depth += 1;
         steps.push(Step::Close);
         steps.extend(children.iter().rev().map(|&child| Step::Open(child)));
-        if *kind == Kind::EndSite {
+        if *is_end_site {
             continue;
         }
         order.push(index);
-        let channels = channels(*kind);
         let _ = write!(text, "{indent}\tCHANNELS {}", channels.len());
         for channel in channels {
             let _ = write!(text, " {}", channel.name());
         }
         text.push('\n');
-        if children.is_empty() {
+        if children.is_empty() && adds_end_sites {
             let zero = numbers(Vec3A::ZERO);
             let _ = writeln!(
                 text,
@@ -193,19 +236,13 @@ fn hierarchy(armature: &Armature, joints: &[Joint], text: &mut String) -> Vec<us
     order
 }
 
-fn channels(kind: Kind) -> Vec<BvhChannel> {
-    let [x, y, z, rotations @ ..] = BvhChannel::ALL;
-    let mut channels = match kind {
-        Kind::TurnsAndMoves => vec![x, y, z],
-        Kind::Turns | Kind::EndSite => Vec::new(),
-    };
-    channels.extend(ORDER.axes().map(|axis| rotations[axis]));
-    channels
+/// Three numbers that are read back exactly.
+fn numbers(vector: Vec3A) -> String {
+    let [x, y, z] = vector.to_array().map(number);
+    format!("{x} {y} {z}")
 }
 
-/// With as many digits as it takes to read the same numbers back.
-fn numbers(vector: Vec3A) -> String {
-    // Adding zero turns −0 into 0.
-    let [x, y, z] = (vector + Vec3A::ZERO).to_array();
-    format!("{x} {y} {z}")
+/// A number without the sign of a zero.
+fn number(number: f32) -> f32 {
+    number + 0.0
 }

@@ -48,7 +48,16 @@ pub enum UpAxis {
 }
 
 impl UpAxis {
-    /// Returns the rotation that turns this axis into z: by 90° about x, or the identity.
+    /// Name of the axis: "y" or "z".
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Y => "y",
+            Self::Z => "z",
+        }
+    }
+
+    /// The turn that stands up along z what stands up along this axis: by a quarter about x, or none.
     #[must_use]
     pub fn turned_to_z(self) -> Matrix3<f64> {
         let [x, y, z] = Vector3::UNITS.map(|axis| self.upright(axis));
@@ -271,11 +280,7 @@ impl BodyMap {
             parts.push(format!("\"fps\": {}", text(Value::from(rate))));
         }
         if let Some(up) = self.up {
-            let axis = match up {
-                UpAxis::Y => "y",
-                UpAxis::Z => "z",
-            };
-            parts.push(format!("\"up\": \"{axis}\""));
+            parts.push(format!("\"up\": \"{}\"", up.name()));
         }
         let drives = self.drives.iter().map(|drive| {
             let joint = text(Value::from(drive.joint.clone()));

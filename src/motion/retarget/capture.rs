@@ -18,6 +18,8 @@ pub struct Capture {
     names: Vec<String>,
     /// Positions, frame by frame, joint by joint.
     places: Vec<Vector3<f64>>,
+    /// Joint after joint, if the capture is of a clip.
+    rest: Option<Vec<Vector3<f64>>>,
     frame_rate: f64,
 }
 
@@ -64,6 +66,7 @@ impl Capture {
         Ok(Self {
             places: places.map(|at| Vector3::new(at[0], at[1], at[2])).collect(),
             names,
+            rest: None,
             frame_rate,
         })
     }
@@ -92,6 +95,9 @@ impl Capture {
         let frames = steps as usize + 1;
         let mut pose = armature.rest().clone();
         let mut placed = vec![glam::Affine3A::IDENTITY; armature.bones()];
+        let origin = |placed: &glam::Affine3A| placed.translation.to_array().map(f64::from);
+        let is_placed = armature.local_to_model(&pose, &mut placed).is_ok();
+        let rest = is_placed.then(|| placed.iter().map(|at| origin(at).into()).collect());
         let mut cursor = Cursor::new();
         let mut numbers = Vec::with_capacity(3 * frames * armature.bones());
         for frame in 0..frames {
@@ -101,10 +107,10 @@ impl Capture {
             if sampled.is_err() || located.is_err() {
                 return Err(RetargetError::NoFrames);
             }
-            let origins = placed.iter().map(|placed| placed.translation);
-            numbers.extend(origins.flat_map(|at| at.to_array().map(f64::from)));
+            numbers.extend(placed.iter().flat_map(origin));
         }
-        Self::new(armature.names().to_vec(), &numbers, frame_rate)
+        let capture = Self::new(armature.names().to_vec(), &numbers, frame_rate)?;
+        Ok(Self { rest, ..capture })
     }
 
     getters! {
@@ -131,7 +137,12 @@ impl Capture {
         })
     }
 
-    /// Returns the positions of all joints in a capture frame.
+    /// Positions of all joints in the rest pose of the clip that was captured.
+    pub(super) fn rest(&self) -> Option<&[Vector3<f64>]> {
+        self.rest.as_deref()
+    }
+
+    /// Where all joints are in a frame.
     #[must_use]
     pub fn frame(&self, frame: usize) -> Option<&[Vector3<f64>]> {
         let n = self.names.len();

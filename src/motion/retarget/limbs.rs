@@ -2,9 +2,9 @@
 
 use super::limb_lengths::{capture_places, lengths, model_places, quantile, rest_length};
 use super::limb_tree::{hips, leg_limbs, moving_joint, order};
-use super::map_guess::upward;
 use super::pelvis_heading::HipLine;
-use super::sole::{Sole, soles};
+use super::sole::{Sole, ends_on_ground, soles};
+use super::up_detection::upward;
 use super::{BodyMap, Capture, FootShapes, RetargetError, UpAxis};
 use crate::kinematics::{ForwardKinematics, KinematicsError};
 use crate::model::{FrameId, Model, UnknownName};
@@ -114,7 +114,7 @@ impl Limbs {
             .iter()
             .map(|limb| placed[limb.frame.index()].apply(limb.offset));
         let stood: Vec<_> = stood.collect();
-        put_heels_on_feet(model, &mut all, placed);
+        put_heels_on_feet(model, &mut all, shapes, placed);
         let soles = soles(model, &all, shapes, placed);
         let ground = ground_of_stance(&soles, &stood, placed);
         for (limb, at) in all.iter_mut().zip(&stood) {
@@ -223,16 +223,22 @@ fn ground_of_stance(soles: &[Sole], stood: &[Vector3<f64>], placed: &[Placement<
     }
 }
 
-/// Moves the contact points of ankles to the frame of the foot if a toe beyond them makes contact too.
-///
-/// Ankle frames often belong to the shin, which would have to stay fixed otherwise.
-fn put_heels_on_feet(model: &Model, all: &mut [Limb], placed: &[Placement<f64>]) {
+/// Where an ankle stands and so does what is beyond it, a toe, the foot stands: so the ankle's point is taken for one of the
+/// foot, where it is in a configuration. Ankles' frames are often on the shin, which would have to stand still as well. An ankle
+/// whose body has the heel stays.
+fn put_heels_on_feet(
+    model: &Model,
+    all: &mut [Limb],
+    shapes: &FootShapes,
+    placed: &[Placement<f64>],
+) {
     for ankle in 0..all.len() {
         let beyond = |toe: &&Limb| {
             let moving = [&all[ankle], *toe].map(|limb| moving_joint(model, limb.frame));
             toe.parent == Some(ankle) && toe.stands && moving[0] != moving[1]
         };
         let foot = all.iter().find(beyond).map(|toe| toe.frame);
+        let foot = foot.filter(|_| !ends_on_ground(model, &all[ankle], shapes, placed));
         let limb = &mut all[ankle];
         if let Some(foot) = foot.filter(|_| limb.stands) {
             let at = placed[limb.frame.index()].apply(limb.offset);

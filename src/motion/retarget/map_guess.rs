@@ -7,6 +7,7 @@ use super::known_maps::KnownBody;
 use super::limb_tree::moving_joint;
 use super::part_names::{parts_of, parts_where};
 use super::proportions::Proportions;
+use super::up_detection::stands_along;
 use super::{BodyMap, BodyPart, Capture, Drive, KnownSkeleton, RetargetError, UpAxis};
 use crate::kinematics::ForwardKinematics;
 use crate::model::Model;
@@ -16,8 +17,6 @@ use crate::spatial::Vector3;
 const FEWEST: usize = 3;
 /// Distance below which two frames coincide, relative to the model's reach.
 const NEAR: f64 = 0.01;
-/// Ratio of components above which a direction counts as an axis.
-const SURELY: f64 = 2.0;
 
 /// Guessed map, with its sources.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,8 +34,10 @@ pub struct MapGuess {
     pub notes: Vec<String>,
 }
 
-/// Returns the joints of a capture by body part, and the matching built-in skeleton.
-fn parts_of_capture(capture: &Capture) -> (BTreeMap<BodyPart, usize>, Option<&'static str>) {
+/// The joints of a capture that are parts of a body by their names, and the known skeleton that they are of.
+pub(super) fn parts_of_capture(
+    capture: &Capture,
+) -> (BTreeMap<BodyPart, usize>, Option<&'static str>) {
     let known = KnownSkeleton::of_joints(capture.names());
     let skeleton = known.as_ref().map(KnownSkeleton::name);
     let parts = match known.and_then(|known| known.parts_in(capture.names())) {
@@ -223,30 +224,7 @@ fn apart(
     Ok(parts)
 }
 
-/// Returns the axis along which the pelvis is above the ankles, on average.
-fn stands_along(capture: &Capture, joints: &BTreeMap<BodyPart, usize>) -> Option<UpAxis> {
-    let pelvis = *joints.get(&BodyPart::Pelvis)?;
-    let ankles = [BodyPart::LeftAnkle, BodyPart::RightAnkle];
-    let [left, right] = ankles.map(|ankle| joints.get(&ankle).copied());
-    let (left, right) = (left?, right?);
-    let frames = (0..capture.frames()).filter_map(|frame| capture.frame(frame));
-    let above = frames.fold(Vector3::zero(), |sum: Vector3<f64>, at| {
-        sum + (at[pelvis] - (at[left] + at[right]) * 0.5)
-    });
-    upward(above)
-}
-
-/// Returns the dominant axis of a direction, y or z, if there is one.
-pub(super) fn upward(above: Vector3<f64>) -> Option<UpAxis> {
-    let [x, y, z] = above.to_array().map(f64::abs);
-    match () {
-        () if y > SURELY * x.max(z) => Some(UpAxis::Y),
-        () if z > SURELY * x.max(y) => Some(UpAxis::Z),
-        () => None,
-    }
-}
-
-/// Returns the first names of a list, for messages.
+/// The first of many names, for a message.
 fn some_of<'a>(names: impl Iterator<Item = &'a str>) -> String {
     const LISTED: usize = 12;
     let all: Vec<&str> = names.collect();

@@ -39,6 +39,7 @@ mod retargeting;
 mod sole;
 mod switchable_residual;
 mod unit;
+mod up_detection;
 mod whole_movement;
 
 pub use super::ContactDetection;

@@ -11,6 +11,9 @@ use crate::spatial::{Placement, Vector3};
 const AROUND: usize = 8;
 const LEANING: [f64; 2] = [0.5, 1.1];
 
+/// A body whose lowest point is over that of its foot by less than this share of the limb's height is a part of the sole.
+const NEAR_GROUND: f64 = 0.25;
+
 /// A foot with a shape, in the axes of a frame that is fixed to it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Sole {
@@ -36,6 +39,51 @@ impl Sole {
     }
 }
 
+/// The bodies that a limb stands on in a configuration: the lowest at its end or beyond it, as an ankle's frame may be of no foot
+/// yet, and those nearly as low, as the heel and the toes of a foot with a joint between them. Each by the frame of its lowest ball.
+fn bodies_below(
+    model: &Model,
+    limb: &Limb,
+    shapes: &FootShapes,
+    placed: &[Placement<f64>],
+) -> Vec<FrameId> {
+    let moving = |frame: FrameId| moving_joint(model, frame);
+    let Some(own) = moving(limb.frame) else {
+        return Vec::new();
+    };
+    let height = |ball: &Ball| ball.height(&placed[ball.frame.index()]);
+    let beyond = |ball: &&Ball| joints_above(model, ball.frame).contains(&own);
+    let mut balls: Vec<&Ball> = shapes.balls.iter().filter(beyond).collect();
+    balls.sort_by(|a, b| height(a).total_cmp(&height(b)));
+    let Some(ground) = balls.first().map(|lowest| height(lowest)) else {
+        return Vec::new();
+    };
+    let end = placed[limb.frame.index()].apply(limb.offset);
+    let highest = ground + (NEAR_GROUND * (end.z - ground)).max(0.0);
+    let mut bodies: Vec<FrameId> = Vec::new();
+    for ball in balls.into_iter().take_while(|ball| height(ball) <= highest) {
+        if bodies
+            .iter()
+            .all(|frame| moving(*frame) != moving(ball.frame))
+        {
+            bodies.push(ball.frame);
+        }
+    }
+    bodies
+}
+
+/// Whether a limb ends on a body that stands on the ground, as an ankle does on a foot whose toes have a joint.
+pub(super) fn ends_on_ground(
+    model: &Model,
+    limb: &Limb,
+    shapes: &FootShapes,
+    placed: &[Placement<f64>],
+) -> bool {
+    let own = moving_joint(model, limb.frame);
+    let mut bodies = bodies_below(model, limb, shapes, placed).into_iter();
+    bodies.any(|frame| moving_joint(model, frame) == own)
+}
+
 /// The soles of all that stands and has a shape, where the body is in a configuration.
 pub(super) fn soles(
     model: &Model,
@@ -44,16 +92,11 @@ pub(super) fn soles(
     placed: &[Placement<f64>],
 ) -> Vec<Sole> {
     let moving = |frame: FrameId| moving_joint(model, frame);
-    let height = |ball: &Ball| ball.height(&placed[ball.frame.index()]);
-    // What a limb stands on: the lowest at its end or beyond it, as an ankle's frame may be of no foot yet.
     let standing = all.iter().enumerate().filter(|(_, limb)| limb.stands);
-    let standing = standing.filter_map(|(k, limb)| {
-        let own = moving(limb.frame)?;
-        let beyond = |ball: &&Ball| joints_above(model, ball.frame).contains(&own);
-        let balls = shapes.balls.iter().filter(beyond);
-        let lowest = balls.min_by(|a, b| height(a).total_cmp(&height(b)))?;
+    let standing = standing.flat_map(|(k, limb)| {
         let at = placed[limb.frame.index()].apply(limb.offset);
-        Some((lowest.frame, Standing { limb: k, at }))
+        let bodies = bodies_below(model, limb, shapes, placed).into_iter();
+        bodies.map(move |frame| (frame, Standing { limb: k, at }))
     });
     let mut feet: Vec<(FrameId, Vec<Standing>)> = Vec::new();
     for (frame, own) in standing {

@@ -26,4 +26,4 @@ mod solid;
 mod tree;
 mod weights;
 
-pub use reader::{mjcf_with_includes, mjcf_with_includes_confined};
+pub use reader::MjcfReader;

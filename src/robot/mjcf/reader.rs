@@ -76,18 +76,7 @@ impl Robot {
     /// # Errors
     /// A fault of the file, with line and element: see [`RobotFileError`] and [`ParseIssue`].
     pub fn read_mjcf(path: impl AsRef<Path>) -> Result<Self, RobotFileError> {
-        let path = path.as_ref();
-        Ok(robot(&Tree::read(path, false)?)?.with_file(path))
-    }
-
-    /// Reads an untrusted MJCF file. It may include only files below its folder, and the robot is
-    /// [confined](Self::confined).
-    ///
-    /// # Errors
-    /// As [`read_mjcf`](Self::read_mjcf), and an included file outside the folder.
-    pub fn read_mjcf_confined(path: impl AsRef<Path>) -> Result<Self, RobotFileError> {
-        let path = path.as_ref();
-        Ok(robot(&Tree::read(path, true)?)?.with_file(path).confined())
+        Self::mjcf_reader().read(path)
     }
 
     /// Reads an MJCF document from memory. `file` is the path for error messages; included files are resolved relative
@@ -96,34 +85,72 @@ impl Robot {
     /// # Errors
     /// As [`read_mjcf`](Self::read_mjcf).
     pub fn parse_mjcf(text: &str, file: &str) -> Result<Self, RobotFileError> {
-        Self::parse_mjcf_as(text, file, false)
+        Self::mjcf_reader().parse(text, file)
     }
 
-    /// As [`parse_mjcf`](Self::parse_mjcf), confined or not.
-    pub(crate) fn parse_mjcf_as(text: &str, file: &str, confined: bool) -> Read<Self> {
-        let robot = robot(&Tree::parse(text, file, confined)?)?;
-        Ok(match confined {
+    /// Reads MJCF with options.
+    #[must_use]
+    pub fn mjcf_reader() -> MjcfReader {
+        MjcfReader::default()
+    }
+}
+
+/// Reads MJCF with options.
+///
+/// ```
+/// use kinopt::robot::Robot;
+///
+/// let text = "<mujoco><worldbody><body name='hand'/></worldbody></mujoco>";
+/// let robot = Robot::mjcf_reader().confined().parse(text, "hand.xml")?;
+/// assert!(robot.is_confined());
+/// # Ok::<(), kinopt::robot::RobotFileError>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MjcfReader {
+    confined: bool,
+}
+
+impl MjcfReader {
+    setters! {
+        /// Confines the robot to the folder of its file: it includes only files below that folder, and is
+        /// [confined](Robot::confined).
+        pub fn confined(mut self) { self.confined = true }
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// As [`Robot::read_mjcf`]; of a confined robot an included file that is elsewhere.
+    pub fn read(&self, path: impl AsRef<Path>) -> Result<Robot, RobotFileError> {
+        let path = path.as_ref();
+        let robot = robot(&Tree::read(path, self.confined)?)?.with_file(path);
+        Ok(self.confining(robot))
+    }
+
+    /// Reads a document from memory; `file` is the name that errors give it, beside which files that it includes are looked for.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn parse(&self, text: &str, file: &str) -> Result<Robot, RobotFileError> {
+        let robot = robot(&Tree::parse(text, file, self.confined)?)?;
+        Ok(self.confining(robot))
+    }
+
+    /// A file as one document, with the files that it includes put in: [`parse`](Self::parse) needs no other file for it. If the file
+    /// includes any, lines are no longer those of the file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is no XML, or includes itself; of a confined robot an included file that is elsewhere.
+    pub fn text_with_includes(&self, path: impl AsRef<Path>) -> Result<String, RobotFileError> {
+        Tree::text_with_includes(path.as_ref(), self.confined)
+    }
+
+    fn confining(&self, robot: Robot) -> Robot {
+        match self.confined {
             true => robot.confined(),
             false => robot,
-        })
+        }
     }
-}
-
-/// An MJCF file with its includes inserted, as one document that [`Robot::parse_mjcf`] reads without other files. Line
-/// numbers differ from those of the file if it includes any.
-///
-/// # Errors
-/// A file that cannot be read, is not XML, or is included twice.
-pub fn mjcf_with_includes(path: impl AsRef<Path>) -> Result<String, RobotFileError> {
-    Tree::text_with_includes(path.as_ref(), false)
-}
-
-/// As [`mjcf_with_includes`], restricted to included files below the folder of the file.
-///
-/// # Errors
-/// As [`mjcf_with_includes`], and an included file outside the folder.
-pub fn mjcf_with_includes_confined(path: impl AsRef<Path>) -> Result<String, RobotFileError> {
-    Tree::text_with_includes(path.as_ref(), true)
 }
 
 fn robot(tree: &Tree) -> Read<Robot> {

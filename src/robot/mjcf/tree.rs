@@ -218,9 +218,11 @@ impl Tree {
         };
         let real = self.allowed.resolve(&path);
         let outside = real.is_err();
-        if self.confined {
-            real.map_err(referred)?;
-        }
+        // Read under its real path, so that no link is followed once more.
+        let path = match self.confined {
+            true => real.map_err(referred)?,
+            false => path,
+        };
         let text = text_of(&path).map_err(referred)?;
         let source = Source { name, outside };
         self.add(&text, source, Some(parent), (folder, nested + 1))

@@ -84,7 +84,13 @@ impl UrdfReader {
     pub fn parse(&self, text: &str, file: &str) -> Result<Robot, RobotFileError> {
         #[cfg(feature = "mjcf")]
         if crate::robot::xml::root_name(text) == Some("mujoco") {
-            return Robot::parse_mjcf_as(text, file, self.confined);
+            let reader = Robot::mjcf_reader();
+            let reader = if self.confined {
+                reader.confined()
+            } else {
+                reader
+            };
+            return reader.parse(text, file);
         }
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut repairs: Vec<Repair> = Vec::new();

@@ -103,10 +103,7 @@ impl RetargetFollower {
     /// Upward axis of the frames; for y, the upright position is (x, -z, y).
     #[wasm_bindgen(getter, unchecked_return_type = "\"y\" | \"z\"")]
     pub fn up(&self) -> String {
-        match self.up {
-            UpAxis::Y => "y".to_owned(),
-            UpAxis::Z => "z".to_owned(),
-        }
+        self.up.name().to_owned()
     }
 
     /// The map in use, as JSON.

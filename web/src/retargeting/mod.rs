@@ -101,7 +101,7 @@ impl Mapped {
             None => BodyMap::guess(&capture, model),
         };
         let guess = guess.map_err(raise)?;
-        let up = told.or(guess.up).unwrap_or(UpAxis::Y);
+        let up = told.or(capture.up_axis()).unwrap_or(UpAxis::Y);
         let mut how = RetargetOptions::default().with_up(up);
         let contacts = &mut how.contacts;
         contacts.speed = options.number("contactSpeed")?.unwrap_or(contacts.speed);

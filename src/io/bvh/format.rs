@@ -1,0 +1,70 @@
+//! Frame rate and channels of a written BVH file.
+
+use super::{BvhChannel, BvhError};
+
+/// Frame rate and channels of a written BVH file.
+///
+/// A number is a format: that many frames a second, with the default channels. The format of a capture that was read is
+/// [`MotionCapture::format`](super::MotionCapture::format).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BvhFormat<'a> {
+    /// From one frame to the next, in seconds.
+    frame_time: f64,
+    /// Frames a second, for messages.
+    rate: f64,
+    channels: Option<&'a [Vec<BvhChannel>]>,
+}
+
+impl From<f64> for BvhFormat<'_> {
+    /// Frames a second.
+    fn from(rate: f64) -> Self {
+        Self {
+            frame_time: 1.0 / rate,
+            rate,
+            channels: None,
+        }
+    }
+}
+
+impl<'a> BvhFormat<'a> {
+    /// Format with a time from one frame to the next, in seconds.
+    #[must_use]
+    pub fn of_frame_time(frame_time: f64) -> Self {
+        Self {
+            frame_time,
+            rate: 1.0 / frame_time,
+            channels: None,
+        }
+    }
+
+    setters! {
+        /// The channels of each bone, in the order in which the file has them.
+        pub fn with_channels(mut self, channels: &'a [Vec<BvhChannel>]) { self.channels = Some(channels) }
+    }
+
+    getters! {
+        /// Time from one frame to the next, in seconds.
+        pub fn frame_time(&self) -> f64 = self.frame_time;
+        /// The channels of each bone; `None` for the default channels.
+        pub fn channels(&self) -> Option<&'a [Vec<BvhChannel>]> = self.channels;
+    }
+
+    /// Checks that the frame time is positive and finite, also in single precision.
+    pub(super) fn check(&self) -> Result<(), BvhError> {
+        let time = self.frame_time as f32;
+        if time > 0.0 && time.is_finite() {
+            Ok(())
+        } else {
+            Err(self.rate_error())
+        }
+    }
+
+    pub(super) fn rate_error(&self) -> BvhError {
+        BvhError::Rate { rate: self.rate }
+    }
+
+    /// Frames a second.
+    pub(super) fn rate(&self) -> f64 {
+        self.rate
+    }
+}

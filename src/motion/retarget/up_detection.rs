@@ -1,0 +1,85 @@
+//! Detection of the axis that points upward in a capture.
+
+use std::collections::BTreeMap;
+
+use super::map_guess::parts_of_capture;
+use super::{BodyPart, Capture, UpAxis};
+use crate::spatial::Vector3;
+
+/// Smallest ratio of the extent along the vertical axis to that along each other axis.
+const MIN_RATIO: f64 = 2.0;
+
+impl Capture {
+    /// The axis along which the body stands: from the ankles to the pelvis, known by the joints' names.
+    ///
+    /// The mean over all frames counts. If the clip's rest pose stands along another axis, the result is `None`: a person who lies
+    /// in every frame does not stand. If the mean is along no axis, the rest pose decides.
+    ///
+    /// ```
+    /// use kinopt::motion::retarget::{Capture, UpAxis};
+    ///
+    /// let joints = ["Hips", "LeftFoot", "RightFoot"].map(str::to_owned).to_vec();
+    /// let capture = Capture::new(joints, &[0.0, 0.0, 0.9, 0.1, 0.0, 0.0, -0.1, 0.0, 0.0], 30.0)?;
+    /// assert_eq!(capture.up_axis(), Some(UpAxis::Z));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn up_axis(&self) -> Option<UpAxis> {
+        let (joints, _) = parts_of_capture(self);
+        let moving = stands_along(self, &joints);
+        let resting = self.rest().and_then(|rest| {
+            let legs = leg_joints(&joints)?;
+            upright(pelvis_above_ankles(rest, legs))
+        });
+        match (moving, resting) {
+            (Some(moving), Some(resting)) => (moving == resting).then_some(moving),
+            (moving, resting) => moving.or(resting),
+        }
+    }
+}
+
+/// The axis along which the pelvis is above the ankles, in the mean over all frames.
+pub(super) fn stands_along(
+    capture: &Capture,
+    joints: &BTreeMap<BodyPart, usize>,
+) -> Option<UpAxis> {
+    let legs = leg_joints(joints)?;
+    let frames = (0..capture.frames()).filter_map(|frame| capture.frame(frame));
+    let above = frames.fold(Vector3::zero(), |sum: Vector3<f64>, at| {
+        sum + pelvis_above_ankles(at, legs)
+    });
+    upright(above)
+}
+
+/// The pelvis and both ankles.
+fn leg_joints(joints: &BTreeMap<BodyPart, usize>) -> Option<[usize; 3]> {
+    let part = |part| joints.get(&part).copied();
+    Some([
+        part(BodyPart::Pelvis)?,
+        part(BodyPart::LeftAnkle)?,
+        part(BodyPart::RightAnkle)?,
+    ])
+}
+
+fn pelvis_above_ankles(at: &[Vector3<f64>], [pelvis, left, right]: [usize; 3]) -> Vector3<f64> {
+    at[pelvis] - (at[left] + at[right]) * 0.5
+}
+
+/// The axis in whose positive direction something is above something else.
+fn upright(above: Vector3<f64>) -> Option<UpAxis> {
+    let [_, y, z] = above.to_array();
+    upward(above).filter(|axis| match axis {
+        UpAxis::Y => y > 0.0,
+        UpAxis::Z => z > 0.0,
+    })
+}
+
+/// The axis along which something is above or below something else.
+pub(super) fn upward(above: Vector3<f64>) -> Option<UpAxis> {
+    let [x, y, z] = above.to_array().map(f64::abs);
+    match () {
+        () if y > MIN_RATIO * x.max(z) => Some(UpAxis::Y),
+        () if z > MIN_RATIO * x.max(y) => Some(UpAxis::Z),
+        () => None,
+    }
+}
