@@ -1,5 +1,5 @@
-//! Promise: a workspace that has answered other questions answers the next one as a new one does, to the bit: nothing that was
-//! held, fixed or found before counts, whether the questions before were within reach or not.
+//! Promise: a workspace that solved other problems gives the result of a new one, bitwise. No earlier limit, lock or
+//! solution has an influence, whether earlier targets were reachable or not.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::ik::{DerivativeWorkspace, Drag, SolutionDerivative};
@@ -13,11 +13,11 @@ use support::random::Random;
 use support::sample::cases;
 use support::trees::configuration_of;
 
-use crate::pulls::placement_of;
+use crate::soft_task_fixtures::placement_of;
 
 const ELBOW: &str = "link4";
 
-/// A tool's pose, and what else `more` asks; the same problem each time.
+/// Pose of the tool, and the tasks that `more` adds.
 fn problem(goal: Goal, more: impl Fn(&mut ProblemBuilder<'_>)) -> (Problem, TaskId<Pose>) {
     let (robot, _, tool) = panda();
     let mut builder = Problem::builder(robot.model());
@@ -28,7 +28,7 @@ fn problem(goal: Goal, more: impl Fn(&mut ProblemBuilder<'_>)) -> (Problem, Task
     (builder.build().unwrap(), pose)
 }
 
-/// Asks for random places, every other one far outside, of one workspace and of new ones.
+/// Solves random targets, every other one far away, with a reused workspace and with new ones.
 fn same(seed: u64, (problem, pose): (Problem, TaskId<Pose>)) {
     let (robot, _, tool) = panda();
     let model = robot.model();
@@ -56,7 +56,7 @@ fn frame(name: &str) -> FrameId {
 }
 
 #[test]
-fn of_preferences_within_what_is_left() {
+fn reused_workspace_with_soft_tasks() {
     let (robot, ..) = panda();
     let model = robot.model();
     let rest = configuration_of(model, &mut Random::new(9));
@@ -76,7 +76,7 @@ fn of_preferences_within_what_is_left() {
 }
 
 #[test]
-fn of_levels_that_give_way() {
+fn reused_workspace_with_relaxed_levels() {
     let (robot, ..) = panda();
     let model = robot.model();
     let rest = configuration_of(model, &mut Random::new(10));
@@ -102,9 +102,9 @@ fn of_levels_that_give_way() {
     );
 }
 
-/// A drag that is put somewhere goes on from there as one that has never been elsewhere.
+/// A drag that is set to another configuration continues as a new drag from there.
 #[test]
-fn of_drags_that_are_put_elsewhere() {
+fn relocated_drag_equals_a_new_drag() {
     let (robot, _, tool) = panda();
     let model = robot.model();
     let rest = configuration_of(model, &mut Random::new(11));
@@ -150,9 +150,9 @@ fn of_drags_that_are_put_elsewhere() {
     }
 }
 
-/// The derivative of a solution is the same in memory that has held others', of this problem or another.
+/// The derivative of a solution does not depend on earlier derivatives in its workspace.
 #[test]
-fn of_derivatives() {
+fn reused_derivative_workspace() {
     let (robot, _, tool) = panda();
     let model = robot.model();
     let mut random = Random::new(31);
@@ -185,9 +185,9 @@ fn of_derivatives() {
     }
 }
 
-/// A derivative that is gone on with has the products of the one that was factored, and there is none of another problem.
+/// A resumed derivative gives the products of the factorised one; resuming with another problem fails.
 #[test]
-fn of_derivatives_that_are_gone_on_with() {
+fn resumed_derivative_equals_the_factorised() {
     let (robot, _, tool) = panda();
     let model = robot.model();
     let q = configuration_of(model, &mut Random::new(32));
