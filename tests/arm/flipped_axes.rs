@@ -1,5 +1,5 @@
-//! Promise: which way an axis points is a matter of signs: of an arm whose axes all point the other way each joint goes as far
-//! the other way, into limits, out of reach and back, and what is told is the same.
+//! Promise: an arm with all axes reversed moves its joints by the opposite values, into limits, out of reach and back,
+//! with equal reports.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, ServoStatus};
@@ -7,13 +7,13 @@ use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::{Solution, solver::Termination};
 
-/// The number of an attribute in a line of XML, if it has it.
+/// Value of a numeric attribute in a line of XML, if present.
 fn number(line: &str, attribute: &str) -> Option<f64> {
     let (_, rest) = line.split_once(&format!("{attribute}=\""))?;
     rest.split('"').next()?.parse().ok()
 }
 
-/// A robot's file with every axis turned round, and its limits with it.
+/// Robot file with all axes and limits reversed.
 fn flipped(text: &str) -> String {
     let line = |line: &str| {
         if let (Some(lower), Some(upper)) = (number(line, "lower"), number(line, "upper")) {
@@ -32,7 +32,7 @@ fn flipped(text: &str) -> String {
     text.lines().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// Steps of a line as far out as this, a rest there, and back.
+/// Steps of a line of this length, a rest at its end, and the way back.
 fn out_and_back(from: &Placement<f64>, way: Vector3<f64>, steps: u32) -> Vec<Placement<f64>> {
     let there = (0..steps).chain([steps; 8]).chain((0..steps).rev());
     let at = |k: u32| from.translation + way * (f64::from(k) / f64::from(steps));
@@ -57,7 +57,7 @@ fn follow(arm: &Arm, start: &[f64], way: &[Placement<f64>]) -> Vec<Told> {
     steps.collect()
 }
 
-/// The q and what is told of each tick of a servo that follows the way.
+/// Joint values and status of every cycle of a servo that follows the targets.
 fn serve(arm: &Arm, start: &[f64], way: &[Placement<f64>]) -> Vec<(Vec<f64>, ServoStatus)> {
     let mut servo = arm.servo(start, 4e-3).unwrap();
     let ticks = way.iter().map(|target| {
@@ -67,14 +67,14 @@ fn serve(arm: &Arm, start: &[f64], way: &[Placement<f64>]) -> Vec<(Vec<f64>, Ser
     ticks.collect()
 }
 
-/// How far the sum of two configurations, one of which goes the other way, is from nothing.
+/// Largest sum of corresponding joint values of opposite configurations.
 fn apart(one: &[f64], other: &[f64]) -> f64 {
     let sums = one.iter().zip(other).map(|(a, b)| (a + b).abs());
     sums.fold(0.0, f64::max)
 }
 
 #[test]
-fn joints_go_as_far_the_other_way() {
+fn reversed_axes_give_opposite_joint_values() {
     let (mut missed, mut at_limits) = (0, 0);
     for (name, start, ways) in [
         (

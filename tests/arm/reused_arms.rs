@@ -1,5 +1,4 @@
-//! Promise: an arm that has answered other questions answers the next one as a new one does, to the bit, however it searches and
-//! whatever it is asked to keep to: nothing that was found, bounded or aimed at before counts.
+//! Promise: an arm that solved other problems gives bitwise the results of a new arm, for every search and option.
 #![allow(clippy::unwrap_used)]
 
 use std::time::Duration;
@@ -14,8 +13,7 @@ use support::arms::{Random, panda, robot};
 use support::follower_chains::follower_chain;
 use support::sample::cases;
 
-/// Asks random questions, one in three far outside, of an arm that has answered all before and of copies, which have memory of
-/// their own.
+/// Solves random targets, one in three far outside, with a reused arm and with copies that have memory of their own.
 fn same(name: &str, builder: ArmBuilder<'_>) {
     let arm = builder.with_atlas(false).build().unwrap();
     let new = arm.clone();
@@ -47,13 +45,13 @@ fn same(name: &str, builder: ArmBuilder<'_>) {
     assert!(told[0] > 0, "{name}: {told:?}");
 }
 
-/// Another tool or goal is no other motor.
+/// Another tool or goal does not change the motors.
 #[test]
-fn as_fast_as_their_joints() {
+fn derived_arms_keep_velocity_limits() {
     let (robot, base, tip) = panda();
     let arm = Arm::builder(&robot, base, tip).with_atlas(false);
     let arm = arm.build().unwrap();
-    // By the maker's data, radians a second.
+    // From the maker's data sheet, rad/s.
     let speeds = [2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61];
     let held = Placement::translation(Vector3::new(0.0, 0.0, 0.1));
     let others = [
@@ -66,7 +64,7 @@ fn as_fast_as_their_joints() {
 }
 
 #[test]
-fn whatever_they_search_for() {
+fn reused_arm_with_any_search() {
     let (robot, base, tip) = panda();
     let builder = || Arm::builder(&robot, base, tip);
     let distinct = Search::Distinct {
@@ -80,7 +78,7 @@ fn whatever_they_search_for() {
 }
 
 #[test]
-fn whatever_they_keep_to() {
+fn reused_arm_with_any_option() {
     let (robot, base, tip) = panda();
     let builder = || Arm::builder(&robot, base, tip);
     same("moves", builder().with_max_move(&[2.5; 7]));
@@ -94,7 +92,7 @@ fn whatever_they_keep_to() {
 }
 
 #[test]
-fn whatever_chain_they_are() {
+fn reused_arm_of_any_chain() {
     let slides = robot("adept_cobra_s600");
     same("scara", Arm::builder(&slides, "base", "flange"));
     let mut chains = 0;
@@ -112,9 +110,9 @@ fn whatever_chain_they_are() {
     assert!(chains > 2);
 }
 
-/// A solution that is filled in again names no limits that were in the way of the place before.
+/// A reused solution names no limits of the previous one.
 #[test]
-fn whatever_was_in_the_way() {
+fn reused_solution_drops_active_limits() {
     let mut builder = Model::builder("planar");
     let [x, _, z] = Vector3::UNITS;
     let (limits, link) = (Limits::new(-0.5, 0.5), Placement::translation(x * 0.5));
@@ -136,9 +134,9 @@ fn whatever_was_in_the_way() {
     }
 }
 
-/// Outcomes that a batch has filled in before are filled in anew, also by arms whose questions are answered one by one.
+/// Reused batch outcomes are overwritten, also by arms that solve one by one.
 #[test]
-fn whatever_batch_was_there() {
+fn reused_batch_outcomes_are_overwritten() {
     let (robot, base, tip) = panda();
     let patient = Duration::from_secs(3600);
     for limit in [None, Some(patient)] {
@@ -170,9 +168,9 @@ fn whatever_batch_was_there() {
     }
 }
 
-/// Another checker has its own world, and its own joints that are not the arm's.
+/// Another checker has its own world, and its own joints outside the arm.
 #[test]
-fn whatever_they_kept_clear_of() {
+fn reused_arm_with_another_checker() {
     let (robot, base, tip) = panda();
     let mut random = Random(17);
     let mut place = || (random.unit() - 0.5) * 1.2;

@@ -333,7 +333,7 @@ fn behind(upper: f64) -> Problem {
 /// Another attempt replaces the start's own end only if it lowers the cost by a thousandth, also if the start converged
 /// slowly.
 #[test]
-fn miss_from_the_start_is_kept_unless_worse() {
+fn start_miss_is_kept_unless_another_is_better() {
     for start in [-0.5, -1e-4] {
         let solve = |upper: f64| {
             let problem = behind(upper);

@@ -1,7 +1,7 @@
-//! Reachable poses of random chains whose joints follow one another, and of NAO from one foot to the
-//! other, are reached; so is every one of them by the searches that compare.
+//! Promise: reachable poses of random chains with mimic joints, and of NAO from foot to foot, are reached by every
+//! search.
 //!
-//! A longer search: `KINOPT_CASES=2500 cargo test --release --test arm chains_with_followers`.
+//! Longer run: `KINOPT_CASES=2500 cargo test --release --test arm mimic_chains`.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, Goal, Search};
@@ -11,7 +11,7 @@ use support::follower_chains::follower_chain;
 use support::sample::cases;
 use support::urdf_matrices::{Tree, apart, placement};
 
-/// Solves random poses; how many of them were missed.
+/// Solves random poses and returns the number of misses.
 fn missed(arm: &Arm, tree: &Tree, (base, tip): (&str, &str), seed: u64, count: usize) -> usize {
     let mut random = Random(seed);
     let place = |q: &[f64]| {
@@ -32,7 +32,7 @@ fn missed(arm: &Arm, tree: &Tree, (base, tip): (&str, &str), seed: u64, count: u
     answers.filter(|missed| *missed).count()
 }
 
-/// The arm of a random chain, its file and its tip; none where followers leave their leader no value.
+/// Arm of a random chain, its file and its tip; `None` if the mimic joints leave their source joint no value.
 fn follower_arm(number: u64) -> Option<(Arm, String, String)> {
     let (text, tip) = follower_chain(number);
     let robot = Robot::parse(&text, "followers.urdf").ok()?;
@@ -41,7 +41,7 @@ fn follower_arm(number: u64) -> Option<(Arm, String, String)> {
 }
 
 #[test]
-fn random_chains_reach_what_they_can() {
+fn random_mimic_chains_reach_their_poses() {
     let count = cases(60, 6);
     for number in 0..24 {
         let Some((arm, text, tip)) = follower_arm(number) else {
@@ -52,9 +52,9 @@ fn random_chains_reach_what_they_can() {
     }
 }
 
-/// Where a goal leaves freedom, every attempt ends in a solution of its own, however many there are.
+/// If a goal leaves freedom, every attempt ends in a different solution.
 #[test]
-fn no_attempt_begins_where_another_did() {
+fn attempts_end_in_different_solutions() {
     const ATTEMPTS: u32 = 128;
     let mut looked_at = 0;
     for number in 0..12 {
@@ -85,9 +85,9 @@ fn no_attempt_begins_where_another_did() {
     assert!(looked_at > 2);
 }
 
-/// These were missed while only random attempts were made.
+/// Random attempts alone miss these poses.
 #[test]
-fn poses_in_narrow_valleys_are_found() {
+fn poses_in_narrow_valleys_are_reached() {
     for (number, seed) in [(3, 1_000_006), (57, 1_000_060)] {
         let (text, tip) = follower_chain(number);
         let robot = Robot::parse(&text, "followers.urdf").unwrap();
@@ -117,7 +117,7 @@ fn nao_reaches_from_foot_to_foot() {
 }
 
 #[test]
-fn searches_that_compare_look_from_seeds_too() {
+fn nearest_search_starts_from_seeds_too() {
     let (text, tip) = follower_chain(3);
     let robot = Robot::parse(&text, "followers.urdf").unwrap();
     let tree = Tree::parse(&text);
@@ -128,7 +128,7 @@ fn searches_that_compare_look_from_seeds_too() {
     assert_eq!(missed(&nearest, &tree, ("l0", &tip), 5, cases(60, 5)), 0);
 }
 
-/// The winner is the attempt that reached, which ends the search: the last of those that were made.
+/// The winner reached and ended the search, so it is the last attempt.
 #[test]
 fn the_winner_is_the_last_attempt() {
     let mut later = 0;
@@ -154,9 +154,9 @@ fn the_winner_is_the_last_attempt() {
     assert!(later >= 3, "{later}");
 }
 
-/// A joint that another one follows by half its turn makes no whole turns towards the start.
+/// A source joint of ratio ½ makes no whole turns towards the start.
 #[test]
-fn leaders_do_not_turn_round() {
+fn source_joints_make_no_whole_turns() {
     let joint = |name: &str, parent: &str, child: &str, more: &str| {
         format!(
             "<joint name=\"{name}\" type=\"revolute\"><parent link=\"{parent}\"/><child link=\"{child}\"/>\
@@ -186,10 +186,10 @@ fn leaders_do_not_turn_round() {
     }
 }
 
-/// Of the equal values of a joint that turns further than right round the nearest to the start within its
-/// limits comes back, also where the nearest of all lies beyond them.
+/// Of equivalent values of a joint with more than one turn, the nearest to the start within limits is returned, also if
+/// the nearest of all is outside them.
 #[test]
-fn wide_joints_come_back_as_near_to_the_start_as_limits_allow() {
+fn wide_joints_return_nearest_turn_within_limits() {
     let joint = |name: &str, at: usize, end: f64, more: &str| {
         format!(
             "<link name=\"l{}\"/><joint name=\"{name}\" type=\"revolute\"><parent link=\"l{at}\"/>\
@@ -228,9 +228,9 @@ fn wide_joints_come_back_as_near_to_the_start_as_limits_allow() {
     assert!(held > 5, "{held} were held by a limit");
 }
 
-/// A follower's velocity limit holds its leader back: by the ratio that it follows at, whichever way.
+/// A mimic joint's velocity limit, divided by its ratio, limits its source joint.
 #[test]
-fn leaders_are_as_fast_as_their_followers_allow() {
+fn mimic_velocity_limits_apply_to_source_joints() {
     let joint = |at: usize, speed: f64, more: &str| {
         format!(
             "<link name=\"l{}\"/><joint name=\"j{at}\" type=\"revolute\"><parent link=\"l{at}\"/>\
@@ -287,10 +287,9 @@ fn mimic_joints_stay_within_requested_limits() {
     }
 }
 
-/// Leaders that turn by more than once round: a whole turn of one is none of its follower's, so that what is found stays where it is
-/// also when the start is turns away.
+/// A whole turn of a source joint is no whole turn of its mimic joint, so the result is not moved by whole turns.
 #[test]
-fn leaders_are_not_turned_round_whichever_of_them_is_followed() {
+fn any_source_joint_keeps_its_turn() {
     let joint = |k: usize, kind: &str, axis: &str, more: &str| {
         format!(
             r#"<joint name="j{k}" type="revolute"><parent link="l{}"/><child link="l{k}"/><origin xyz="{kind}"/><axis xyz="{axis}"/>
@@ -340,9 +339,9 @@ fn leaders_are_not_turned_round_whichever_of_them_is_followed() {
     assert!(reached >= 20, "{reached} of 30");
 }
 
-/// Where no attempt reaches, what is told is where the start's own attempt ends, however many others there were.
+/// If no attempt reaches, the result is the end of the attempt from the start, whatever the number of attempts.
 #[test]
-fn a_miss_is_answered_by_the_starts_own_way() {
+fn miss_returns_the_attempt_from_the_start() {
     let mut missed = 0;
     for number in 0..40 {
         let Some((arm, text, tip)) = follower_arm(number) else {
@@ -366,9 +365,9 @@ fn a_miss_is_answered_by_the_starts_own_way() {
     assert!(missed > 8, "{missed}");
 }
 
-/// The seed says which random attempts are made, the same ones each time; another one makes others.
+/// The seed determines the random attempts; another seed gives others.
 #[test]
-fn seeds_are_heard() {
+fn seed_determines_the_attempts() {
     let (robot, base, tip) = (0..)
         .find_map(|number| {
             let (text, tip) = follower_chain(number);
@@ -424,9 +423,9 @@ fn mimic_outside_the_chain_restricts_on_request() {
     }
 }
 
-/// What a configuration of the model has of an arm's joints is what the arm wrote there, in its own order.
+/// `joint_values` returns the values that `configuration` wrote, in the arm's order.
 #[test]
-fn joint_values_are_read_where_they_are_written() {
+fn joint_values_round_trip() {
     for number in 0..12 {
         let Some((arm, text, _)) = follower_arm(number) else {
             continue;

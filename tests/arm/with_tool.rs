@@ -1,4 +1,4 @@
-//! Promise: an arm with another tool or goal answers as one built anew with it, bit for bit.
+//! Promise: an arm with another tool or goal gives bitwise the results of an arm built with it.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -24,7 +24,7 @@ fn tools() -> [Placement<f64>; 3] {
     ]
 }
 
-/// Asks both the same questions, reachable ones and others.
+/// Solves reachable and unreachable targets with both arms and compares the results.
 fn same_answers(one: &Arm, other: &Arm, seed: u64) {
     let mut random = Random(seed);
     for question in 0..12 {
@@ -80,7 +80,7 @@ fn check_tools(
 }
 
 #[test]
-fn another_tool() {
+fn changed_tool_equals_a_built_arm() {
     let [_, far, tilted] = tools();
     let ends = ("base", "flange");
     let ur5e = robot("universal_ur5e");
@@ -88,9 +88,10 @@ fn another_tool() {
     check_tools(&crane(), ("world", "hook"), Search::Start, &[far]);
 }
 
-/// A tool so far away that only rounding brings it within the tolerance is not called there, whenever the arm was given it.
+/// With a tool so long that only rounding brings it within tolerance, nothing is reported as reached, whenever the tool
+/// was set.
 #[test]
-fn a_tool_so_far_away_that_rounding_is_all() {
+fn tool_beyond_rounding_is_never_reached() {
     let robot = robot("universal_ur5e");
     let q = [0.3, -1.2, 1.1, -1.0, -1.4, 0.2];
     for (metres, reached) in [(1e6, true), (1e9, false)] {
@@ -108,7 +109,7 @@ fn a_tool_so_far_away_that_rounding_is_all() {
 }
 
 #[test]
-fn another_goal() {
+fn changed_goal_equals_a_built_arm() {
     let robot = robot("universal_ur5e");
     let builder = || Arm::builder(&robot, "base", "flange");
     let tool = tools()[1];
@@ -124,7 +125,7 @@ fn another_goal() {
 }
 
 #[test]
-fn another_search() {
+fn changed_search_equals_a_built_arm() {
     let robot = robot("universal_ur5e");
     let builder = || Arm::builder(&robot, "base", "flange").with_tool(tools()[1]);
     let arm = builder().build().unwrap();
@@ -152,7 +153,7 @@ fn another_search() {
 }
 
 #[test]
-fn a_weight_that_was_given_is_kept() {
+fn metres_per_radian_is_kept() {
     let robot = robot("universal_ur5e");
     let builder = || {
         let builder = Arm::builder(&robot, "base", "flange");
@@ -167,7 +168,7 @@ fn a_weight_that_was_given_is_kept() {
 }
 
 #[test]
-fn what_is_no_tool_or_goal_is_told() {
+fn invalid_tools_and_goals_are_rejected() {
     let robot = robot("universal_ur5e");
     let builder = Arm::builder(&robot, "base", "flange");
     let arm = builder.with_atlas(false).build().unwrap();
@@ -184,9 +185,9 @@ fn what_is_no_tool_or_goal_is_told() {
     assert!(error.to_string().contains("half widths"), "{error}");
 }
 
-/// The seeds are of the joints alone: were a tool not taken off, they would be no better than random.
+/// Seeds depend on the joints only: without removing the tool they would be no better than random.
 #[test]
-fn seeds_fit_whatever_the_tool() {
+fn seeds_work_with_any_tool() {
     for (model, base, tip) in [
         (robot("universal_ur5e").model().clone(), "base", "flange"),
         (crane(), "world", "hook"),

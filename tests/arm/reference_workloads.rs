@@ -1,8 +1,8 @@
-//! The reference workloads on two robots of other people: every one of 2 000 poses a robot is solved
-//! to 1e-6 m and 1e-6 rad, alone and in a batch, and a dense path is followed without a flip.
+//! Promise: all 2 000 poses of two external reference workloads are solved to 1e-6 m and 1e-6 rad, alone and in a
+//! batch. A dense path is followed without a flip.
 //!
-//! They carry no licence, so they are not shipped: set `KINOPT_SHARED` to the folder that has them
-//! under `workloads/` and `robots/`. Best run with `--release`; a debug build takes every tenth pose.
+//! The workloads have no licence and are not shipped: `KINOPT_SHARED` names the folder with `workloads/` and `robots/`.
+//! Best run with `--release`; a debug build takes every tenth pose.
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use kinopt::{Solution, spatial::Placement};
 use serde::Deserialize;
 use support::urdf_matrices::{Matrix, Tree, apart, from_quaternion, placement};
 
-/// What a joint may move in a step beyond what the path's own joint moves, radians.
+/// Largest joint displacement of a step beyond that of the path's own joint, radians.
 const FLIP: f64 = 0.2;
 
 #[derive(Deserialize)]
@@ -94,7 +94,7 @@ impl Bench {
     }
 }
 
-/// The workload's numbers fit the matrices, or nothing said here would mean anything.
+/// Checks that the workload's numbers match the matrices.
 fn assert_truth(bench: &Bench) {
     for (truth, wanted) in bench.work.truth.iter().zip(&bench.wanted).take(50) {
         let names = bench.work.joint_names.iter().map(String::as_str);
@@ -111,7 +111,7 @@ fn assert_truth(bench: &Bench) {
 }
 
 #[test]
-fn every_pose_is_solved() {
+fn reference_poses_are_solved() {
     let Some(shared) = shared() else { return };
     let every = if cfg!(debug_assertions) { 10 } else { 1 };
     for name in ["panda", "ur5"] {
@@ -136,7 +136,7 @@ fn every_pose_is_solved() {
 }
 
 #[test]
-fn a_dense_path_is_followed_without_a_flip() {
+fn reference_path_is_followed_without_a_flip() {
     let Some(shared) = shared() else { return };
     let bench = Bench::read(&shared, "panda_track", 1);
     assert_truth(&bench);

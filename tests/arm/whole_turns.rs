@@ -1,5 +1,5 @@
-//! Promise: of joints that turn more than once round, the turn nearest to the start is returned where moves are bounded too, as far as
-//! limits and bounds allow.
+//! Promise: for joints with a range above one turn, the turn nearest to the start is returned, also with move limits,
+//! as far as limits allow.
 #![allow(clippy::unwrap_used)]
 
 use std::f64::consts::TAU;
@@ -8,7 +8,7 @@ use kinopt::arm::Arm;
 use support::arms::{Random, robot, within_limits};
 
 #[test]
-fn no_whole_turn_leads_nearer_to_the_start() {
+fn returned_turn_is_nearest_to_the_start() {
     let robot = robot("universal_ur5e");
     let mut random = Random(48);
     for most in [3.5, 4.5, 6.0] {

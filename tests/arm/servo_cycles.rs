@@ -1,5 +1,5 @@
-//! What a servo and a follower do with the freedom that their target leaves, at limits, stretched out, and
-//! in other units; and what a tick tells.
+//! Promise: servos and path followers use the null space of their target, at limits, stretched and in any unit. Reports
+//! of a cycle are exact.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Solution;
@@ -11,7 +11,7 @@ use support::arms::robot;
 
 const TICK: f64 = 1e-3;
 
-/// An arm in a plane for positions alone, after a slide across that plane.
+/// Planar arm with position goals, on a prismatic joint perpendicular to the plane.
 fn planar(links: &[f64], limits: f64, unit: f64) -> Arm {
     let mut builder = Model::builder("planar");
     let z = Vector3::new(0.0, 0.0, 1.0);
@@ -38,8 +38,7 @@ fn at(place: [f64; 3]) -> Placement<f64> {
     Placement::translation(place.into())
 }
 
-/// How far out a joint of the Panda is after a path along which the freedom left may draw it in: from -1
-/// on its lower limit to 1 on its upper.
+/// Joint values after a path whose null space may move joints inward: −1 is the lower limit, 1 the upper.
 fn ends(rate: f64, posture: Option<&[f64]>, start: &[f64], servoing: bool) -> Vec<f64> {
     let panda = robot("franka_panda");
     let arm = Arm::builder(&panda, "base", "flange");
@@ -68,8 +67,8 @@ fn ends(rate: f64, posture: Option<&[f64]>, start: &[f64], servoing: bool) -> Ve
 }
 
 #[test]
-fn joints_are_drawn_away_from_both_their_limits() {
-    // The forearm's and the upper arm's turn near their ends.
+fn limit_avoidance_moves_joints_off_both_limits() {
+    // Rotations of the forearm and the upper arm near their limits.
     for (joint, value) in [(2, -2.85), (2, 2.85)] {
         let mut start = [0.1, -0.3, 0.2, -2.0, 0.2, 1.7, 0.4];
         start[joint] = value;
@@ -82,7 +81,7 @@ fn joints_are_drawn_away_from_both_their_limits() {
 }
 
 #[test]
-fn a_servo_is_drawn_to_its_posture() {
+fn servo_approaches_its_posture() {
     let start = [0.1, -0.3, 0.2, -2.0, 0.2, 1.7, 0.4];
     let mut posture = start;
     posture[2] += 0.8;
@@ -94,7 +93,7 @@ fn a_servo_is_drawn_to_its_posture() {
 }
 
 #[test]
-fn a_tick_tells_speeds_and_rest_as_they_are() {
+fn cycle_reports_velocity_and_rest() {
     let arm = planar(&[0.6, 0.4], 2.5, 1.0);
     let mut servo = arm.servo(&[0.0, 0.4, 0.9], TICK).unwrap();
     servo = servo.with_velocity_limits(&[0.3, 1.0, 1.0]).unwrap();
@@ -115,10 +114,9 @@ fn a_tick_tells_speeds_and_rest_as_they_are() {
     assert!(rested > 50, "{rested}");
 }
 
-/// Stretched out along the line to a target that comes straight back, joints hardly feel it: the elbow bends
-/// on to the side that it is bent to by a hair.
+/// Joints of an arm stretched towards its target have a vanishing gradient. The elbow keeps the side of its tiny bend.
 #[test]
-fn a_stretched_arm_follows_a_target_that_comes_back() {
+fn stretched_arm_follows_a_returning_target() {
     let arm = planar(&[0.6, 0.4], 2.5, 1.0);
     for bend in [-1e-4, 1e-4] {
         let start = [0.0, 0.0, bend];
@@ -137,7 +135,7 @@ fn a_stretched_arm_follows_a_target_that_comes_back() {
     }
 }
 
-/// A joint on its limit leaves it where that lowers the error.
+/// A joint leaves its limit if that lowers the error.
 #[test]
 fn limits_are_left_inwards() {
     for end in [-1.0, 1.0] {
@@ -156,9 +154,9 @@ fn limits_are_left_inwards() {
     }
 }
 
-/// In millimetres all angles are as in metres, and slides a thousand times as long.
+/// In millimetres all angles are equal, and prismatic values are 1000 times as large.
 #[test]
-fn the_unit_of_length_does_not_matter_to_a_servo() {
+fn servo_is_unit_invariant() {
     let [metres, millimetres] = [1.0, 1000.0].map(|unit| planar(&[0.6, 0.4], 2.5, unit));
     let start = [0.05, 0.4, 0.9];
     let scaled = |q: &[f64]| [1e3 * q[0], q[1], q[2]];
@@ -169,7 +167,7 @@ fn the_unit_of_length_does_not_matter_to_a_servo() {
     other = other.with_velocity_limits(&none).unwrap();
     for k in 0..150 {
         let turn = 0.04 * f64::from(k);
-        // Within reach, and then not.
+        // Within reach, then beyond it.
         let place = [0.5 + 0.6 * turn.sin(), 0.4 * turn, 0.3 * turn - 0.4];
         servo.step(at(place)).unwrap();
         other.step(at(place.map(|x| 1e3 * x))).unwrap();
@@ -179,9 +177,9 @@ fn the_unit_of_length_does_not_matter_to_a_servo() {
     }
 }
 
-/// The bound on moves that a question has bounds every step of a follower.
+/// Move limits apply to every step of a path follower.
 #[test]
-fn a_follower_keeps_to_the_bound_on_moves() {
+fn path_follower_keeps_move_limits() {
     let panda = robot("franka_panda");
     let arm = Arm::builder(&panda, "base", "flange");
     let most = [0.01, 0.02, 0.01, 0.03, 0.01, 0.02, 0.01];
@@ -200,9 +198,9 @@ fn a_follower_keeps_to_the_bound_on_moves() {
     }
 }
 
-/// A redundant arm whose joints are near their limits, where these pull ever more steeply, comes to rest.
+/// A redundant arm near its limits, with a steep limit potential, comes to rest.
 #[test]
-fn an_arm_near_its_limits_comes_to_rest() {
+fn redundant_arm_near_limits_comes_to_rest() {
     let panda = robot("franka_panda");
     let arm = Arm::builder(&panda, "base", "flange");
     let arm = arm.with_atlas(false).with_max_move(&[0.002; 7]);
@@ -231,18 +229,18 @@ fn an_arm_near_its_limits_comes_to_rest() {
     );
 }
 
-/// What is left of the gradient at a miss leaves out what limits hold.
+/// The projected gradient at a miss excludes active limits.
 #[test]
-fn a_miss_against_limits_has_no_gradient_left() {
+fn miss_at_limits_has_zero_projected_gradient() {
     let arm = planar(&[0.6, 0.4], 1.0, 1.0);
     let solution = arm.solve(at([-1.0, 0.4, 0.9]), &[0.1, 0.2, 0.3]).unwrap();
     assert!(!solution.reached && solution.active_limits().count() >= 2);
     assert!(solution.projected_gradient.unwrap() < 1e-6, "{solution:?}");
 }
 
-/// A winner is told where a question is reached, and nowhere else.
+/// The winner is reported for reached problems only.
 #[test]
-fn a_batch_tells_winners_of_what_is_reached() {
+fn batch_reports_winners_of_reached_targets() {
     let arm = planar(&[0.6, 0.4], 2.0, 1.0);
     let targets: Vec<_> = (0..12)
         .map(|k| at([0.9 - 0.1 * f64::from(k), 0.3, 0.2]))
@@ -260,9 +258,9 @@ fn a_batch_tells_winners_of_what_is_reached() {
     }
 }
 
-/// Drawn beyond its limits, on either side, a servo stands on them to the bit.
+/// Beyond its limits, on either side, a servo stays exactly on them.
 #[test]
-fn a_servo_is_never_beyond_its_limits() {
+fn servo_never_exceeds_its_limits() {
     let arm = planar(&[0.6, 0.4], 1.0, 1.0);
     let further = planar(&[0.6, 0.4], 2.5, 1.0);
     for side in [-1.0, 1.0] {
@@ -283,10 +281,10 @@ fn a_servo_is_never_beyond_its_limits() {
     }
 }
 
-/// The damping that fades while a target rests is back once it moves: a tick later the servo goes as one that
-/// begins there.
+/// The damping that decreased at a constant target is restored when the target moves: one cycle later the servo equals
+/// a new one.
 #[test]
-fn after_a_rest_it_is_as_calm_as_before() {
+fn damping_is_restored_after_a_rest() {
     let arm = planar(&[0.6, 0.4], 2.5, 1.0);
     let servo = |start: &[f64]| {
         let servo = arm.servo(start, TICK).unwrap().with_damping(0.2).unwrap();
@@ -305,9 +303,9 @@ fn after_a_rest_it_is_as_calm_as_before() {
     assert!(apart.fold(0.0, f64::max) < 1e-9, "{:?} {wanted:?}", step.q);
 }
 
-/// A joint that may not move at all does not keep the others from the posture that they began in.
+/// A joint with velocity limit 0 does not keep the others from their initial posture.
 #[test]
-fn freedom_is_spent_beside_a_joint_without_speed() {
+fn null_space_motion_with_a_zero_velocity_joint() {
     let arm = planar(&[0.6, 0.4, 0.3], 2.5, 1.0);
     let start = [0.1, 0.3, 0.9, -0.7];
     let mut servo = arm.servo(&start, TICK).unwrap();
@@ -315,7 +313,7 @@ fn freedom_is_spent_beside_a_joint_without_speed() {
     let from = arm.base_from_tool(&start).unwrap();
     let mut farthest = 0.0_f64;
     for tick in 0..4000 {
-        // Once round a circle, and rest where it began.
+        // One revolution of a circle, then rest at its start.
         let angle = std::f64::consts::TAU * (f64::from(tick) / 2000.0).min(1.0);
         let mut target = from;
         target.translation.x -= 0.15 * (1.0 - angle.cos());

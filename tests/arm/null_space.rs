@@ -1,5 +1,5 @@
-//! Promise: what a target leaves free goes to the posture that an arm began in, or to the one asked for, as near as
-//! the target lets it; also beside joints that may not move, near limits, and with slides of another weight.
+//! Promise: null-space motion approaches the initial or requested posture as closely as the target allows. This holds
+//! with locked joints, near limits, and with weighted prismatic joints.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Solution;
@@ -11,10 +11,10 @@ use nalgebra::{SMatrix, Vector4};
 use support::arms::robot;
 
 const LINKS: [f64; 3] = [0.5, 0.4, 0.3];
-/// Metres of the slide that weigh as much as a radian.
+/// Metres of the prismatic joint that weigh as much as a radian.
 const METRES: f64 = 0.2;
 
-/// A slide along x, then three turns in the plane, asked for positions alone.
+/// A prismatic joint along x, then three revolute joints in the plane, with position goals.
 fn crane(limit_avoidance: f64) -> Arm {
     let mut builder = Model::builder("crane");
     let along = |length: f64| Placement::translation(Vector3::new(length, 0.0, 0.0));
@@ -36,7 +36,7 @@ fn crane(limit_avoidance: f64) -> Arm {
     arm.with_limit_avoidance(limit_avoidance).build().unwrap()
 }
 
-/// Follows a target that goes to `to`, and hardly moves there, so that the arm has the time.
+/// Follows a target to `to` and then in tiny steps, so that the null-space motion converges.
 fn followed(arm: &Arm, start: &[f64; 4], to: Placement<f64>) -> Vec<f64> {
     let from = arm.base_from_tool(start).unwrap().translation;
     let mut follower = arm.follower(start).unwrap();
@@ -52,16 +52,15 @@ fn followed(arm: &Arm, start: &[f64; 4], to: Placement<f64>) -> Vec<f64> {
     follower.q().to_vec()
 }
 
-/// The joints' way from where the arm began has no part that leaves the tool, a slide counting by the metres that
-/// weigh as much as a radian.
+/// The joint displacement from the start has no component in the null space, with weighted prismatic joints.
 #[test]
-fn the_nearest_posture_counts_slides_by_their_weight() {
+fn null_space_uses_prismatic_weights() {
     let arm = crane(0.0);
     let start = [0.1, 0.3, 0.7, 0.6];
     let mut to = arm.base_from_tool(&start).unwrap();
     to.translation += Vector3::new(-0.15, 0.2, 0.0);
     let q = followed(&arm, &start, to);
-    // Columns by hand, in radians each: the slide's, then z × (tip − joint).
+    // Columns by hand, in radians: the prismatic joint's, then z × (tip − joint).
     let sums = [q[1], q[1] + q[2], q[1] + q[2] + q[3]];
     let mut jacobian = SMatrix::<f64, 2, 4>::zeros();
     jacobian[(0, 0)] = METRES;
@@ -78,11 +77,11 @@ fn the_nearest_posture_counts_slides_by_their_weight() {
     assert!(way.norm() > 0.3 && left.norm() < 1e-3, "{way} {left}");
 }
 
-/// Near limits too: they pull less the slope that they have there.
+/// Also near limits, whose potential is taken relative to its gradient at the start.
 #[test]
-fn where_it_began_it_is_at_ease() {
+fn start_posture_is_kept_near_limits() {
     let arm = crane(2.0);
-    // In the last tenths of their ranges.
+    // In the last tenths of the ranges.
     let start = [0.9, 1.85, -1.8, 1.1];
     let to = arm.base_from_tool(&start).unwrap();
     let q = followed(&arm, &start, to);
@@ -90,9 +89,9 @@ fn where_it_began_it_is_at_ease() {
     assert!(moves.fold(0.0, f64::max) < 1e-3, "{q:?}");
 }
 
-/// A joint that may not move holds itself alone.
+/// A joint with velocity limit 0 only blocks itself.
 #[test]
-fn beside_a_joint_that_is_held() {
+fn null_space_motion_with_a_blocked_joint() {
     let start = [0.1, -0.3, 0.2, -2.0, 0.2, 1.7, 0.4];
     let mut posture = start;
     posture[2] += 0.8;
@@ -116,9 +115,9 @@ fn beside_a_joint_that_is_held() {
     assert!(off(q) < 0.5 * off(&start), "{q:?}");
 }
 
-/// What a crane does about a joint on one of its limits, its mirror image does about the same joint on the other.
+/// A mirrored crane near a mirrored limit moves as the mirror image.
 #[test]
-fn a_mirrored_arm_goes_as_its_image() {
+fn mirrored_arm_moves_as_mirror_image() {
     for avoidance in [0.0, 1.0] {
         let arm = crane(avoidance);
         let mirrored = |q: [f64; 4]| [q[0], -q[1], -q[2], -q[3]];
@@ -147,7 +146,7 @@ fn a_mirrored_arm_goes_as_its_image() {
     }
 }
 
-/// Six hinges and a slide after the first two, whose every length is `unit` times as long.
+/// Six revolute joints, with a prismatic joint after the first two; all lengths scale with `unit`.
 fn on_a_rail(unit: f64) -> Arm {
     let mut builder = Model::builder("on a rail");
     let [x, y, z] = Vector3::UNITS;
@@ -174,9 +173,9 @@ fn on_a_rail(unit: f64) -> Arm {
     arm.with_metres_per_radian(0.5 * unit).build().unwrap()
 }
 
-/// A slide's way counts in the unit of all lengths: in another, the freedom of a whole pose goes the same way.
+/// Prismatic displacements are weighted in the unit of length, so null-space motion is equal in all units.
 #[test]
-fn a_rail_in_another_unit_of_length_goes_the_same_way() {
+fn null_space_motion_is_unit_invariant() {
     let ends = [1.0, 8.0, 0.125].map(|unit| {
         let arm = on_a_rail(unit);
         let mut start = vec![0.3, 0.6, 0.1, -0.9, 0.4, 0.7, -0.8, 0.2];

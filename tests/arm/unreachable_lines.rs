@@ -1,6 +1,7 @@
-//! Straight lines of 0.3 mm steps out of the workspace and back: an arm settles at the nearest point of
-//! its own branch, comes back on it, and never leaps to another. A debug build follows a few lines;
-//! `KINOPT_CASES` asks for another number of each robot.
+//! Promise: along straight lines of 0.3 mm steps out of the workspace and back, an arm settles at the closest pose of
+//! its branch and never jumps.
+//!
+//! A debug build follows a few lines; `KINOPT_CASES` sets their number for each robot.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Solution;
@@ -10,12 +11,12 @@ use support::arms::{Random, robot, within_limits};
 use support::lines::{Line, ROBOTS, lines, robots};
 use support::sample::{cases, few};
 
-/// What one way of following made of a line.
+/// Counts of one way to follow a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Seen {
     steps: usize,
     missed: usize,
-    /// Steps, and those to a miss, in which a joint moves by more than 0.2 rad or m.
+    /// Steps in which a joint moves by more than 0.2 rad or m, and those of them that end in a miss.
     jumps: usize,
     leaps: usize,
 }
@@ -57,7 +58,7 @@ fn by_track(arm: &Arm, targets: &[Placement<f64>], start: &[f64]) -> Vec<Solutio
 
 fn by_solve(arm: &Arm, targets: &[Placement<f64>], start: &[f64]) -> Vec<Solution> {
     let mut q = start.to_vec();
-    // A miss is searched for as long as one alone: a debug build turns back soon behind the end.
+    // Misses are slow to solve, so a debug build returns soon after the edge.
     let most = targets.len() * if few() { 3 } else { 5 } / 10;
     let (out, back) = (&targets[..most], &targets[targets.len() - most..]);
     let step = |target: &Placement<f64>| {
@@ -88,7 +89,7 @@ fn follow(name: &str, follow: Follow, count: usize) -> Seen {
 }
 
 #[test]
-fn a_follower_never_leaps() {
+fn path_follower_never_jumps() {
     for name in robots() {
         let seen = follow(name, by_follower, cases(8, 1));
         assert!(seen.missed * 4 > seen.steps, "{name}: {seen:?}");
@@ -97,7 +98,7 @@ fn a_follower_never_leaps() {
 }
 
 #[test]
-fn a_track_never_leaps() {
+fn track_never_jumps() {
     for name in robots().filter(|name| *name != "aldebaran_nao") {
         let seen = follow(name, by_track, cases(4, 1));
         assert!(seen.missed * 4 > seen.steps, "{name}: {seen:?}");
@@ -105,17 +106,16 @@ fn a_track_never_leaps() {
     }
 }
 
-/// Each question from the answer before: a miss stays near its start.
+/// Each solve starts from the previous result.
 #[test]
-fn a_miss_stays_near_the_start() {
+fn miss_stays_near_the_start() {
     for name in robots().filter(|name| *name != "aldebaran_nao") {
         let seen = follow(name, by_solve, cases(4, 1));
         assert_eq!(seen.leaps, 0, "{name}: {seen:?}");
     }
 }
 
-/// How many lines met no limit, and how many of them ended elsewhere than they began: out, at rest there, back,
-/// at rest again.
+/// Lines that met no limit, and those of them that ended at another configuration: out, rest, back, rest.
 fn comes_back(rest: usize) -> (usize, usize) {
     let (mut free, mut elsewhere) = (0, 0);
     for name in robots() {
@@ -145,10 +145,10 @@ fn comes_back(rest: usize) -> (usize, usize) {
     (free, elsewhere)
 }
 
-/// An elbow bends back to the side that it was on, and a redundant arm's freedom leads home. Where a branch
-/// ends without a nearest place on it the arm slides on to another, which is rare.
+/// The elbow keeps its branch, and null-space motion returns to the start. If a branch ends without a local minimum,
+/// the arm slides to another, which is rare.
 #[test]
-fn a_follower_comes_back_to_where_it_was() {
+fn path_follower_returns_to_its_start() {
     let (free, elsewhere) = comes_back(150);
     assert!(free >= 3 && elsewhere * 20 <= free, "{elsewhere} of {free}");
 }

@@ -1,4 +1,4 @@
-//! Promise: an arm that is stretched out towards a target beyond its reach comes back with its elbow on the side that it was on.
+//! Promise: an arm that stretched towards an unreachable target returns with its elbow on the same branch.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Solution;
@@ -6,12 +6,12 @@ use kinopt::arm::Arm;
 use kinopt::spatial::{Placement, Vector3};
 use support::arms::{distance, robot};
 
-/// Metres between two targets.
+/// Distance between consecutive targets, metres.
 const STEP: f64 = 3e-4;
 const STEPS: usize = 200;
 
 #[test]
-fn an_elbow_comes_back_on_its_side() {
+fn elbow_returns_on_its_branch() {
     let robot = robot("universal_ur5e");
     let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_atlas(false).build().unwrap();
@@ -27,9 +27,9 @@ fn an_elbow_comes_back_on_its_side() {
     }
 }
 
-/// The side is that of late, wherever the arm came from.
+/// The branch is the most recent one, whatever the earlier motion.
 #[test]
-fn an_elbow_that_came_from_afar_does_so_too() {
+fn elbow_returns_on_its_branch_after_long_motion() {
     let robot = robot("universal_ur5e");
     let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_atlas(false).build().unwrap();
@@ -41,8 +41,8 @@ fn an_elbow_that_came_from_afar_does_so_too() {
     }
 }
 
-/// Out of reach along the way from the shoulder, or a little beside it, and back; before that round from where the first joint stood
-/// elsewhere.
+/// Moves out of reach from the shoulder, or slightly off that line, and back. Before that, the first joint moves from
+/// `from`.
 fn check(arm: &Arm, start: &[f64; 6], beside: Vector3<f64>, from: f64) {
     let first = arm.base_from_tool(start).unwrap();
     let way = first.translation + beside;

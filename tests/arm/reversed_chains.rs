@@ -1,12 +1,12 @@
-//! Promise: a chain taken the other way round is the same chain; a start outside the limits counts from where it is
-//! projected to.
+//! Promise: a chain with base and tip exchanged is the same chain. A start outside the limits counts from its
+//! projection.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::arm::Arm;
 use support::arms::{Random, panda, robot};
 
 #[test]
-fn the_other_way_round_the_tool_stands_where_the_base_did() {
+fn reversed_chain_has_the_inverse_pose() {
     for (name, base, tip) in [
         ("adept_cobra_s600", "base", "flange"),
         ("aldebaran_nao", "left_sole", "right_sole"),
@@ -35,7 +35,7 @@ fn the_other_way_round_the_tool_stands_where_the_base_did() {
 }
 
 #[test]
-fn moves_count_from_where_a_start_is_projected_to() {
+fn move_limits_apply_from_the_projected_start() {
     let (robot, base, tip) = panda();
     let builder = Arm::builder(&robot, base, tip).with_atlas(false);
     let arm = builder.with_max_move(&[0.3; 7]).build().unwrap();
@@ -49,9 +49,9 @@ fn moves_count_from_where_a_start_is_projected_to() {
     assert!(moved.into_iter().all(|moved| (0.0..=0.3).contains(&moved)));
 }
 
-/// Numbers of joints that the arm neither moves nor holds stay, locked or not.
+/// Joints outside the arm keep their values, locked or not.
 #[test]
-fn a_configuration_is_written_where_the_arm_is() {
+fn configuration_writes_only_the_arms_joints() {
     let nao = robot("aldebaran_nao");
     let model = nao.model();
     let own = Arm::new(&nao, "torso", "left_hand").unwrap();

@@ -1,21 +1,21 @@
-//! Promise: the attempt that is named as the winner is the one that the answer came from.
+//! Promise: the reported winner is the attempt that gave the result.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, PoseOutcome, Search};
 use support::arms::{Random, panda};
 
-/// With no attempt after the winner the answer is the same.
+/// Without attempts after the winner the result is equal.
 #[test]
-fn later_attempts_than_the_winner_change_nothing() {
+fn attempts_after_the_winner_change_nothing() {
     let (robot, base, tip) = panda();
     let builder = Arm::builder(&robot, base, tip).with_atlas(false);
     let (mut random, mut later) = (Random(31), [0; 5]);
     let ways = [
-        // So few steps that the start's own end and the best of all are what is settled from.
+        // So few iterations that only the first and the best attempt settle.
         builder.clone().with_iterations(40),
         builder.clone().with_iterations(120),
         builder.clone().with_iterations(2000),
-        // The start's own way to its end, then others.
+        // First the attempt from the start, then others.
         builder.clone().with_max_move(&[0.8; 7]),
         builder.with_search(Search::First).with_iterations(60),
     ];
@@ -52,9 +52,9 @@ fn later_attempts_than_the_winner_change_nothing() {
     assert!(later.iter().all(|later| *later > 1), "{later:?}");
 }
 
-/// A batch makes no attempt more than is asked for, and answers as a question alone does.
+/// A batch makes no more attempts than requested and equals single solves.
 #[test]
-fn a_batch_keeps_to_the_attempts_asked_for() {
+fn batch_keeps_the_attempt_limit() {
     let (robot, base, tip) = panda();
     let builder = Arm::builder(&robot, base, tip).with_atlas(false);
     let arm = builder.with_attempts(2).build().unwrap();
@@ -74,10 +74,9 @@ fn a_batch_keeps_to_the_attempts_asked_for() {
     assert!(missed > 0);
 }
 
-/// A miss makes the attempts that its steps pay for, whatever settling costs on top: as many from a start whose
-/// own end is settled at once as from others.
+/// Settling does not reduce the number of attempts that the iterations of a miss allow, whatever the start.
 #[test]
-fn settling_is_not_charged_to_the_attempts() {
+fn settling_does_not_reduce_attempts() {
     let (robot, base, tip) = panda();
     let builder = Arm::builder(&robot, base, tip).with_atlas(false);
     let builder = builder.with_attempts(5000);
@@ -89,7 +88,7 @@ fn settling_is_not_charged_to_the_attempts() {
         target.translation.x += 3.0;
         let solution = arm.solve(target, &start).unwrap();
         assert!(!solution.reached);
-        // An attempt out of reach takes 6 steps at least and 18 on average at most.
+        // An attempt out of reach takes at least 6 steps and on average at most 18.
         let most = iterations as usize / 6;
         assert!(solution.attempts <= most && solution.attempts > iterations as usize / 18);
         assert!(
@@ -98,7 +97,7 @@ fn settling_is_not_charged_to_the_attempts() {
             solution.iterations
         );
     }
-    // Attempts that are paid for by steps alone: forty more are begun where settling took more than that.
+    // Only iterations count: forty more allow another attempt, although settling takes more than that.
     let start = random.configuration(&builder.clone().build().unwrap());
     let attempts = |iterations: u32| {
         let arm = builder.clone().with_iterations(iterations).build().unwrap();

@@ -1,6 +1,7 @@
-//! A dense path is followed on one branch: no joint moves further in a step than the path's own
-//! joints do by more than 0.2 rad; where that cannot be kept, the track says which step it was.
-//! A debug build follows one path of each kind; `KINOPT_CASES` asks for another number.
+//! Promise: a dense path is followed on one branch. No joint moves more than 0.2 rad farther in a step than the path's
+//! own joints; otherwise the track reports the step.
+//!
+//! A debug build follows one path of each kind; `KINOPT_CASES` sets their number.
 #![allow(clippy::unwrap_used)]
 
 use std::f64::consts::PI;
@@ -13,8 +14,8 @@ use support::sample::{cases, few};
 
 const STEPS: usize = 300;
 
-/// Smooth in the joints, from one random configuration to the next and resting at each; `margin`
-/// is the share of the range kept clear of the limits (negative: the path lies on them at times).
+/// Smooth path in joint space between random configurations, with a rest at each. `margin` is the fraction of the range
+/// kept from the limits; with a negative one the path touches limits.
 fn path(arm: &Arm, random: &mut Random, legs: usize, margin: f64) -> Vec<Vec<f64>> {
     let ends: Vec<(f64, f64)> = arm
         .limits()
@@ -46,7 +47,7 @@ fn longest(a: &[f64], b: &[f64]) -> f64 {
     moves.fold(0.0, f64::max)
 }
 
-/// The steps in which a joint moves further than 0.2 rad, and how far.
+/// Steps in which a joint moves more than 0.2 rad, with that displacement.
 pub(crate) fn far_steps(track: &Track) -> Vec<(usize, f64)> {
     let steps = track.solutions.windows(2).enumerate();
     let moves = steps.map(|(step, ends)| (step + 1, longest(&ends[0].q, &ends[1].q)));
@@ -62,7 +63,8 @@ fn flips(own: &[Vec<f64>], track: &Track) -> Vec<usize> {
     far.map(|(step, _)| step + 1).collect()
 }
 
-/// Follows `count` paths; every pose is reached, every flip is told. How many paths had one.
+/// Follows `count` paths and checks that every pose is reached and every flip is reported. Returns the number of paths
+/// with a flip.
 fn follow(name: &str, base: &str, tip: &str, margin: f64, count: usize) -> usize {
     let robot = robot(name);
     let arm = Arm::builder(&robot, base, tip);
@@ -102,7 +104,7 @@ fn follow(name: &str, base: &str, tip: &str, margin: f64, count: usize) -> usize
 }
 
 #[test]
-fn six_joints() {
+fn six_joints_never_flip() {
     assert_eq!(
         follow("universal_ur5e", "base", "flange", 0.05, cases(3, 1)),
         0
@@ -114,7 +116,7 @@ fn six_joints() {
 }
 
 #[test]
-fn seven_joints() {
+fn seven_joints_never_flip() {
     assert_eq!(
         follow("franka_panda", "base", "flange", 0.15, cases(4, 1)),
         0
@@ -125,26 +127,26 @@ fn seven_joints() {
     );
 }
 
-/// Where the path itself lies on limits, or passes two singular configurations at once, the arm's
-/// null space may have no way through: few paths are left with a flip, and it is told.
+/// If the path is on limits or passes two singular configurations at once, the null space may offer no continuous path.
+/// Few paths keep a flip, which is reported.
 #[test]
-fn seven_joints_in_hard_places() {
+fn seven_joints_on_limits_rarely_flip() {
     assert!(follow("kuka_iiwa14", "base", "flange", 0.15, cases(4, 1)) <= 1);
     assert!(follow("franka_panda", "base", "flange", -0.2, cases(3, 1)) <= 1);
     assert!(follow("kuka_iiwa14", "base", "flange", -0.2, cases(3, 1)) <= 2);
 }
 
 #[test]
-fn four_joints_and_a_slide() {
+fn scara_never_flips() {
     assert_eq!(
         follow("adept_cobra_s600", "base", "flange", -0.2, cases(4, 1)),
         0
     );
 }
 
-/// From the stretched arm, where all branches meet, through the middle of the ranges again and again.
+/// From the stretched arm, where all branches meet, repeatedly through the middle of the ranges.
 #[test]
-fn through_singular_configurations() {
+fn singular_configurations_cause_no_flips() {
     for name in ["kuka_iiwa14", "adept_cobra_s600"] {
         let arm = Arm::new(&robot(name), "base", "flange").unwrap();
         let own: Vec<Vec<f64>> = (0..2000)
@@ -164,13 +166,13 @@ fn through_singular_configurations() {
     }
 }
 
-/// A path that leaves the reach of a branch stays on it at the nearest place; an arm that is asked to
-/// flips, and says so; bounded moves refuse to.
+/// A path beyond a branch ends at the branch's closest pose. With a global search the arm flips and reports it; with
+/// move limits it does not.
 #[test]
-fn a_branch_that_ends_is_told() {
+fn end_of_a_branch_is_reported() {
     let robot = robot("adept_cobra_s600");
     let arm = Arm::new(&robot, "base", "flange").unwrap();
-    // Turning the stretched-out arm's bent elbow round the base takes joint 1 beyond its limit.
+    // Rotating the target about the base takes joint 1 beyond its limit.
     let limit = arm.limits().next().unwrap().upper;
     let at = |turn: f64| {
         let mut pose = arm.base_from_tool(&[limit - 0.3, -0.9, 0.1, 0.0]).unwrap();
@@ -206,9 +208,9 @@ fn a_branch_that_ends_is_told() {
     assert_eq!(ends[31], Termination::CannotContinue);
 }
 
-/// A tool that stands still leaves the arm still, and one step at a time is the same path.
+/// A constant target leaves the arm still, and single steps give the same path.
 #[test]
-fn standing_still_and_one_at_a_time() {
+fn constant_target_and_single_steps_agree() {
     let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
     let own = path(&arm, &mut Random(5), 1, 0.3);
     let mut targets: Vec<_> = own.iter().map(|q| arm.base_from_tool(q).unwrap()).collect();
@@ -226,10 +228,9 @@ fn standing_still_and_one_at_a_time() {
     }
 }
 
-/// Where a redundant arm had to find another way round, its freedom still goes to where it began: of what the
-/// target leaves, it ends nearest to that.
+/// After a detour, null-space motion still approaches the initial posture: the end is the closest one for the target.
 #[test]
-fn after_a_way_round_it_eases_to_where_it_began() {
+fn detour_keeps_null_space_convergence() {
     let robot = robot("kuka_iiwa14");
     let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_atlas(false).with_limit_avoidance(0.0);
@@ -237,7 +238,7 @@ fn after_a_way_round_it_eases_to_where_it_began() {
     let own = path(&arm, &mut Random(1), 2, -0.2);
     let tool = |q: &Vec<f64>| arm.base_from_tool(q).unwrap();
     let mut targets: Vec<_> = own.iter().step_by(8).map(tool).collect();
-    // At the end it hardly moves, so that it has the time.
+    // Tiny steps at the end, so that the null-space motion converges.
     let last = targets[targets.len() - 1];
     for k in 0..60 {
         let mut target = last;
@@ -247,7 +248,7 @@ fn after_a_way_round_it_eases_to_where_it_began() {
     let track = arm.track(&targets, &own[0]).unwrap();
     assert!(track.solutions.iter().all(|solution| solution.reached));
     let q = &track.solutions[targets.len() - 1].q;
-    // The motion that leaves the tool, from differences of its pose.
+    // Null-space direction from differences of the tool's pose.
     let column = |i: usize| {
         let [a, b] = [1e-5, -1e-5].map(|by| {
             let mut q = q.clone();
@@ -268,10 +269,9 @@ fn after_a_way_round_it_eases_to_where_it_began() {
     assert!(along.abs() < 1e-3, "{along}");
 }
 
-/// The first target of a path is gone on to where it is near: by less than 0.05 rad. Only from farther away an arm
-/// comes to it from wherever it stands.
+/// The first target of a path within 0.05 rad is approached by a step. A farther one is solved from any start.
 #[test]
-fn how_far_a_path_begins_is_counted_once() {
+fn far_first_target_is_solved_from_any_start() {
     use kinopt::model::{Limits, Model};
     let mut builder = Model::builder("wrist");
     let (at, z) = (Placement::identity(), Vector3::new(0.0, 0.0, 1.0));
@@ -280,7 +280,7 @@ fn how_far_a_path_begins_is_counted_once() {
     builder.frame("tip", Some(wrist), at);
     let robot = kinopt::robot::Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
     let arm = Arm::new(&robot, "base", "tip").unwrap();
-    // On its limit; a turn back reaches the same.
+    // On its limit; a whole turn back reaches the same pose.
     for (turn, leaps) in [(0.03, false), (0.045, false), (0.055, true), (0.08, true)] {
         let beyond: f64 = 4.0 + turn;
         let rotation = kinopt::spatial::Matrix3::identity().rotated_about_z(beyond.sin_cos());
@@ -291,10 +291,10 @@ fn how_far_a_path_begins_is_counted_once() {
     }
 }
 
-/// What a track tells is what it does: a step in which a joint moves further than 0.2 rad is a jump, and nothing else
-/// is, also where another way round took the place of one that jumped.
+/// A step in which a joint moves more than 0.2 rad is a reported jump, and nothing else is. This includes detours that
+/// replace a jump.
 #[test]
-fn jumps_are_those_of_the_way_that_is_returned() {
+fn reported_jumps_match_the_returned_track() {
     let robot = robot("franka_panda");
     let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_atlas(false).build().unwrap();
@@ -308,9 +308,9 @@ fn jumps_are_those_of_the_way_that_is_returned() {
     }
 }
 
-/// A branch that ends is gone round, also after a part of the path that nothing reaches.
+/// The track avoids a branch's end, also after an unreachable part of the path.
 #[test]
-fn a_way_round_is_looked_for_after_what_was_missed() {
+fn detour_is_found_after_an_unreachable_part() {
     let robot = robot("franka_panda");
     let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_atlas(false).build().unwrap();
@@ -318,7 +318,7 @@ fn a_way_round_is_looked_for_after_what_was_missed() {
         let own = path(&arm, &mut Random(seed), 2, 0.05);
         let own: Vec<_> = own.into_iter().step_by(10).collect();
         let targets: Vec<_> = own.iter().map(|q| arm.base_from_tool(q).unwrap()).collect();
-        // One after another the branch ends.
+        // Step by step the branch ends.
         let mut follower = arm.follower(&own[0]).unwrap();
         let mut solution = Solution::default();
         let missed = targets.iter().any(|target| {
@@ -326,7 +326,7 @@ fn a_way_round_is_looked_for_after_what_was_missed() {
             !solution.reached
         });
         assert!(missed, "{seed}");
-        // Up out of reach and down again first.
+        // First up out of reach and down again.
         let first = targets[0];
         let out = (0..=40_i32).map(move |k| {
             let up = 0.05 * f64::from(20 - (k - 20).abs());
@@ -341,10 +341,10 @@ fn a_way_round_is_looked_for_after_what_was_missed() {
     }
 }
 
-/// A target far from the last is gone to by small steps along the straight way: as the tool turns about an axis of
-/// its own, so does the joint that carries it.
+/// A target far from the last is approached in small steps along the straight line. If the tool rotates about its own
+/// axis, the joint that carries it does.
 #[test]
-fn a_far_step_takes_the_straight_way() {
+fn far_step_follows_the_straight_line() {
     let robot = robot("universal_ur5e");
     let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_atlas(false).build().unwrap();

@@ -1,5 +1,5 @@
-//! The same question has the same answer to the bit: run after run, by another arm of the same
-//! description, alone and in a batch, and on pools of 1, 2 and 8 threads.
+//! Promise: equal input gives bitwise equal results: in repeated runs, with another equal arm, alone and in batches,
+//! and with 1, 2 and 8 threads.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::arm::{Arm, ArmBuilder, Goal, PoseOutcome, Search};
@@ -13,7 +13,7 @@ use support::sample::{cases, part};
 
 type Questions = (Vec<Placement<f64>>, Vec<f64>);
 
-/// Everything a solution says that is not time.
+/// Contents of a solution except times.
 fn bits(solutions: &[Solution]) -> Vec<u64> {
     let numbers = solutions.iter().flat_map(|s| {
         let counts = [s.iterations as u64, s.attempts as u64, s.cost.to_bits()];
@@ -27,7 +27,7 @@ fn questions(arm: &Arm, count: usize) -> Questions {
     let mut goals: Vec<_> = (0..count)
         .map(|_| arm.base_from_tool(&random.configuration(arm)).unwrap())
         .collect();
-    // One is out of reach, and says so everywhere.
+    // One target is unreachable in all cases.
     goals[1].translation.x += 5.0;
     let starts = (0..count).flat_map(|_| random.configuration(arm));
     (goals, starts.collect())
@@ -41,7 +41,7 @@ fn alone(arm: &Arm, (goals, starts): &Questions) -> Vec<Solution> {
         .collect()
 }
 
-/// `count` questions; more than a chunk of a batch where lanes answer them.
+/// `count` problems: more than a chunk of a batch if the SIMD solver handles them.
 fn the_same_bits(builder: &ArmBuilder<'_>, count: usize) {
     let arm = builder.clone().build().unwrap();
     let n = arm.joint_count();
@@ -50,7 +50,7 @@ fn the_same_bits(builder: &ArmBuilder<'_>, count: usize) {
     let singles = alone(&arm, &asked);
     let together = arm.solve_batch(goals, starts).unwrap();
     assert!(!together[1].reached && !singles[1].reached);
-    // Run after run, and by an arm of its own.
+    // Repeated, and with a separate arm.
     let again = builder.clone().build().unwrap();
     assert_eq!(bits(&alone(&again, &asked)), bits(&singles));
     assert_eq!(
@@ -78,7 +78,7 @@ fn the_same_bits(builder: &ArmBuilder<'_>, count: usize) {
                     .zip(&together)
                     .all(|(a, b)| a.reached == b.reached)
             );
-            // Single questions to one arm from all threads at once.
+            // Single solves of one arm from all threads at once.
             let questions = goals.par_iter().zip(starts.par_chunks(n));
             let answers = questions.map(|(goal, start)| arm.solve(goal, start).unwrap());
             let answers: Vec<Solution> = answers.collect();
@@ -88,12 +88,12 @@ fn the_same_bits(builder: &ArmBuilder<'_>, count: usize) {
 }
 
 #[test]
-fn the_everyday_searches() {
+fn common_searches_are_reproducible() {
     let (robot, base, tip) = panda();
     for search in [Search::Start, Search::First] {
         let builder = Arm::builder(&robot, base, tip);
         let fewer = cases(140, 12);
-        // More than a chunk of a batch, of one search at least.
+        // More than a chunk of a batch, for one search at least.
         let first = search == Search::First;
         let count = if first { 140 } else { fewer };
         the_same_bits(&builder.with_search(search).with_atlas(first), count);
@@ -104,7 +104,7 @@ fn the_everyday_searches() {
 }
 
 #[test]
-fn searches_that_compare() {
+fn comparing_searches_are_reproducible() {
     let (robot, base, tip) = panda();
     let distinct = Search::Distinct {
         k: 4,
@@ -118,7 +118,7 @@ fn searches_that_compare() {
 }
 
 #[test]
-fn options_that_leave_the_lanes() {
+fn general_solver_options_are_reproducible() {
     let (robot, base, tip) = panda();
     let builder = || Arm::builder(&robot, base, tip).with_atlas(false);
     the_same_bits(&builder().with_posture(&[0.3; 7]), cases(6, 2));
@@ -128,14 +128,14 @@ fn options_that_leave_the_lanes() {
 }
 
 #[test]
-fn a_chain_with_a_follower() {
+fn mimic_chain_is_reproducible() {
     let robot = robot("aldebaran_nao");
     let builder = Arm::builder(&robot, "left_sole", "right_sole");
     the_same_bits(&builder.with_atlas(false), cases(6, 2));
 }
 
 #[test]
-fn several_answers_and_a_path() {
+fn solve_all_and_track_are_reproducible() {
     let (robot, base, tip) = panda();
     let distinct = Search::Distinct {
         k: 4,
@@ -171,9 +171,9 @@ fn several_answers_and_a_path() {
     }
 }
 
-/// A solution that is used again tells nothing of the question before, whichever arm answered that and however.
+/// A reused solution keeps nothing of the previous problem, whichever arm solved it.
 #[test]
-fn a_solution_used_again_forgets() {
+fn reused_solution_keeps_nothing() {
     let (robot, base, tip) = panda();
     let plain = Arm::builder(&robot, base, tip)
         .with_atlas(false)
@@ -194,14 +194,14 @@ fn a_solution_used_again_forgets() {
             let told = arm.solve(goal, start).unwrap();
             asked.push((arm, goal, start.to_vec(), format!("{told:?}")));
         }
-        // A place that its limits keep it from: at its own foot.
+        // A target at the arm's base, blocked by limits.
         let start = vec![0.1; 7];
         let turned = arm.base_from_tool(&start).unwrap().rotation;
         let low = Placement::new(turned, [-0.1, 0.0, 0.1].into());
         let told = arm.solve(low, &start).unwrap();
         asked.push((arm, low, start, format!("{told:?}")));
     }
-    // A solver's, whose preference pulled its goal away.
+    // A solver's solution whose soft task displaced its required task.
     let model = robot.model();
     let mut builder = Problem::builder(model);
     builder.add(Point::new(model.frame(tip).unwrap(), [0.4, 0.3, 0.5]));
