@@ -1,5 +1,5 @@
-//! Promise: obstacles are edited by name, every edit shows in the revision, copies stay as they were, and a name
-//! that is not there is told with those that are.
+//! Promise: obstacles are edited by name, every edit raises the revision, copies are independent, and unknown names are
+//! reported with the known ones.
 
 use kinopt::collision::{World, WorldError};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
@@ -37,17 +37,17 @@ fn obstacles_are_edited_by_name() {
         world.obstacles().map(|o| &*o.name).collect::<Vec<_>>(),
         ["ball"]
     );
-    // Those that are left to be told are counted.
+    // The iterator counts the remaining obstacles.
     let mut told = before.obstacles();
     assert!(told.next().is_some());
     assert_eq!(told.len(), 1);
-    // The copy is as it was.
+    // The copy is unchanged.
     assert_eq!(before.len(), 2);
     assert_eq!(before.obstacle("ball").unwrap().placement, at(1.0));
 }
 
 #[test]
-fn what_cannot_be_leaves_the_world_as_it_was() {
+fn invalid_edits_change_nothing() {
     let mut world = World::new();
     world.add_plane("floor", at(0.0)).unwrap();
     let revision = world.revision();
@@ -73,13 +73,13 @@ fn what_cannot_be_leaves_the_world_as_it_was() {
         let told = told.to_string();
         assert!(told.contains("wall") && told.contains("floor"), "{told}");
     }
-    // What was never attached is nowhere to be taken from.
+    // An obstacle that was never attached cannot be detached.
     let told = world.detach("floor", at(0.0)).unwrap_err().to_string();
     assert!(
         told.contains("\"floor\"") && told.contains("attached"),
         "{told}"
     );
-    // Counts are said as people say them.
+    // Singular and plural are correct.
     let flat = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
     let flat = flat.map(Vector3::from);
     let told = world.add_convex("flat", &flat, at(0.0)).unwrap_err();

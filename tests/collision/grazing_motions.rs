@@ -1,5 +1,5 @@
-//! Promise: of a way along a ceiling, a box, a ball or a hull, a hair's breadth away, no more is said to be free than is: it is looked at in a
-//! few hundred places.
+//! Promise: motions at a tiny distance along a ceiling, box, sphere or hull are reported as free only as far as they
+//! are. A few hundred samples check them.
 
 use kinopt::collision::{Checker, CollisionModel, CollisionObject, Shape, World};
 use kinopt::model::{Limits, Model};
@@ -7,7 +7,7 @@ use kinopt::robot::Robot;
 use kinopt::spatial::{Matrix3, Placement, Vector3, rotation_exp};
 use support::random::Random;
 
-/// What comes near, three metres away, turned towards the arm.
+/// An obstacle that is approached from 3 m, with its near side towards the arm.
 fn world(round: usize, random: &mut Random) -> World {
     let mut world = World::new();
     let at = Placement::identity();
@@ -26,7 +26,7 @@ fn world(round: usize, random: &mut Random) -> World {
 }
 
 #[test]
-fn what_slides_along_something_is_free_as_far_as_is_said() {
+fn grazing_motion_is_free_as_reported() {
     let robot = Robot::read("../models/franka_panda.urdf").unwrap();
     let own = Checker::of(&robot).unwrap();
     let limits: Vec<_> = robot.model().limits().collect();
@@ -86,7 +86,7 @@ fn what_slides_along_something_is_free_as_far_as_is_said() {
     assert!(free > 3 && blocked > 3, "{free} free, {blocked} blocked");
 }
 
-/// A turning joint with a slide on it, and a ball at its end or a paddle about its middle.
+/// A revolute joint with a prismatic joint on it, with a sphere at its end or a paddle about its centre.
 fn polar(paddle: bool) -> Checker {
     let mut builder = Model::builder("polar");
     let (at, turns) = (Placement::identity(), Limits::new(-3.0, 3.0));
@@ -103,16 +103,16 @@ fn polar(paddle: bool) -> Checker {
     Checker::new(CollisionModel::new(&model, vec![object]).unwrap())
 }
 
-/// While the slide goes out, the turn takes what is at its end down to the ground and up again: half a millimetre above it at both
-/// ends of the way, as much in it in between. Nearly all of what bends that way is the slide on the turn.
+/// While the prismatic joint extends, the rotation lowers its end to the ground and raises it again: 0.5 mm above at
+/// both ends, as much below in between. The curvature comes from the prismatic motion on the rotation.
 #[test]
-fn a_way_that_dips_into_the_ground_is_stopped() {
+fn motion_dipping_into_the_ground_is_stopped() {
     let own = polar(false);
     let height = |t: f64| (0.3 + t) * (0.02 * t - 0.026).sin();
     let lowest = (0..=1000).map(|k| height(f64::from(k) / 1000.0));
     let lowest = lowest.fold(f64::INFINITY, f64::min);
     let (from, to) = ([-0.026, 0.3], [-0.006, 1.3]);
-    // The plane's own z is up: it stands along y.
+    // The plane's z axis is up, along y.
     let up = Matrix3::identity().rotated_about_x((-1.0, 0.0));
     for (deep, is_free) in [(4e-4, false), (1e-5, false), (-1e-5, true)] {
         let mut world = World::new();
@@ -130,9 +130,9 @@ fn a_way_that_dips_into_the_ground_is_stopped() {
     }
 }
 
-/// A paddle that turns about its middle, which itself stays where it is, sweeps with its ends.
+/// The ends of a paddle that rotates about its fixed centre sweep an area.
 #[test]
-fn what_turns_about_its_own_middle_sweeps() {
+fn rotation_about_the_centre_sweeps() {
     let own = polar(true);
     let mut world = World::new();
     let pole = Vector3::new(0.2, 0.2, 0.0);
@@ -148,9 +148,9 @@ fn what_turns_about_its_own_middle_sweeps() {
     }
 }
 
-/// On a ball a paddle sweeps as on a hinge: about an axis of its frame and about any other.
+/// The same on a ball joint, about an axis of its frame and about others.
 #[test]
-fn what_turns_on_a_ball_sweeps() {
+fn rotation_of_a_ball_joint_sweeps() {
     let mut builder = Model::builder("ball");
     let at = Placement::identity();
     let ball = builder.ball("ball", None, at, Vector3::UNITS[0], None);
@@ -185,9 +185,9 @@ fn what_turns_on_a_ball_sweeps() {
     }
 }
 
-/// A hub on its pin, that turns with an arm on it: where one is in the other it stays as deep, by rounding, and the arm sweeps far.
+/// A hub on its pin rotates with an arm on it. Its penetration is constant up to rounding, while the arm sweeps far.
 #[test]
-fn what_turns_deep_in_something_comes_to_an_end_and_goes_on_a_little() {
+fn motion_in_deep_contact_proceeds_slightly() {
     let mut builder = Model::builder("hub");
     let turns = Limits::new(-3.0, 3.0);
     let (up, at) = (Vector3::UNITS[2], Placement::identity());
@@ -216,7 +216,7 @@ fn what_turns_deep_in_something_comes_to_an_end_and_goes_on_a_little() {
         .unwrap();
     assert!((way.begins_deep - 0.3).abs() < 1e-9, "{way:?}");
     assert!(way.free > 1e-4 && way.blocked_by.is_some(), "{way:?}");
-    // As far as an arm goes in a tick it is free.
+    // As far as an arm moves in a cycle the motion is free.
     let near = [1e-4, 1e-4];
     let way = checker
         .way_from_contact(&mut workspace, &from, &near)

@@ -1,5 +1,5 @@
-//! Promise: eight configurations in lanes, by spheres about the links, and shapes one by one never contradict each other: what is clear by
-//! its spheres touches nothing, and links and obstacles of any number are apart by the margin.
+//! Promise: batched sphere checks and exact shape checks never contradict each other. A configuration that is clear by
+//! spheres is collision-free, with the margin, for any number of links and obstacles.
 
 use kinopt::arm::{Arm, Search};
 use kinopt::collision::{
@@ -11,10 +11,10 @@ use support::arms::robot;
 use support::random::Random;
 use support::sample::cases;
 
-use crate::arms_keep_clear::{cluttered, drawn, panda};
+use crate::arm_avoidance::{cluttered, drawn, panda};
 
 #[test]
-fn what_is_clear_by_its_spheres_touches_nothing() {
+fn clear_by_spheres_is_collision_free() {
     let mut random = Random::new(9);
     let panda = panda(Search::Start).among(&cluttered(&mut random), 0.01);
     let count = cases(1001, 101);
@@ -22,7 +22,7 @@ fn what_is_clear_by_its_spheres_touches_nothing() {
     let mut clear = vec![false; count];
     panda.arm.clear_by_spheres(&q, &mut clear).unwrap();
     for (place, (q, clear)) in q.chunks(7).zip(&clear).enumerate() {
-        // Its neighbours in the lanes say nothing about it.
+        // Neighbouring lanes have no influence.
         let mut alone = [false];
         panda.arm.clear_by_spheres(q, &mut alone).unwrap();
         assert_eq!(alone, [*clear], "{place}");
@@ -33,21 +33,21 @@ fn what_is_clear_by_its_spheres_touches_nothing() {
     bad[3] = f64::NAN;
     let refused = panda.arm.clear_by_spheres(&bad, &mut [true]);
     assert!(refused.unwrap_err().to_string().contains("joint4"));
-    // Of several the joint is told, not the place among all numbers.
+    // The error names the joint, not the index among all numbers.
     let bad = [&q[..14], &bad].concat();
     let refused = panda.arm.clear_by_spheres(&bad, &mut [true; 3]);
     assert!(refused.unwrap_err().to_string().contains("joint4"));
     assert!(panda.arm.clear_by_spheres(&q[..6], &mut [true]).is_err());
 }
 
-/// Two plates three centimetres apart, the upper of which turns on a shaft.
+/// Two plates 3 cm apart; the upper rotates on a shaft.
 const PLATES: &str = r#"<robot name="plates"><link name="lower"><collision><geometry><box size="0.4 0.4 0.02"/></geometry></collision></link>
     <link name="shaft"/><link name="upper"><collision><geometry><box size="0.4 0.4 0.02"/></geometry></collision></link>
     <joint name="turn" type="continuous"><parent link="lower"/><child link="shaft"/><axis xyz="0 0 1"/></joint>
     <joint name="lift" type="prismatic"><parent link="shaft"/><child link="upper"/><origin xyz="0 0 0.05"/><axis xyz="0 0 1"/>
     <limit lower="-0.025" upper="0.02"/></joint></robot>"#;
 
-/// Links so close that spheres do not tell them apart are as far apart as the margin says, too, where an arm is clear.
+/// Links too close for spheres to separate still keep the margin if the arm is clear.
 #[test]
 fn close_links_keep_the_margin() {
     let robot = Robot::parse(PLATES, "plates.urdf").unwrap();
@@ -82,7 +82,7 @@ fn close_links_keep_the_margin() {
     }
 }
 
-/// Two sides that turn on one middle, one above the other.
+/// Two links on one base, one above the other.
 const SIDES: &str = r#"<robot name="sides"><link name="middle"/>
     <link name="low"><collision><origin xyz="0.5 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
     <link name="high"><collision><origin xyz="0.5 0 1"/><geometry><sphere radius="0.1"/></geometry></collision></link>
@@ -91,7 +91,7 @@ const SIDES: &str = r#"<robot name="sides"><link name="middle"/>
     </robot>"#;
 
 #[test]
-fn what_stands_is_met_where_it_is_though_a_joint_of_the_arm_turns_its_base() {
+fn obstacles_are_checked_if_the_base_rotates() {
     let robot = Robot::parse(SIDES, "sides.urdf").unwrap();
     let mut world = World::new();
     for (name, height) in [("below", 0.0), ("above", 1.0)] {
@@ -112,9 +112,9 @@ fn what_stands_is_met_where_it_is_though_a_joint_of_the_arm_turns_its_base() {
     }
 }
 
-/// Spheres that were made of a robot without one of its links say nothing of that link: the shapes do.
+/// Spheres of a robot without one of its links say nothing about that link; its shapes decide.
 #[test]
-fn a_link_that_has_no_spheres_is_met_by_its_shape() {
+fn link_without_spheres_is_checked_by_shape() {
     let robot = Robot::parse(SIDES, "sides.urdf").unwrap();
     let model = robot.model();
     let [low, high] = ["low", "high"].map(|name| {
@@ -141,8 +141,8 @@ fn a_link_that_has_no_spheres_is_met_by_its_shape() {
 }
 
 #[test]
-fn many_obstacles_are_found_through_their_tree_as_one_by_one() {
-    // As many small boxes as a wall has, once as obstacles of their own and once as one.
+fn obstacle_tree_equals_single_checks() {
+    // Small boxes as in a wall, once as separate obstacles and once as one.
     let (mut many, mut one) = (World::new(), World::new());
     for y in -6..=6 {
         for z in 0..=12 {
@@ -165,13 +165,13 @@ fn many_obstacles_are_found_through_their_tree_as_one_by_one() {
 }
 
 #[test]
-fn what_stands_in_thousands_is_found_as_it_is_part_by_part() {
+fn large_worlds_equal_their_parts() {
     found_as_part_by_part([700, 4000], 0.01);
-    // Few points that are as thick as a link.
+    // Few points as thick as a link.
     found_as_part_by_part([300, 120], 0.08);
 }
 
-/// Balls, a cloud of points so thick and a floor; in parts so small that each is looked at one after another.
+/// Spheres, a point cloud and a floor; and the same in parts that are small enough to be checked one by one.
 fn found_as_part_by_part([balls, points]: [usize; 2], thick: f64) {
     let mut random = Random::new(77);
     let balls: Vec<_> = (0..balls).map(|_| beside(&mut random)).collect();
@@ -224,7 +224,7 @@ fn found_as_part_by_part([balls, points]: [usize; 2], thick: f64) {
             *all &= clear;
         }
     }
-    // What is remembered of the first time changes nothing.
+    // Cached data of the first query changes nothing.
     for _ in 0..2 {
         many.arm.clear_by_spheres(&drawn, &mut clear).unwrap();
         assert_eq!(clear, by_parts);
@@ -236,7 +236,7 @@ fn found_as_part_by_part([balls, points]: [usize; 2], thick: f64) {
     );
 }
 
-/// Somewhere within reach, but not at the base.
+/// Random point within reach, off the base.
 fn beside(random: &mut Random) -> Vector3<f64> {
     loop {
         let at = Vector3::new(
@@ -251,7 +251,7 @@ fn beside(random: &mut Random) -> Vector3<f64> {
 }
 
 #[test]
-fn pairs_that_are_added_after_the_spheres_were_made_are_kept_apart_too() {
+fn pairs_added_after_spheres_are_checked() {
     let robot = robot("franka_panda");
     let bodies = CollisionModel::of(&robot).unwrap();
     let all: Vec<_> = bodies.pairs().to_vec();
@@ -280,13 +280,13 @@ fn pairs_that_are_added_after_the_spheres_were_made_are_kept_apart_too() {
     assert!(touching > 2, "{touching}");
 }
 
-/// Links are kept apart by the whole margin, whichever of two is looked at first.
+/// Links keep the whole margin, in either order of a pair.
 #[test]
-fn what_is_clear_by_its_spheres_is_clear_by_a_wide_margin() {
+fn clear_by_spheres_keeps_a_wide_margin() {
     let mut random = Random::new(10);
     for margin in [0.05, 0.1, 0.15] {
         let mut panda = panda(Search::Start);
-        // Pairs are left out until some configuration has all others farther apart.
+        // Disables pairs until some configuration has all others farther apart.
         loop {
             let checker = panda.checker.clone().with_margin(margin).unwrap();
             let mut q = panda.q_model.clone();
@@ -302,7 +302,7 @@ fn what_is_clear_by_its_spheres_is_clear_by_a_wide_margin() {
             let spheres = checker.spheres().unwrap().clone();
             panda.checker = Checker::new(bodies).with_spheres(spheres);
         }
-        // A narrower one of before counts no more.
+        // An earlier, smaller margin no longer applies.
         let mut panda = panda.among(&World::new(), 0.0);
         panda.arm = panda.arm.with_world(&World::new(), margin).unwrap();
         let count = cases(1000, 200);
@@ -322,9 +322,9 @@ fn what_is_clear_by_its_spheres_is_clear_by_a_wide_margin() {
     }
 }
 
-/// An arm that keeps clear of nothing does not call anything free.
+/// An arm without a checker reports no configuration as free.
 #[test]
-fn of_a_plain_arm_it_is_not_known_what_it_touches() {
+fn arm_without_checker_reports_an_error() {
     let plain = kinopt::Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
     let q = [0.0; 7];
     let told = plain.collisions(&q).unwrap_err().to_string();

@@ -1,5 +1,5 @@
-//! Promise: a body that keeps clear touches nothing where it is said to be reached, by the exact distances of shapes, and what is
-//! dragged touches nothing from frame to frame, but slides along what is in its way.
+//! Promise: a reached solution of a robot with collision avoidance is collision-free by exact distances. A drag is
+//! collision-free in and between frames, and slides along obstacles.
 
 use kinopt::collision::{Checker, Clearance, CollisionModel, CollisionObject, Shape, World};
 use kinopt::ik::{Drag, Restarts, bent_stance};
@@ -15,7 +15,7 @@ use kinopt::{Problem, Solver, Workspace};
 use support::random::Random;
 use support::sample::cases;
 
-/// A small humanoid on its feet.
+/// Small humanoid on its feet.
 struct Nao {
     robot: Robot,
     stance: Vec<f64>,
@@ -48,7 +48,7 @@ impl Nao {
         self.placed[self.robot.model().frame(frame).unwrap().index()]
     }
 
-    /// Feet held, the left hand on a level, upright.
+    /// Feet pinned, the left hand on a level, the torso upright.
     fn problem(&self, level: usize, checker: Option<&Checker>) -> (Problem, TaskId<Point>) {
         let model = self.robot.model();
         let mut tasks = Problem::builder(model);
@@ -70,9 +70,9 @@ impl Nao {
     }
 }
 
-/// What follows preferences once a place is found is no further attempt.
+/// Optimising soft tasks after success is no additional attempt.
 #[test]
-fn preferences_take_no_attempt_of_their_own() {
+fn soft_tasks_take_no_extra_attempt() {
     let mut builder = Model::builder("arm");
     let z = Vector3::UNITS[2];
     let link = Placement::translation(Vector3::UNITS[0]);
@@ -105,7 +105,7 @@ fn preferences_take_no_attempt_of_their_own() {
 }
 
 #[test]
-fn what_is_dragged_onto_a_table_slides_along_it() {
+fn drag_onto_a_table_slides_along_it() {
     let nao = Nao::standing();
     let hand = nao.at("left_hand").translation;
     let mut world = World::new();
@@ -120,7 +120,7 @@ fn what_is_dragged_onto_a_table_slides_along_it() {
         let mut kinematics = ForwardKinematics::new(nao.robot.model());
         let left = nao.robot.model().frame("left_hand").unwrap();
         for step in 1..=60 {
-            // Twelve centimetres down, to below the table, and then along it.
+            // 12 cm down, below the table's top, then along it.
             let down = f64::from(step.min(30)) * 0.004;
             let along = f64::from((step - 30).max(0)) * 0.002;
             let target = hand + Vector3::new(along, 0.0, -down);
@@ -130,7 +130,7 @@ fn what_is_dragged_onto_a_table_slides_along_it() {
             if step > 30 {
                 let pairs = solution.collisions();
                 assert!(!solution.reached && pairs[0].second == "table", "{pairs:?}");
-                // Nothing touches: what it would come to is told, and called so.
+                // Without contact the blocking pair is reported as met on the way.
                 assert!(pairs[0].on_the_way && pairs[0].distance >= margin - 1e-9);
                 let text = solution.explain();
                 assert!(text.contains("obstacle `table` end the way"), "{text}");
@@ -146,13 +146,13 @@ fn what_is_dragged_onto_a_table_slides_along_it() {
             );
             assert!(beside.z > -1e-6);
         }
-        // It lies on the table, a millimetre off at most beyond the margin.
+        // The hand lies on the table, at most 1 mm beyond the margin.
         let nearest = checker
             .nearest(&mut workspace, drag.q(), 0.1)
             .unwrap()
             .unwrap();
         assert!(nearest.distance < margin + 1.1e-3, "{nearest:?}");
-        // And comes off again.
+        // And leaves it again.
         drag.target_mut(task).unwrap().set_target(hand);
         for _ in 0..20 {
             drag.advance();
@@ -161,9 +161,9 @@ fn what_is_dragged_onto_a_table_slides_along_it() {
     }
 }
 
-/// A floor where the soles are, or a hair below: the body stands on it, and moves.
+/// A floor exactly at the soles or slightly below: the robot stands on it and moves.
 #[test]
-fn a_body_stands_on_a_floor() {
+fn robot_stands_and_moves_on_a_floor() {
     let nao = Nao::standing();
     let floor_at = |height: f64| {
         let mut world = World::new();
@@ -171,7 +171,7 @@ fn a_body_stands_on_a_floor() {
         world.add_plane("floor", floor).unwrap();
         nao.checker.clone().with_world(&world).unwrap()
     };
-    // As high as no lower part is.
+    // At the height of the lowest part.
     let lowest = {
         let probe = floor_at(-1.0);
         let pairs = probe.clone().with_margin(2.0).unwrap();
@@ -209,7 +209,7 @@ fn a_body_stands_on_a_floor() {
 }
 
 #[test]
-fn feet_on_a_level_of_their_own_stay_while_a_hand_slides() {
+fn feet_on_the_first_level_stay_while_hand_slides() {
     let nao = Nao::standing();
     let hand = nao.at("left_hand").translation;
     let mut world = World::new();
@@ -244,7 +244,7 @@ fn feet_on_a_level_of_their_own_stay_while_a_hand_slides() {
 }
 
 #[test]
-fn what_is_reached_touches_nothing_and_nearly_all_is_reached() {
+fn reached_solutions_are_collision_free() {
     let nao = Nao::standing();
     let hand = nao.at("left_hand").translation;
     let mut random = Random::new(14);
@@ -294,7 +294,7 @@ fn what_is_reached_touches_nothing_and_nearly_all_is_reached() {
             blocked += usize::from(!solution.reached);
             led +=
                 usize::from(solution.reached && !checker.collisions(&anyway.q).unwrap().is_empty());
-            // The same with new memory.
+            // Equal with new memory.
             let question = problem.with_targets(&targets).unwrap();
             let again = Solver::default().solve_once(question, &nao.stance).unwrap();
             assert_eq!(
@@ -303,7 +303,7 @@ fn what_is_reached_touches_nothing_and_nearly_all_is_reached() {
             );
         }
     }
-    // Some targets are in the crate.
+    // Some targets are inside the crate.
     assert!(
         led > 0 && blocked > 0 && reached * 2 > asked,
         "{asked} {reached} {led} {blocked}"
@@ -311,7 +311,7 @@ fn what_is_reached_touches_nothing_and_nearly_all_is_reached() {
 }
 
 #[test]
-fn from_a_place_that_touches_the_depth_falls_and_then_nothing_touches() {
+fn drag_in_contact_reduces_depth_to_zero() {
     let nao = Nao::standing();
     let hand = nao.at("left_hand").translation;
     let mut world = World::new();
@@ -340,7 +340,7 @@ fn from_a_place_that_touches_the_depth_falls_and_then_nothing_touches() {
         "{}",
         drag.solution().explain()
     );
-    // A solver gets out at once.
+    // A solver leaves the contact in one solve.
     let mut targets = problem.targets();
     targets.get_mut(task).unwrap().set_target(target);
     let question = problem.with_targets(&targets).unwrap();
@@ -349,7 +349,7 @@ fn from_a_place_that_touches_the_depth_falls_and_then_nothing_touches() {
 }
 
 #[test]
-fn the_derivative_of_a_clearance_is_that_of_its_differences() {
+fn clearance_derivative_matches_differences() {
     let nao = Nao::standing();
     let hand = nao.at("left_hand").translation;
     let mut world = World::new();
@@ -390,7 +390,7 @@ fn the_derivative_of_a_clearance_is_that_of_its_differences() {
         ]
         .map(jacobian);
         assert!((&exact - &dual).amax() < 1e-12);
-        // Where two pairs change places as the nearest, differences straddle a kink: few rows do.
+        // Where the nearest pair changes, differences straddle a kink: few rows do.
         for row in 0..rows {
             let off = (exact.row(row) - differences.row(row)).amax();
             checked += usize::from(exact.row(row).amax() > 0.0 && off < 1e-6);
@@ -404,7 +404,7 @@ fn the_derivative_of_a_clearance_is_that_of_its_differences() {
 }
 
 #[test]
-fn a_checker_of_another_model_is_refused() {
+fn checker_of_another_model_is_rejected() {
     let nao = Nao::standing();
     let other = Robot::read("../models/universal_ur5e.urdf").unwrap();
     let checker = Checker::new(CollisionModel::of(&other).unwrap());
@@ -420,7 +420,7 @@ fn a_checker_of_another_model_is_refused() {
 }
 
 #[test]
-fn a_figure_s_hand_stops_at_its_belly() {
+fn characters_hand_stops_at_its_belly() {
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let (mesh, weights) = (rig.mesh.as_ref().unwrap(), rig.weights.as_ref().unwrap());
     let skeleton = &rig.skeleton;
@@ -469,7 +469,7 @@ fn a_figure_s_hand_stops_at_its_belly() {
 }
 
 #[test]
-fn a_closed_loop_holds_where_something_is_in_the_way() {
+fn loop_stays_closed_at_an_obstacle() {
     // Two cranks of 20 cm, a coupler of 50 cm between them, and a pen on it.
     let mut builder = Model::builder("parallelogram");
     let (axis, turn) = (Vector3::UNITS[2], Limits::new(-3.1, 3.1));
@@ -498,7 +498,7 @@ fn a_closed_loop_holds_where_something_is_in_the_way() {
     let task = tasks.add(Point::new(pen, from));
     tasks.keep_clear(&checker);
     let problem = tasks.build().unwrap();
-    // A drag stops before the stone, and its loop is closed in every frame.
+    // A drag stops before the stone, with its loop closed in every frame.
     let mut drag = Drag::new(problem.clone(), &start).unwrap();
     let mut workspace = checker.workspace();
     for step in 1..=60 {
@@ -518,7 +518,7 @@ fn a_closed_loop_holds_where_something_is_in_the_way() {
         assert_eq!(way.blocked_by, None, "frame {step}");
     }
     assert_eq!(drag.solution().collisions()[0].second, "stone");
-    // A solver goes to the other side, where nothing is in the way.
+    // A solver reaches the other side without contact.
     let mut targets = problem.targets();
     targets.get_mut(task).unwrap().set_target(goal);
     let question = problem.with_targets(&targets).unwrap();
@@ -528,7 +528,7 @@ fn a_closed_loop_holds_where_something_is_in_the_way() {
         "{}",
         solution.explain()
     );
-    // And tells a target in the stone.
+    // And reports a target in the stone.
     targets.get_mut(task).unwrap().set_target(middle);
     let question = problem.with_targets(&targets).unwrap();
     let solution = Solver::default().solve_once(question, &start).unwrap();
@@ -536,7 +536,7 @@ fn a_closed_loop_holds_where_something_is_in_the_way() {
     assert!((solution.collisions()[0].depth() - 0.05).abs() < 1e-5);
 }
 
-/// An arm of four links in a plane beside two balls, its hand, and what keeps it clear.
+/// Planar arm of four links next to two spheres, its hand and its checker.
 fn arm_beside_balls() -> (Model, FrameId, Checker) {
     let mut builder = Model::builder("arm");
     let z = Vector3::UNITS[2];
@@ -564,9 +564,9 @@ fn arm_beside_balls() -> (Model, FrameId, Checker) {
     (model, hand, checker)
 }
 
-/// A workspace used again forgets what was in the way of the question before, and where that was led out of it.
+/// A reused workspace keeps no contacts and no escape of the previous problem.
 #[test]
-fn nothing_is_left_of_what_was_in_the_way() {
+fn earlier_contacts_leave_no_state() {
     let (model, hand, checker) = arm_beside_balls();
     let mut random = Random::new(7);
     let solver = Solver::default().with_restarts(Restarts::default().with_attempts(6));
@@ -604,9 +604,9 @@ fn nothing_is_left_of_what_was_in_the_way() {
     }
 }
 
-/// Where a search from elsewhere is asked for and its way is not free, the body does not leap, and is not told to.
+/// If the motion to a search result is not free, the robot does not jump and no jump is reported.
 #[test]
-fn a_leap_is_told_where_it_is_made() {
+fn jump_is_reported_only_if_made() {
     let (model, hand, checker) = arm_beside_balls();
     let mut random = Random::new(8);
     for _ in 0..40 {
@@ -632,9 +632,9 @@ fn a_leap_is_told_where_it_is_made() {
     }
 }
 
-/// A clearance that is given another distance or another world is one that was made so.
+/// A clearance with a changed distance or checker equals a new one.
 #[test]
-fn a_clearance_that_is_set_is_one_made_so() {
+fn changed_clearance_equals_a_new_one() {
     let robot = Robot::read("../models/franka_panda.urdf").unwrap();
     let bodies = CollisionModel::of(&robot).unwrap();
     let world = |height: f64| {

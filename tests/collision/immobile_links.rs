@@ -1,6 +1,7 @@
-//! Promise: what no joint of an arm moves is judged once, by its shapes: a base may stand a hair above its floor, though the spheres that
-//! cover it stick out into that, and where it stands in the floor no answer is free and none is searched for. A plain answer that touches
-//! nothing by its shapes stays the answer, however coarse the spheres are.
+//! Promise: immobile links are checked once, by their shapes. A base may be slightly above its floor although its
+//! spheres protrude into it. With a base in the floor no solution is free and none is searched for.
+//!
+//! A plain solution that is collision-free by shapes is kept, for any sphere resolution.
 
 use kinopt::Arm;
 use kinopt::collision::{Checker, CollisionModel, Fineness, Shape, SphereModel, World};
@@ -9,8 +10,8 @@ use support::arms::robot;
 use support::random::Random;
 use support::sample::cases;
 
-use crate::arms_keep_clear::drawn;
-use crate::spheres_change_no_answer::add_boxes;
+use crate::arm_avoidance::drawn;
+use crate::sphere_consistency::add_boxes;
 
 struct Panda {
     checker: Checker,
@@ -39,7 +40,7 @@ impl Panda {
         arm.with_checker(&checker, &self.rest).unwrap()
     }
 
-    /// How high the lowest of what stands with the base is, metres.
+    /// Height of the lowest immobile link, metres.
     fn lowest(&self) -> f64 {
         let under = self.checker.clone().with_world(&floor(10.0)).unwrap();
         let model = under.model().model();
@@ -62,7 +63,7 @@ fn floor(height: f64) -> World {
 }
 
 #[test]
-fn a_base_a_hair_above_its_floor_leaves_the_spheres_of_all_else_to_tell() {
+fn base_just_above_floor_keeps_sphere_checks() {
     let mut random = Random::new(4);
     let panda = Panda::covered(0.03);
     let arm = panda.among(&floor(panda.lowest() - 1e-3));
@@ -80,7 +81,7 @@ fn a_base_a_hair_above_its_floor_leaves_the_spheres_of_all_else_to_tell() {
 }
 
 #[test]
-fn a_base_in_its_floor_is_told_and_nothing_is_searched_for() {
+fn base_in_its_floor_starts_no_search() {
     let mut random = Random::new(5);
     let panda = Panda::covered(0.03);
     let (plain, arm) = (Panda::plain(), panda.among(&floor(panda.lowest() + 0.02)));
@@ -105,7 +106,7 @@ fn a_base_in_its_floor_is_told_and_nothing_is_searched_for() {
 }
 
 #[test]
-fn a_plain_answer_that_touches_nothing_stays_the_answer() {
+fn free_plain_solution_is_kept() {
     let mut random = Random::new(6);
     let panda = Panda::covered(0.1);
     let plain = Panda::plain();

@@ -1,4 +1,4 @@
-//! Promise: bad shapes and damaged files are an error that names what is wrong, or a note; never a panic.
+//! Promise: invalid shapes and damaged files give an error that names the fault, or a note; never a panic.
 
 use kinopt::collision::{Shape, ShapeNote, World, separation};
 use kinopt::spatial::{Placement, Vector3};
@@ -23,7 +23,7 @@ const SCENE: &str = "world:
       primitives: [{type: box, dimensions: [1, 2, 3]}]
 ";
 
-/// A text with some bytes taken out, doubled or replaced.
+/// Text with some bytes removed, doubled or replaced.
 fn damaged(text: &str, random: &mut Random) -> Vec<u8> {
     const PIECES: [&str; 16] = [
         "[", "]", "{", "}", "\"", ":", "-", "1e999", "NaN", "null", "&a", "*a", "\n", "\t",
@@ -53,7 +53,7 @@ fn damaged(text: &str, random: &mut Random) -> Vec<u8> {
 }
 
 #[test]
-fn damaged_worlds_are_refused_or_read() {
+fn damaged_worlds_are_rejected_or_read() {
     World::from_json(WORLD.as_bytes(), "whole").unwrap();
     World::from_moveit(SCENE.as_bytes(), "whole").unwrap();
     let mut random = Random::new(3);
@@ -70,7 +70,7 @@ fn damaged_worlds_are_refused_or_read() {
 }
 
 #[test]
-fn deep_nesting_is_refused() {
+fn deep_nesting_is_rejected() {
     for open in ["[", "{\"a\":", "- ", "a:\n "] {
         let deep = open.repeat(100_000);
         assert!(World::from_json(deep.as_bytes(), "deep").is_err());
@@ -79,7 +79,7 @@ fn deep_nesting_is_refused() {
 }
 
 #[test]
-fn open_and_turned_meshes_are_told() {
+fn mesh_defects_are_noted() {
     let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vector3::from);
     let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
     let inside = Vector3::new(0.1, 0.1, 0.1);
@@ -101,7 +101,7 @@ fn open_and_turned_meshes_are_told() {
     let mixed = Shape::mesh(corners.to_vec(), mixed).unwrap();
     assert_eq!(mixed.notes(), [ShapeNote::Winding { edges: 3 }]);
 
-    // Every corner of every triangle a vertex of its own, and two triangles that are none.
+    // Separate vertices for every triangle, and two degenerate triangles.
     let loose: Vec<_> = faces
         .iter()
         .flatten()
@@ -114,13 +114,13 @@ fn open_and_turned_meshes_are_told() {
     assert!((loose.signed_distance(inside) + 0.1).abs() < 1e-15);
 }
 
-/// Corners that a rounding apart are one where that closes the mesh, and nowhere else: what is closed stays as it is, to the bit.
+/// Vertices within rounding are merged if that closes the mesh, and only then: a closed mesh stays exactly as it is.
 #[test]
-fn a_mesh_that_is_open_by_a_rounding_is_closed_and_told() {
+fn mesh_open_by_rounding_is_closed_with_a_note() {
     let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vector3::from);
     let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
     let inside = Vector3::new(0.1, 0.1, 0.1);
-    // Every corner of every triangle a vertex of its own, each off by so much.
+    // Separate vertices for every triangle, each displaced by up to `by`.
     let shaken = |size: f64, by: f64, keep: usize| {
         let mut random = Random::new(7);
         let mut off = || {
@@ -143,7 +143,7 @@ fn a_mesh_that_is_open_by_a_rounding_is_closed_and_told() {
         );
         let depth = closed.signed_distance(inside * size);
         assert!((depth + 0.1 * size).abs() < 1e-8 * size, "{depth}");
-        // Farther apart than that, or with a triangle missing, it is open as before.
+        // With larger displacements, or a missing triangle, the mesh stays open.
         let open = shaken(size, 1e-3 * size, 4);
         assert_eq!(open.notes(), [ShapeNote::Open { edges: 12 }]);
         let missing = shaken(size, 1e-9 * size, 3);
@@ -160,9 +160,9 @@ fn a_mesh_that_is_open_by_a_rounding_is_closed_and_told() {
     assert!(world.scaled(2.0).unwrap().notes().is_empty());
 }
 
-/// Places so far away that squares of them overflow would be answered by what is no number.
+/// Squares of such coordinates overflow and would give NaN.
 #[test]
-fn what_is_placed_beyond_all_lengths_is_refused() {
+fn placements_beyond_1e9_are_rejected() {
     let mut world = World::new();
     for far in [1e300, -2e9, 1.1e9] {
         let error = world
@@ -192,7 +192,7 @@ fn what_is_placed_beyond_all_lengths_is_refused() {
 }
 
 #[test]
-fn numbers_that_are_none_are_named() {
+fn invalid_coordinates_are_named() {
     let nan = Vector3::new(0.0, f64::NAN, 0.0);
     let far = Vector3::new(0.0, 1e300, 0.0);
     for bad in [nan, far] {
@@ -213,7 +213,7 @@ fn numbers_that_are_none_are_named() {
 }
 
 #[test]
-fn a_million_triangles_are_taken() {
+fn million_triangles_are_accepted() {
     // A tenth of them in a debug build.
     let n = if few() { 224_u32 } else { 708 };
     let vertex = |i: u32, j: u32| {

@@ -1,4 +1,5 @@
-//! Promise: where a body reaches its goals but nowhere free, it touches as little as the goals allow on the branch that it is on.
+//! Promise: if required tasks are reachable only in contact, the penetration is the smallest that they allow on the
+//! branch.
 
 use kinopt::collision::{Checker, CollisionModel, CollisionObject, Shape, World};
 use kinopt::ik::Restarts;
@@ -9,7 +10,7 @@ use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Plane, Posture, Task};
 use kinopt::{Problem, Solver};
 
-/// A ball on two slides and a greater one whose middle is so far aside.
+/// Sphere on two prismatic joints, and a larger one with its centre at `aside`.
 fn balls(aside: f64) -> (Model, FrameId, Checker) {
     let mut builder = Model::builder("slides");
     let [x, y, _] = Vector3::UNITS;
@@ -27,12 +28,12 @@ fn balls(aside: f64) -> (Model, FrameId, Checker) {
     (model, ball, checker)
 }
 
-/// Held on a line through the greater ball: the farther the free slide goes the less deep it is.
+/// On a line through the larger sphere: the farther the free joint moves, the smaller the depth.
 #[test]
-fn the_depth_told_is_the_least_that_goals_and_limits_allow() {
+fn depth_is_minimal_within_tasks_and_limits() {
     let (model, ball, checker) = balls(0.0);
     let x = Vector3::UNITS[0];
-    // Of both sides, of which a solver without restarts has one; pulled to the middle of the rock or not.
+    // A solver without restarts finds one side, with or without a soft task to the rock's centre.
     for (start, y) in [(0.01, 0.03_f64), (-0.01, -0.05)] {
         for pulled in [false, true] {
             let mut tasks = Problem::builder(&model);
@@ -53,9 +54,9 @@ fn the_depth_told_is_the_least_that_goals_and_limits_allow() {
     }
 }
 
-/// Where preferences are traded against the goals, what is touched is not: the line beside the middle is kept to.
+/// Weighted soft tasks do not weigh contacts against required tasks: the line off the centre is kept.
 #[test]
-fn what_is_touched_is_not_traded_against_the_goals() {
+fn contact_is_not_weighted_against_tasks() {
     let (model, ball, checker) = balls(0.02);
     for preferences in [Preferences::WithinGoals, Preferences::Traded] {
         let mut tasks = Problem::builder(&model);

@@ -1,5 +1,5 @@
-//! Promise: whatever a world is built of, what cannot be is refused with its obstacle's name and changes nothing, and what is taken can be asked
-//! about: no panic, no number that is none, no answer that touches.
+//! Promise: invalid obstacles are rejected with their name and change nothing. Worlds of valid obstacles cause no
+//! panic, no non-finite number and no reached result in contact.
 
 use kinopt::arm::Arm;
 use kinopt::collision::{Checker, CollisionModel, Shape, World, separation};
@@ -8,7 +8,7 @@ use support::arms::robot;
 use support::random::Random;
 use support::sample::cases;
 
-/// What no length can be; and what one can.
+/// Invalid lengths, and valid ones.
 const NO_LENGTHS: [f64; 7] = [
     0.0,
     -0.1,
@@ -20,7 +20,7 @@ const NO_LENGTHS: [f64; 7] = [
 ];
 const LENGTHS: [f64; 6] = [1e-9, 1e-4, 0.05, 0.3, 1e3, 1e9];
 
-/// One of many, now and then one that cannot be, which is told.
+/// Random generator of obstacles that is sometimes invalid, which `bad` records.
 struct Drawn {
     random: Random,
     bad: bool,
@@ -35,7 +35,7 @@ impl Drawn {
         LENGTHS[self.random.below(LENGTHS.len())]
     }
 
-    /// Of one shape: 10¹² times as long as thick it is none.
+    /// Lengths of one shape: a ratio above 10¹² is invalid.
     fn lengths<const N: usize>(&mut self) -> [f64; N] {
         let lengths = [(); N].map(|()| self.length());
         let longest = lengths.iter().copied().fold(0.0, f64::max);
@@ -71,7 +71,7 @@ impl Drawn {
         Placement::new(rotation, self.point())
     }
 
-    /// A tetrahedron, whole, open, wound against itself, with a triangle that is none, or with a vertex that is not there.
+    /// A tetrahedron: whole, open, with inconsistent winding, with a degenerate triangle, or with a missing vertex.
     fn mesh(&mut self) -> (Vec<Vector3<f64>>, Vec<[u32; 3]>) {
         let corners = [(); 4].map(|()| self.point()).to_vec();
         let mut triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
@@ -90,7 +90,7 @@ impl Drawn {
 }
 
 #[test]
-fn what_cannot_be_is_refused_by_name_and_what_is_taken_can_be_asked_about() {
+fn invalid_obstacles_are_rejected_by_name() {
     let robot = robot("franka_panda");
     let bodies = CollisionModel::of(&robot).unwrap();
     let bodies = bodies.with_pairs_sampled(200, 1).unwrap();
@@ -107,7 +107,7 @@ fn what_cannot_be_is_refused_by_name_and_what_is_taken_can_be_asked_about() {
         for _ in 0..8 {
             drawn.bad = false;
             let before = (world.len(), world.revision());
-            // Few names, so that some are there twice.
+            // Few names, so that some repeat.
             let name = format!("thing {}", drawn.random.below(12));
             drawn.bad |= world.obstacle(&name).is_ok();
             let at = drawn.placement();
@@ -153,7 +153,7 @@ fn what_cannot_be_is_refused_by_name_and_what_is_taken_can_be_asked_about() {
                 .map(|l| drawn.random.within(l.lower, l.upper))
                 .collect::<Vec<_>>()
         });
-        // Most starts and goals are deep inside something.
+        // Most starts and goals are deep inside an obstacle.
         let solution = arm
             .solve(arm.base_from_tool(&goal).unwrap(), &start)
             .unwrap();
@@ -177,7 +177,7 @@ fn what_cannot_be_is_refused_by_name_and_what_is_taken_can_be_asked_about() {
 }
 
 #[test]
-fn an_arm_that_starts_deep_inside_something_leaves_it() {
+fn arm_leaves_an_obstacle_it_starts_in() {
     let robot = robot("franka_panda");
     let bodies = CollisionModel::of(&robot).unwrap();
     let bodies = bodies.with_pairs_sampled(200, 1).unwrap();
@@ -202,7 +202,7 @@ fn an_arm_that_starts_deep_inside_something_leaves_it() {
     assert!(solution.reached, "{}", solution.explain());
     assert!(arm.collisions(&solution.q).unwrap().is_empty());
 
-    // A path that begins there is not free, which each of its poses tells until one is.
+    // A path that starts in contact reports it at every pose until one is free.
     let path = [tool, target];
     for solution in arm.track(&path, &inside).unwrap().solutions {
         let touched = arm.collisions(&solution.q).unwrap();
@@ -212,13 +212,13 @@ fn an_arm_that_starts_deep_inside_something_leaves_it() {
 }
 
 #[test]
-fn a_box_as_slender_as_may_be_is_measured_and_one_more_slender_refused_by_name() {
+fn slender_boxes_are_measured_or_rejected() {
     let ball = Shape::sphere(0.1).unwrap();
     for long in [1e3, 1e6, 1e9] {
         for thin in [1e-12 * long, 1e-9 * long, 1e-6 * long] {
             let plate = Shape::cuboid([0.05_f64.max(thin), long, thin]).unwrap();
             for gap in [-0.02, 0.0, 1e-3, 0.5] {
-                // Over the plate's middle, and over a place away from it.
+                // Above the plate's middle, and off it.
                 for along in [0.0, 0.3 * long] {
                     let at = Vector3::new(0.01, along, 0.5 * thin + 0.1 + gap);
                     let found = separation(&plate, &Placement::identity(), &ball, &at.into());

@@ -1,5 +1,5 @@
-//! Promise: where shapes decide, spheres only make an arm faster: the nearest solution and all distinct ones are those of an arm that looks
-//! at shapes alone, however coarse the spheres are.
+//! Promise: spheres only accelerate an arm. The nearest and all distinct solutions equal those of an arm that checks
+//! shapes alone, for any sphere resolution.
 
 use kinopt::arm::{Arm, Search};
 use kinopt::collision::{Checker, CollisionModel, Fineness, SphereModel, World};
@@ -9,12 +9,12 @@ use support::arms::robot;
 use support::random::Random;
 use support::sample::cases;
 
-use crate::arms_keep_clear::drawn;
+use crate::arm_avoidance::drawn;
 
-/// So few attempts that all of them may be looked at by their shapes.
+/// Few attempts, so that all of them can be checked by shapes.
 const ATTEMPTS: u32 = 32;
 
-/// Boxes about an arm.
+/// Boxes around an arm.
 pub(crate) fn add_boxes(world: &mut World, random: &mut Random) {
     for index in 0..6 {
         let around = random.within(-3.1, 3.1);
@@ -25,7 +25,7 @@ pub(crate) fn add_boxes(world: &mut World, random: &mut Random) {
     }
 }
 
-/// The answers of an arm with coarse spheres and of one without any, to the same questions.
+/// Compares an arm with coarse spheres and one without any on equal targets.
 fn same_answers(search: Search) {
     let robot = robot("franka_panda");
     let bodies = CollisionModel::of(&robot).unwrap();
@@ -66,7 +66,7 @@ fn same_answers(search: Search) {
 }
 
 #[test]
-fn all_distinct_solutions_are_those_of_the_shapes() {
+fn distinct_solutions_do_not_depend_on_spheres() {
     same_answers(Search::Distinct {
         k: 16,
         distance: 0.3,
@@ -74,19 +74,19 @@ fn all_distinct_solutions_are_those_of_the_shapes() {
 }
 
 #[test]
-fn the_nearest_solution_is_that_of_the_shapes() {
+fn nearest_solution_does_not_depend_on_spheres() {
     same_answers(Search::Nearest);
 }
 
-/// A bar that turns over a post, 0.3 rad beside where it begins.
+/// A bar that rotates above a post, 0.3 rad from its start.
 const BAR: &str = r#"<robot name="bar"><link name="post"><collision><origin xyz="0.4777 0.1478 0"/>
     <geometry><box size="0.02 0.02 0.1"/></geometry></collision></link>
     <link name="bar"><collision><origin xyz="0.3 0 0"/><geometry><box size="0.6 0.02 0.02"/></geometry></collision></link>
     <joint name="turn" type="continuous"><parent link="post"/><child link="bar"/><axis xyz="0 0 1"/></joint></robot>"#;
 
-/// Each link is in its own spheres where they stand.
+/// Spheres are placed with their links.
 #[test]
-fn what_spheres_tell_apart_is_apart() {
+fn spheres_are_placed_with_their_links() {
     let robot = Robot::parse(BAR, "bar.urdf").unwrap();
     let bodies = CollisionModel::of(&robot).unwrap();
     let bodies = bodies.with_checked("post", "bar").unwrap();

@@ -1,5 +1,5 @@
-//! Promise: a body that begins deep in something comes out of it, joint by joint no further in a frame than it may, also where no small
-//! step touches less; and is led to its targets then.
+//! Promise: a drag that starts deep in contact leaves it, within the frame's move bound, also if no small step reduces
+//! the depth. It then approaches its targets.
 
 use kinopt::Problem;
 use kinopt::collision::{Checker, CollisionModel, World};
@@ -10,12 +10,12 @@ use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Point;
 use support::random::Random;
 
-use crate::clear_at_the_first_level::ball_on_slides;
+use crate::avoidance_priority::ball_on_slides;
 
-/// An arm among thin plates, which it may pierce: either side of a plate looks like a way out to the links that are near to it, and
-/// neither is one for the arm.
+/// An arm among thin plates that it intersects. For links near a plate either side looks like an exit, but neither is
+/// one for the whole arm.
 #[test]
-fn arms_that_pierce_plates_come_out() {
+fn arms_intersecting_plates_get_free() {
     let robot = Robot::read("../models/franka_panda.urdf").unwrap();
     let model = robot.model();
     let bodies = CollisionModel::of(&robot).unwrap();
@@ -77,7 +77,7 @@ fn arms_that_pierce_plates_come_out() {
             let moves = drag.q().iter().zip(&before).map(|(a, b)| (a - b).abs());
             assert!(moves.fold(0.0, f64::max) < 0.15 + 1e-9);
             let touching = touches(drag.q()).is_some();
-            // It touches nothing again, and says so while it does.
+            // Once free it never touches again, and it is not reached while in contact.
             assert!(!(touching && (is_out || drag.solution().reached)));
             is_out |= !touching;
             if drag.rests() {
@@ -92,9 +92,9 @@ fn arms_that_pierce_plates_come_out() {
     assert_eq!(free, begun);
 }
 
-/// All that it reaches is filled: it looks for a way out for a while, and rests then.
+/// All reachable space is filled: the drag searches for an exit, then rests.
 #[test]
-fn a_body_that_finds_no_way_out_comes_to_rest() {
+fn drag_without_exit_comes_to_rest() {
     let (hand, bodies) = ball_on_slides(0.5);
     let model = bodies.model().clone();
     let mut world = World::new();

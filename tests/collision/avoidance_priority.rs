@@ -1,5 +1,5 @@
-//! Promise: what a body keeps clear of ranks with its first goals, on whatever levels they and its preferences are: a hand that is pulled
-//! past something slides round it.
+//! Promise: collision avoidance has the priority of the first required tasks, whatever the levels of tasks and soft
+//! tasks. A hand whose target is behind an obstacle slides around it.
 
 use kinopt::Problem;
 use kinopt::collision::{Checker, CollisionModel, CollisionObject, Shape, World};
@@ -8,7 +8,7 @@ use kinopt::model::{FrameId, Limits, Model};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::{Plane, Point, Posture, Task};
 
-/// A ball of 5 cm that slides along x and y, so far to either side.
+/// Sphere of radius 5 cm on prismatic joints along x and y with a range of ±`far`.
 pub(crate) fn ball_on_slides(far: f64) -> (FrameId, CollisionModel) {
     let mut builder = Model::builder("slides");
     let [x, y, _] = Vector3::UNITS;
@@ -22,7 +22,7 @@ pub(crate) fn ball_on_slides(far: f64) -> (FrameId, CollisionModel) {
 }
 
 #[test]
-fn a_ball_that_is_pulled_past_another_slides_round_it() {
+fn sphere_slides_around_an_obstacle() {
     let (hand, bodies) = ball_on_slides(1.0);
     let model = bodies.model().clone();
     let mut world = World::new();
@@ -38,7 +38,7 @@ fn a_ball_that_is_pulled_past_another_slides_round_it() {
             let rest = Task::new(Posture::new(&model, &[-0.5, 0.02]));
             tasks.add(rest.preference().at_level(preference));
             if let Some(later) = later {
-                // It is never missed.
+                // This task is always met.
                 let flat = Plane::new(hand, [0.0; 3], Vector3::UNITS[2]);
                 tasks.add(Task::new(flat).at_level(later));
             }

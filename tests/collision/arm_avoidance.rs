@@ -1,5 +1,5 @@
-//! Promise: a solution of an arm that keeps clear touches nothing, by the exact distances of shapes; where none is found
-//! it says what is touched.
+//! Promise: a reached solution of an arm with collision avoidance is collision-free by exact distances. If none is
+//! found, the solution names the contacts.
 
 use std::f64::consts::TAU;
 
@@ -10,7 +10,7 @@ use support::arms::robot;
 use support::random::Random;
 use support::sample::cases;
 
-/// An arm, and what tells what it touches.
+/// An arm with its checker.
 pub(crate) struct Kept {
     pub(crate) arm: Arm,
     pub(crate) checker: Checker,
@@ -34,7 +34,7 @@ fn kept_clear(name: &str, search: Search) -> Kept {
     }
 }
 
-/// A configuration within an arm's limits.
+/// Random configuration within an arm's limits.
 pub(crate) fn drawn(arm: &Arm, random: &mut Random) -> Vec<f64> {
     let limits = arm.limits();
     limits.map(|l| random.within(l.lower, l.upper)).collect()
@@ -55,7 +55,7 @@ impl Kept {
         drawn(&self.arm, random)
     }
 
-    /// A configuration that touches nothing.
+    /// Random collision-free configuration.
     pub(crate) fn free(&self, random: &mut Random) -> Vec<f64> {
         loop {
             let q = self.drawn(random);
@@ -66,7 +66,7 @@ impl Kept {
     }
 }
 
-/// Boxes, cylinders, capsules, balls, a hull and a floor around the arm.
+/// Boxes, cylinders, capsules, spheres, a hull and a floor around the arm.
 pub(crate) fn cluttered(random: &mut Random) -> World {
     let mut world = World::new();
     for index in 0..8 {
@@ -103,7 +103,7 @@ pub(crate) fn cluttered(random: &mut Random) -> World {
 }
 
 #[test]
-fn what_is_reached_touches_nothing_and_nearly_all_is_reached() {
+fn reached_solutions_are_collision_free() {
     let mut random = Random::new(14);
     let mut panda = panda(Search::Start);
     let (mut asked, mut reached) = (0, 0);
@@ -134,9 +134,9 @@ fn what_is_reached_touches_nothing_and_nearly_all_is_reached() {
     assert!(reached * 100 >= asked * 97, "{reached} of {asked}");
 }
 
-/// Of joints that may turn twice round, none is a whole turn farther from the start than it need be.
+/// For joints with two turns, no result is a whole turn farther from the start than necessary.
 #[test]
-fn what_is_free_is_no_whole_turn_away() {
+fn free_solution_is_no_whole_turn_away() {
     let mut random = Random::new(31);
     let mut ur5 = kept_clear("universal_ur5e", Search::Start);
     let plain = ur5.arm.clone();
@@ -163,7 +163,7 @@ fn what_is_free_is_no_whole_turn_away() {
 }
 
 #[test]
-fn the_nearest_solution_that_is_free_is_as_near_as_any_that_is() {
+fn nearest_free_solution_is_nearest() {
     let mut random = Random::new(3);
     let mut near = panda(Search::Nearest);
     let mut any = panda(Search::Start);
@@ -186,7 +186,7 @@ fn the_nearest_solution_that_is_free_is_as_near_as_any_that_is() {
 }
 
 #[test]
-fn of_several_solutions_none_touches_anything() {
+fn distinct_solutions_are_collision_free() {
     let mut random = Random::new(41);
     let distinct = Search::Distinct {
         k: 8,
@@ -211,9 +211,9 @@ fn of_several_solutions_none_touches_anything() {
     assert!(listed > 10 && touching > 10, "{listed} {touching}");
 }
 
-/// What is spent before something is found to be in the way counts as well.
+/// Counts include the attempts before a contact was found.
 #[test]
-fn a_search_that_goes_on_tells_all_that_it_spent() {
+fn continued_search_reports_total_counts() {
     let mut random = Random::new(8);
     let near = panda(Search::Nearest);
     let plain = near.arm.with_search(Search::Nearest).unwrap();
@@ -230,9 +230,9 @@ fn a_search_that_goes_on_tells_all_that_it_spent() {
     assert!(clear.attempts > first.attempts);
 }
 
-/// An answer that is free is of an attempt after those that led to the plain one, which touches.
+/// A collision-free result comes from an attempt after those of the plain result, which is in contact.
 #[test]
-fn the_winner_is_numbered_over_all_attempts_of_its_question() {
+fn winner_is_numbered_over_all_attempts() {
     for search in [Search::Start, Search::Nearest] {
         let mut random = Random::new(8);
         let near = panda(search);
@@ -262,9 +262,9 @@ fn the_winner_is_numbered_over_all_attempts_of_its_question() {
     }
 }
 
-/// As many attempts as are asked for, once for the plain answer and once for one that is free.
+/// The limit of attempts applies once to the plain search and once to the collision-free one.
 #[test]
-fn no_more_attempts_are_made_than_are_asked_for() {
+fn attempts_stay_within_the_limit() {
     for attempts in [1, 3] {
         let mut random = Random::new(8);
         let alone = panda(Search::Start);
@@ -291,7 +291,7 @@ fn no_more_attempts_are_made_than_are_asked_for() {
 }
 
 #[test]
-fn a_target_in_an_obstacle_is_reached_nowhere_and_says_so() {
+fn target_in_an_obstacle_is_reported() {
     let goal = [0.3, 0.2, 0.1, -1.8, 0.1, 2.0, 0.5];
     let alone = panda(Search::Start);
     let target = alone.arm.base_from_tool(&goal).unwrap();
@@ -314,18 +314,18 @@ fn a_target_in_an_obstacle_is_reached_nowhere_and_says_so() {
         text.contains("`crate`") && text.starts_with("Not reached"),
         "{text}"
     );
-    // A batch asks the same.
+    // A batch gives the same result.
     let batch = panda.arm.solve_batch(&[target], &goal).unwrap();
     assert_eq!(batch[0].q, solution.q);
     assert_eq!(batch[0].collisions(), solution.collisions());
-    // What is out of reach is not called touching.
+    // A target out of reach is not reported as in contact.
     let far = Placement::translation(Vector3::new(3.0, 0.0, 0.0));
     let solution = panda.arm.solve(far, &goal).unwrap();
     assert!(!solution.reached && !solution.goals_reached());
 }
 
 #[test]
-fn the_same_question_has_the_same_answer() {
+fn equal_arms_give_equal_results() {
     let mut random = Random::new(7);
     let world = cluttered(&mut random);
     let panda_a = panda(Search::Start).among(&world, 0.0);
@@ -340,7 +340,7 @@ fn the_same_question_has_the_same_answer() {
 }
 
 #[test]
-fn a_batch_answers_as_one_question_after_another() {
+fn batch_results_equal_single_solves() {
     let mut random = Random::new(8);
     let panda = panda(Search::Start).among(&cluttered(&mut random), 0.01);
     let (mut targets, mut starts) = (Vec::new(), Vec::new());
@@ -356,7 +356,7 @@ fn a_batch_answers_as_one_question_after_another() {
 }
 
 #[test]
-fn a_tool_or_goal_keeps_what_the_arm_is_kept_clear_of() {
+fn changed_tool_keeps_the_checker() {
     let mut random = Random::new(21);
     let world = cluttered(&mut random);
     let panda = panda(Search::Start).among(&world, 0.0);
@@ -376,7 +376,7 @@ fn a_tool_or_goal_keeps_what_the_arm_is_kept_clear_of() {
 }
 
 #[test]
-fn a_checker_of_another_model_is_refused() {
+fn checker_of_another_model_is_rejected() {
     let panda = panda(Search::Start);
     let other = CollisionModel::of(&robot("universal_ur5e")).unwrap();
     let error = panda
@@ -387,7 +387,7 @@ fn a_checker_of_another_model_is_refused() {
 }
 
 #[test]
-fn joints_that_the_arm_locks_stand_where_it_locks_them() {
+fn locked_joints_are_checked_at_locked_values() {
     let mut random = Random::new(31);
     let Kept {
         checker, q_model, ..
@@ -408,10 +408,10 @@ fn joints_that_the_arm_locks_stand_where_it_locks_them() {
     assert!(reached > 5, "{reached}");
 }
 
-/// A rod that sticks out of the hand, which is no link and has no spheres: carried from the start, or taken up later. Its place in the hand
-/// is none in the world, where little would touch it.
+/// A rod in the hand, without link or spheres: attached from the start, or later. As a world placement its offset in
+/// the hand would touch little.
 #[test]
-fn what_an_arm_carries_is_kept_clear_as_well() {
+fn attached_objects_are_kept_collision_free() {
     let mut random = Random::new(31);
     let [plain, empty] = [(); 2].map(|()| panda(Search::Start).among(&World::new(), 0.0));
     let mut told = [0; 2];
@@ -440,9 +440,9 @@ fn what_an_arm_carries_is_kept_clear_as_well() {
     assert!(told.iter().all(|told| *told > 5), "{told:?}");
 }
 
-/// Solutions that are looked at by their shapes are counted anew for each question.
+/// The number of solutions with exact checks is limited per problem.
 #[test]
-fn questions_before_leave_as_much_to_be_looked_at() {
+fn earlier_problems_do_not_reduce_checks() {
     let mut random = Random::new(33);
     let panda = panda(Search::Nearest).among(&cluttered(&mut random), 0.0);
     let new = panda.arm.clone();
@@ -455,7 +455,7 @@ fn questions_before_leave_as_much_to_be_looked_at() {
 }
 
 #[test]
-fn arm_values_that_are_not_finite_are_refused() {
+fn non_finite_joint_values_are_rejected() {
     let kept = panda(Search::Start).among(&World::new(), 0.0);
     for wrong in [f64::NAN, f64::INFINITY] {
         let mut q = vec![0.0; 7];

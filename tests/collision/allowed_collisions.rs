@@ -1,5 +1,5 @@
-//! Promise: what the user lets touch is passed over by every check, by spheres, by shapes and on ways, and nothing else is; a name that is
-//! not there is told.
+//! Promise: every check ignores allowed collisions and nothing else: by spheres, by shapes and along motions. Unknown
+//! names are reported.
 
 use kinopt::arm::Arm;
 use kinopt::collision::{
@@ -15,9 +15,9 @@ use support::arms::robot;
 use support::random::Random;
 use support::sample::cases;
 
-use crate::arms_keep_clear::drawn;
+use crate::arm_avoidance::drawn;
 
-/// Where the Panda's tool is over the table.
+/// The Panda's tool is above the table.
 const Q: [f64; 7] = [0.0, -0.3, 0.0, -2.0, 0.0, 1.9, 0.8];
 
 fn somewhere(random: &mut Random) -> Vector3<f64> {
@@ -50,9 +50,9 @@ fn many(count: usize, random: &mut Random) -> World {
     world
 }
 
-/// Of worlds of few and of many obstacles: pairs that were let touch are gone from what is told, and all others are as they were, to the bit.
+/// For few and many obstacles: allowed pairs disappear from the reports, and all others are exactly unchanged.
 #[test]
-fn only_what_was_let_touch_is_passed_over() {
+fn only_allowed_collisions_are_ignored() {
     let robot = robot("franka_panda");
     let plain = Checker::of(&robot).unwrap();
     let rest = robot.model().neutral();
@@ -99,14 +99,14 @@ fn only_what_was_let_touch_is_passed_over() {
             clear_where_it_touches += usize::from(clear[0] && before > 0);
         }
         assert!(passed > 0, "{count}");
-        // By the spheres alone: lanes pass over what exact checks do.
+        // Batched sphere checks ignore the pairs as exact checks do.
         assert!(clear_where_it_touches > 0 || count > 12, "{count}");
     }
 }
 
-/// However many other things there are, which are looked at in another way: here they are out of reach.
+/// With many other obstacles, out of reach, a different code path applies.
 #[test]
-fn spheres_may_touch_it_among_many_others_too() {
+fn sphere_permissions_hold_among_many_obstacles() {
     let robot = robot("franka_panda");
     let rest = robot.model().neutral();
     let bare = Arm::new(&robot, "base", "flange").unwrap();
@@ -142,9 +142,10 @@ fn spheres_may_touch_it_among_many_others_too() {
     assert!(clear_of[0] > 10 && clear_of[1] > 10, "{clear_of:?}");
 }
 
-/// The tool presses on a table: an arm reaches it, goes there along a path and from there away; without the permission it does neither.
+/// The tool presses on a table: an arm reaches it, follows a path to it and leaves it. Without the permission it does
+/// not.
 #[test]
-fn an_arm_reaches_into_what_it_may_touch() {
+fn arm_reaches_into_an_allowed_obstacle() {
     let robot = robot("franka_panda");
     let rest = robot.model().neutral();
     let bare = Arm::new(&robot, "base", "flange").unwrap();
@@ -181,9 +182,9 @@ fn an_arm_reaches_into_what_it_may_touch() {
     assert!(lenient.base_from_tool(servo.q()).unwrap().translation.z < path[19].translation.z);
 }
 
-/// What a hand holds may stand in what it is taken from, by the names of both.
+/// An attached object may touch the container it is taken from, by both names.
 #[test]
-fn what_is_held_may_touch_what_it_is_taken_from() {
+fn attached_object_may_touch_its_container() {
     let robot = robot("franka_panda");
     let mut world = World::new();
     let q = [0.0, -0.3, 0.0, -2.0, 0.0, 1.9, 0.8, 0.0, 0.0];
@@ -208,14 +209,14 @@ fn what_is_held_may_touch_what_it_is_taken_from() {
     };
     assert!(told(&checker));
     let apart = |world: &World| told(&checker.clone().with_world(world).unwrap());
-    // By either order.
+    // In either order.
     let mut other = world.clone();
     world.allow_touch("bin", "can").unwrap();
     other.allow_touch("can", "bin").unwrap();
     assert!(!apart(&world) && !apart(&other));
     other.forbid_touch("bin", "can").unwrap();
     assert!(apart(&other));
-    // Moved, detached and attached again it may still; what is removed and added anew may not.
+    // The permission survives moving, detaching and attaching, but not removing and adding.
     world.detach("can", Vector3::zero()).unwrap();
     world.attach("can", "hand", held).unwrap();
     assert!(!apart(&world) && world.may_touch("can", "bin"));
@@ -224,7 +225,7 @@ fn what_is_held_may_touch_what_it_is_taken_from() {
     world.add("can", shape, Vector3::zero()).unwrap();
     world.attach("can", "hand", held).unwrap();
     assert!(apart(&world) && !world.may_touch("can", "bin"));
-    // Said by either before the other was there.
+    // Set before the second object exists.
     for names in [["can", "bin"], ["bin", "can"]] {
         let mut world = World::new();
         for (place, name) in names.into_iter().enumerate() {
@@ -247,9 +248,10 @@ fn what_is_held_may_touch_what_it_is_taken_from() {
     }
 }
 
-/// Two copies of a world to which the same things are added in another order: what is held may touch the one of that name in both.
+/// Two copies of a world with objects added in different order: the attached object may touch the object of that name
+/// in both.
 #[test]
-fn of_things_that_came_in_another_order_the_same_one_may_be_touched() {
+fn permissions_do_not_depend_on_insertion_order() {
     let text = r#"<robot name="r"><link name="base"/>
         <link name="hand"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
         <joint name="lift" type="prismatic"><parent link="base"/><child link="hand"/><axis xyz="0 0 1"/><limit lower="0" upper="1"/></joint></robot>"#;
@@ -278,9 +280,9 @@ fn of_things_that_came_in_another_order_the_same_one_may_be_touched() {
     }
 }
 
-/// A body on its feet: its clearance, solver and drag pass over the floor under them.
+/// A robot on its feet: its clearance, solver and drag ignore the floor under them.
 #[test]
-fn a_body_stands_deep_in_what_its_feet_may_touch() {
+fn robot_stands_in_a_floor_its_feet_may_touch() {
     let robot = Robot::read("../models/aldebaran_nao.urdf").unwrap();
     let robot = robot.with_base_joint(BaseJoint::FREE).unwrap();
     let model = robot.model();
@@ -325,7 +327,7 @@ fn a_body_stands_deep_in_what_its_feet_may_touch() {
 }
 
 #[test]
-fn names_that_are_not_there_are_told() {
+fn unknown_names_are_reported() {
     let mut world = World::new();
     world.add_box("table", [0.1; 3], Vector3::zero()).unwrap();
     let told = world.allow_touch("hand", "tabel").unwrap_err().to_string();
@@ -367,9 +369,9 @@ fn names_that_are_not_there_are_told() {
     checker.with_world(&world).unwrap();
 }
 
-/// Of two obstacles both say so, and forget it when either is no more.
+/// Both obstacles list the permission, and drop it if either is removed.
 #[test]
-fn two_obstacles_know_each_other() {
+fn permission_of_two_obstacles_is_mutual() {
     let mut world = World::new();
     for name in ["can", "table"] {
         world.add_box(name, [0.1; 3], Vector3::zero()).unwrap();
@@ -389,7 +391,7 @@ fn two_obstacles_know_each_other() {
 }
 
 #[test]
-fn files_and_scaled_worlds_keep_what_may_touch() {
+fn files_and_scaled_worlds_keep_permissions() {
     let text = r#"{
         "boxes": [{"name": "table", "size": [1, 1, 0.1], "may_touch": ["hand", "can"]}],
         "cylinders": [{"name": "can", "radius": 0.03, "length": 0.1, "may_touch": ["table"]}]
@@ -401,16 +403,16 @@ fn files_and_scaled_worlds_keep_what_may_touch() {
     assert_eq!(again.to_json(), world.to_json());
     assert!(again.may_touch("hand", "table"));
     assert!(world.scaled(2.0).unwrap().may_touch("hand", "table"));
-    // Nothing is written of a world in which nothing may touch.
+    // A world without permissions writes none.
     let mut plain = world.clone();
     plain.forbid_touch("hand", "table").unwrap();
     plain.forbid_touch("table", "can").unwrap();
     assert!(!plain.to_json().contains("may_touch"));
 }
 
-/// A link that has spheres of a file alone, no shapes, may touch too.
+/// A link with spheres from a file and no shapes may touch as well.
 #[test]
-fn a_link_of_spheres_alone_may_touch() {
+fn link_with_spheres_only_may_touch() {
     let robot = robot("franka_panda");
     let rest = robot.model().neutral();
     let bodies = CollisionModel::of(&robot).unwrap();

@@ -1,5 +1,5 @@
-//! Promise: shapes that exactly meet are apart, whatever rounding says: a robot whose neighbouring solids meet reaches and moves as
-//! if there were nothing.
+//! Promise: shapes in exact contact count as separate despite rounding. A robot whose neighbouring solids meet reaches
+//! and moves without contacts.
 
 use kinopt::Arm;
 use kinopt::collision::{Checker, World};
@@ -8,11 +8,11 @@ use kinopt::spatial::Vector3;
 use support::arms::robot;
 use support::random::Random;
 
-use crate::arms_keep_clear::drawn;
+use crate::arm_avoidance::drawn;
 
-/// Every solid of the shipped Baxter's arms ends where the next but one begins.
+/// Each solid of the shipped Baxter's arms ends where the next but one starts.
 #[test]
-fn a_robot_whose_solids_meet_reaches_what_its_plain_arm_reaches() {
+fn meeting_solids_do_not_block_targets() {
     let robot = robot("rethink_baxter");
     let checker = Checker::of(&robot).unwrap();
     let rest = robot.model().neutral();
@@ -23,7 +23,7 @@ fn a_robot_whose_solids_meet_reaches_what_its_plain_arm_reaches() {
         let mut asked = 0;
         while asked < 50 {
             let q = drawn(&arm, &mut random);
-            // In itself by more than rounding: no promise.
+            // Skips self-collisions beyond rounding.
             let touches = arm.collisions(&q).unwrap();
             if touches.iter().any(|pair| pair.depth() > 1e-6) {
                 continue;
@@ -46,9 +46,10 @@ fn rest_of(arm: &Arm) -> Vec<f64> {
     arm.limits().map(|l| l.clamp(0.0)).collect()
 }
 
-/// The Panda's base stands exactly on the floor: that takes nothing from its ways, nor from the share of one that ends before a ball.
+/// The Panda's base is exactly on the floor. This blocks no motion, and does not change the free fraction of one that
+/// ends at a sphere.
 #[test]
-fn a_base_on_its_floor_keeps_no_way_short() {
+fn base_on_its_floor_blocks_no_motion() {
     let robot = robot("franka_panda");
     let alone = Checker::of(&robot).unwrap();
     let from = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8, 0.0, 0.0];

@@ -1,4 +1,4 @@
-//! Promise: the top of a world over a place is where a line from above first meets it.
+//! Promise: the ground height of a world at a position is the first intersection of a vertical line from above.
 
 use kinopt::collision::{Shape, World};
 use kinopt::spatial::{Matrix3, Placement, Vector3};
@@ -6,7 +6,7 @@ use kinopt::spatial::{Matrix3, Placement, Vector3};
 const TO: f64 = 1e-7;
 
 #[test]
-fn steps_a_ball_and_a_slope_are_where_geometry_has_them() {
+fn heights_of_steps_sphere_and_slope_are_exact() {
     let mut world = World::new();
     let at = |x: f64, y: f64, z: f64| Placement::translation(Vector3::new(x, y, z));
     // Up is y: steps of 0.2 along x, each 0.5 long.
@@ -35,7 +35,7 @@ fn steps_a_ball_and_a_slope_are_where_geometry_has_them() {
     // x² + z² + (y − 1)² = 0.3².
     let ball = 1.0 + (0.09_f64 - 0.01 - 0.04).sqrt();
     assert!((top(-2.1, 0.2).unwrap() - ball).abs() < TO);
-    // A slope of a third, z′ along (−1, 3, 0).
+    // A slope of one third, with z′ along (−1, 3, 0).
     let length = 10_f64.sqrt();
     let normal = Vector3::new(-1.0 / length, 3.0 / length, 0.0);
     let along = Vector3::new(3.0 / length, 1.0 / length, 0.0);
@@ -48,9 +48,9 @@ fn steps_a_ball_and_a_slope_are_where_geometry_has_them() {
     assert_eq!(World::new().top(Vector3::zero(), up), None);
 }
 
-/// What a robot holds is no ground to stand on, wherever its file has it in the hand; put down it is.
+/// Attached objects are no ground, wherever their files place them; detached ones are.
 #[test]
-fn what_moves_with_a_robot_is_no_top() {
+fn attached_objects_are_no_ground() {
     let mut world = World::new();
     let up = Vector3::UNITS[2];
     world
@@ -70,7 +70,7 @@ fn what_moves_with_a_robot_is_no_top() {
     }
     world.detach("crate", place).unwrap();
     assert!((top(&world, over) - 0.9).abs() < TO);
-    // Alone in the world it is no ground either.
+    // Also if it is the only obstacle.
     let mut held = World::new();
     held.add("crate", Shape::cuboid([0.4; 3]).unwrap(), place)
         .unwrap();
@@ -78,9 +78,9 @@ fn what_moves_with_a_robot_is_no_top() {
     assert_eq!(held.top(over, up), None);
 }
 
-/// So steep that it is nearly six times as high over a place as it is far from it.
+/// Nearly six times as high as it is far.
 #[test]
-fn a_steep_slope_is_as_high_as_it_is() {
+fn height_of_a_steep_slope_is_exact() {
     let (sin, cos) = 80_f64.to_radians().sin_cos();
     let (x, normal) = (Vector3::new(cos, 0.0, sin), Vector3::new(-sin, 0.0, cos));
     let slope = Matrix3::from_columns(x, normal.cross(x), normal);

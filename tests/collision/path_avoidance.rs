@@ -1,5 +1,5 @@
-//! Promise: a path of an arm that keeps clear touches nothing, at its points and between them; a step that would is cut
-//! short and says what is in the way, and the arm comes back as the path leaves.
+//! Promise: a path of an arm with collision avoidance is collision-free at and between its poses. A blocked step is cut
+//! short and names the obstacle, and the arm returns with the path.
 
 use kinopt::arm::{Arm, ServoStatus};
 use kinopt::collision::{Checker, CollisionModel, World};
@@ -19,7 +19,7 @@ fn panda(world: &World) -> Arm {
     arm.with_checker(&checker, &rest).unwrap()
 }
 
-/// From where the tool stands to the side and back, in so many steps each way.
+/// From the tool's pose to the side and back, in `steps` steps each.
 fn out_and_back(arm: &Arm, by: Vector3<f64>, steps: usize) -> Vec<Placement<f64>> {
     let begin = arm.base_from_tool(&Q).unwrap();
     let there = (0..=steps).chain((0..steps).rev());
@@ -32,7 +32,7 @@ fn out_and_back(arm: &Arm, by: Vector3<f64>, steps: usize) -> Vec<Placement<f64>
     there.map(at).collect()
 }
 
-/// No sample between two configurations touches.
+/// True if no sample between two configurations is in contact.
 fn is_free_between(arm: &Arm, from: &[f64], to: &[f64]) -> bool {
     (0..=20).all(|k| {
         let share = f64::from(k) / 20.0;
@@ -45,7 +45,7 @@ fn is_free_between(arm: &Arm, from: &[f64], to: &[f64]) -> bool {
     })
 }
 
-/// A wall to the left of the tool, nearer or farther.
+/// A wall to the left of the tool at `gap` metres.
 fn wall(arm: &Arm, gap: f64) -> World {
     let tool = arm.base_from_tool(&Q).unwrap().translation;
     let mut world = World::new();
@@ -55,7 +55,7 @@ fn wall(arm: &Arm, gap: f64) -> World {
 }
 
 #[test]
-fn a_path_into_a_wall_stops_before_it_and_comes_back() {
+fn path_into_a_wall_stops_and_returns() {
     let alone = panda(&World::new());
     for case in 0..cases(10, 2) {
         let arm = panda(&wall(&alone, 0.16 + 0.01 * case as f64));
@@ -68,7 +68,7 @@ fn a_path_into_a_wall_stops_before_it_and_comes_back() {
             assert!(distance(&last, &solution.q) < 0.2);
             last.clone_from(&solution.q);
         }
-        // In the wall it misses and names it; out of it, it is on its way again.
+        // In the wall the path misses and names it; outside it continues.
         let deepest = &track.solutions[60];
         assert!(!deepest.reached);
         assert_eq!(deepest.collisions()[0].second, "wall");
@@ -81,7 +81,7 @@ fn a_path_into_a_wall_stops_before_it_and_comes_back() {
 }
 
 #[test]
-fn a_servo_stops_before_a_wall_and_leaves_it() {
+fn servo_stops_at_a_wall_and_leaves_it() {
     let alone = panda(&World::new());
     let arm = panda(&wall(&alone, 0.18));
     let path = out_and_back(&arm, Vector3::new(0.0, 0.3, 0.0), 60);
@@ -97,7 +97,7 @@ fn a_servo_stops_before_a_wall_and_leaves_it() {
     assert!(servo.step(path[0]).unwrap().reached());
 }
 
-/// A table whose top is so much above the lowest place of the arm as it stands; the arm, and a path straight up and its way.
+/// A table whose top is `deep` metres above the lowest point of the arm; the arm, and a path straight up.
 fn in_a_table(deep: f64, margin: f64) -> (Arm, Vec<Placement<f64>>) {
     let alone = panda(&World::new());
     let mut near = World::new();
@@ -105,7 +105,7 @@ fn in_a_table(deep: f64, margin: f64) -> (Arm, Vec<Placement<f64>>) {
     let top = Vector3::new(0.0, 0.0, -0.5);
     near.add_box("table", [0.4, 0.4, 1.0], tool.translation + top)
         .unwrap();
-    // How far down the table is to be, by what it touches at first.
+    // Height of the table from the initial contacts.
     let touching = panda(&near).collisions(&Q).unwrap();
     let touching = touching.iter().map(|pair| pair.distance);
     let depth = touching.fold(0.0, f64::min);
@@ -122,15 +122,15 @@ fn in_a_table(deep: f64, margin: f64) -> (Arm, Vec<Placement<f64>>) {
     (arm, path.collect())
 }
 
-/// How near the nearest pair is at a configuration, metres.
+/// Distance of the nearest pair at a configuration, metres.
 fn nearest(arm: &Arm, q: &[f64]) -> f64 {
     let pairs = arm.collisions(q).unwrap();
     pairs.first().map_or(f64::INFINITY, |pair| pair.distance)
 }
 
-/// What is picked up stands on something: a path that leads away leaves it, from however deep, and none goes deeper.
+/// A path that leads away leaves an initial contact of any depth, and no path deepens it.
 #[test]
-fn a_contact_is_left_and_made_no_deeper() {
+fn initial_contact_is_left_and_never_deepened() {
     for (deep, margin) in [
         (0.0, 0.0),
         (3e-8, 0.0),
@@ -146,7 +146,7 @@ fn a_contact_is_left_and_made_no_deeper() {
         let track = arm.track(&path, &Q).unwrap();
         for solution in &track.solutions {
             let now = nearest(&arm, &solution.q);
-            // A micrometre is what only just touches.
+            // Contacts below 1 µm count as grazing.
             assert!(
                 now >= last.min(margin - 1e-6) - 2e-9,
                 "{told}: {now} after {last}"
@@ -176,7 +176,7 @@ fn a_contact_is_left_and_made_no_deeper() {
             step = servo.step(path[100]).unwrap();
         }
         assert!(step.reached(), "{told}: {:?}", step.status);
-        // Where it touches no target is reached, and pressing on moves nothing.
+        // In contact no target is reached, and targets farther inside cause no motion.
         if deep > 1e-6 {
             let (arm, path) = in_a_table(deep - margin, margin);
             let mut servo = arm.servo(&Q, 0.01).unwrap();

@@ -1,4 +1,4 @@
-//! Promise: what a robot holds may touch what holds it and no other part: the hand and its fingers, not the wrist that carries the hand.
+//! Promise: an attached object may touch the links that hold it and no others: the hand and its fingers, not the wrist.
 
 use kinopt::Arm;
 use kinopt::collision::{Checker, World};
@@ -13,10 +13,10 @@ fn holding(robot: &Robot, size: [f64; 3], frame: &str, at: Vector3<f64>) -> Chec
     Checker::of(robot).unwrap().with_world(&world).unwrap()
 }
 
-/// A plate at the Panda's hand, and the wrist bent into it. The depth is coal's (`coal::distance` of the box and the
+/// A plate in the Panda's hand, and the wrist bent into it. The depth is Coal's (`coal::distance` of the box and the
 /// capsules of link6).
 #[test]
-fn what_a_hand_holds_is_kept_from_the_wrist_above_it() {
+fn attached_plate_collides_with_the_wrist() {
     let robot = robot("franka_panda");
     let at = Vector3::new(0.0, 0.0, 0.1);
     let checker = holding(&robot, [0.5, 0.02, 0.6], "hand", at);
@@ -41,9 +41,9 @@ fn what_a_hand_holds_is_kept_from_the_wrist_above_it() {
     assert_eq!(others.count(), 0, "{found:?}");
 }
 
-/// A small box between the Panda's fingers, deep in all of them: whichever of them it is attached to.
+/// A small box between the Panda's fingers, deep in all of them, attached to any of them.
 #[test]
-fn what_lies_between_fingers_is_free_of_all_that_hold_it() {
+fn object_between_fingers_touches_no_holder() {
     let robot = robot("franka_panda");
     let rest = robot.model().neutral();
     let places = [
@@ -57,7 +57,7 @@ fn what_lies_between_fingers_is_free_of_all_that_hold_it() {
         let arm = arm.with_checker(&checker, &rest).unwrap();
         let q = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8];
         let found = arm.collisions(&q).unwrap();
-        // Of one finger the other is no holder that could be told from the rest of the robot.
+        // If one finger holds it, the other is an ordinary link.
         let found: Vec<_> = found
             .iter()
             .filter(|pair| frame != "finger_left" || pair.first != "finger_right")

@@ -1,5 +1,5 @@
-//! Promise: distances do not depend on where the world's origin is, nor on the unit of length, nor on which shape comes first, their normals are
-//! their derivatives, bounds of them are kept, and shapes that say the same in two ways are as far.
+//! Promise: distances are independent of the world's origin, the unit of length and the order of shapes. Normals are
+//! their derivatives, distance bounds are exact, and equivalent shapes have equal distances.
 
 use kinopt::collision::{Separation, Shape, ShapeKind, separation, separation_within};
 use kinopt::spatial::{Placement, Vector3};
@@ -12,7 +12,7 @@ fn placed(random: &mut Random, size: f64) -> Placement<f64> {
     Placement::new(rotation.into(), random.vector(size).into())
 }
 
-/// Any shape: convex ones, a closed mesh, a cloud, a ground.
+/// Random shape: convex, a closed mesh, a point cloud or a height field.
 fn any_shape(random: &mut Random) -> Shape {
     let points = |random: &mut Random| -> Vec<Vector3<f64>> {
         (0..12).map(|_| random.vector(0.5).into()).collect()
@@ -44,7 +44,7 @@ fn close(a: &Separation, b: &Separation, what: &str) {
 }
 
 #[test]
-fn neither_the_origin_nor_the_order_counts() {
+fn origin_and_order_do_not_matter() {
     let mut random = Random::new(21);
     for _ in 0..600 {
         let shapes = [any_shape(&mut random), any_shape(&mut random)];
@@ -58,7 +58,7 @@ fn neither_the_origin_nor_the_order_counts() {
     }
 }
 
-/// Told in another unit, all lengths are so many times as long, and all directions the same.
+/// In another unit lengths scale and directions are equal.
 #[test]
 fn the_unit_of_length_does_not_matter() {
     let times = |solid: &Solid, by: f64| match solid {
@@ -74,7 +74,7 @@ fn the_unit_of_length_does_not_matter() {
         let solids = [kind, if case % 2 == 0 { 1 } else { kind }];
         let solids = solids.map(|kind| Solid::of_kind(kind, &mut random));
         let mut at = [placed(&mut random, 0.3), placed(&mut random, 0.3)];
-        // Axes that cross, of which the two have no volume between them.
+        // Crossing axes without a common volume.
         if case % 3 == 0 {
             at[1].translation = at[0].translation;
         }
@@ -119,7 +119,7 @@ fn normals_are_derivatives() {
         let along: Vector3<f64> = random.direction().into_inner().into();
         let [ahead, behind] = [at(along * step), at(along * -step)];
         let turned = (ahead.normal - behind.normal).norm();
-        // Between two sides of a kink there is no derivative.
+        // There is no derivative across a kink.
         if turned > 1e-2 {
             continue;
         }
@@ -135,7 +135,7 @@ fn normals_are_derivatives() {
 }
 
 #[test]
-fn bounds_are_kept() {
+fn distance_bounds_are_exact() {
     let mut random = Random::new(23);
     for _ in 0..600 {
         let shapes = [any_shape(&mut random), any_shape(&mut random)];
@@ -155,7 +155,7 @@ fn bounds_are_kept() {
 }
 
 #[test]
-fn a_ball_is_a_point_with_a_radius() {
+fn sphere_distance_is_that_of_its_centre() {
     let mut random = Random::new(24);
     for _ in 0..1500 {
         let shape = any_shape(&mut random);
@@ -165,7 +165,8 @@ fn a_ball_is_a_point_with_a_radius() {
         let ball = Shape::sphere(radius).unwrap();
         let found = separation(&shape, &Placement::identity(), &ball, &at).distance;
         let expected = shape.signed_distance(place) - radius;
-        // A ball that cuts a surface is as deep as that triangle alone, which a point within may be beyond.
+        // A sphere that cuts a surface is as deep as that triangle alone, which may be less than the distance of its
+        // centre.
         let surface = matches!(shape.kind(), ShapeKind::Mesh(_) | ShapeKind::HeightField(_));
         let exact = !surface || expected > 0.0 || expected < -2.0 * radius;
         match exact {
@@ -182,7 +183,7 @@ fn a_ball_is_a_point_with_a_radius() {
 }
 
 #[test]
-fn a_closed_mesh_is_as_far_as_its_hull_and_a_cloud_as_its_points() {
+fn mesh_equals_hull_and_cloud_equals_points() {
     let mut random = Random::new(25);
     for _ in 0..400 {
         let points: Vec<Vector3<f64>> = (0..30).map(|_| random.vector(0.5).into()).collect();
@@ -212,7 +213,7 @@ fn a_closed_mesh_is_as_far_as_its_hull_and_a_cloud_as_its_points() {
 }
 
 #[test]
-fn a_plane_is_as_low_as_what_stands_on_it() {
+fn plane_distance_is_that_of_the_lowest_point() {
     let mut random = Random::new(26);
     for _ in 0..300 {
         let solid = Solid::random(&mut random);
@@ -230,7 +231,7 @@ fn a_plane_is_as_low_as_what_stands_on_it() {
             &separation(&solid.shape(), &b, &floor, &a),
             "the order",
         );
-        // A level ground far around is the same.
+        // A large flat height field gives the same result.
         let level = Shape::height_field(vec![0.0; 4], 2, [100.0, 100.0]).unwrap();
         let ground = separation(&level, &a, &solid.shape(), &b).distance;
         if lowest > 0.0 {
@@ -244,9 +245,9 @@ fn a_plane_is_as_low_as_what_stands_on_it() {
     }
 }
 
-/// A cloud is above a floor by its lowest point less the radius of the points, however both are turned.
+/// A cloud's distance from a floor is that of its lowest point less the radius, for any rotations.
 #[test]
-fn a_cloud_over_a_floor_is_nearer_by_its_radius() {
+fn cloud_above_floor_includes_its_radius() {
     let mut random = Random::new(77);
     for radius in [0.01, 0.2] {
         let points: Vec<Vector3<f64>> = (0..20).map(|_| random.vector(0.5).into()).collect();
@@ -270,15 +271,15 @@ fn a_cloud_over_a_floor_is_nearer_by_its_radius() {
     }
 }
 
-/// Where its middle is in the surface itself, no way from there tells which side is out.
+/// A centre exactly in the surface gives no direction to leave by.
 #[test]
-fn a_ball_whose_middle_is_in_a_surface_goes_out_of_that() {
+fn sphere_centred_in_a_face_leaves_along_normal() {
     let ball = Shape::sphere(0.05).unwrap();
     let cuboid = Shape::cuboid([0.6, 0.4, 0.8]).unwrap();
     let cylinder = Shape::cylinder(0.3, 0.8).unwrap();
     for (solid, halves) in [(cuboid, [0.3, 0.2, 0.4]), (cylinder, [0.3, 0.3, 0.4])] {
         for (axis, half) in Vector3::UNITS.into_iter().zip(halves) {
-            // In the middle of a face and beside it; a round side has no beside.
+            // In the middle of a face and off it; a round side has no second position.
             let aside = (Vector3::new(1.0, 1.0, 1.0) - axis) * 0.05;
             let asides = [Vector3::zero(), aside].into_iter();
             let flat = halves[0] != halves[1] || axis == Vector3::UNITS[2];

@@ -1,5 +1,5 @@
-//! Promise: a hull of hundreds of corners is as far away, and as deep, as all of its corners together say, though few of them are
-//! looked at: also where its faces are flat to rounding, and where it is a needle.
+//! Promise: distances and depths of hulls with hundreds of vertices equal the result over all vertices, also for faces
+//! that are flat to rounding and for needles.
 
 use kinopt::collision::{separation, separation_within};
 use kinopt::spatial::{Placement, Vector3};
@@ -7,7 +7,7 @@ use nalgebra as na;
 use support::convex_shapes::{Solid, gap_along};
 use support::random::Random;
 
-/// Points on an ellipsoid; on a box whose sides bulge by less than rounding tells; on two rings that nearly meet.
+/// Points on an ellipsoid; on a box with sides that bulge by less than rounding; on two rings that nearly meet.
 fn hull(kind: usize, random: &mut Random) -> Solid {
     let bulge = [1e-3, 1e-9, 1e-13, 1e-15][random.below(4)];
     let thin = [1.0, 1e-2, 1e-4][random.below(3)];
@@ -31,7 +31,7 @@ fn hull(kind: usize, random: &mut Random) -> Solid {
 }
 
 #[test]
-fn few_corners_say_what_all_do() {
+fn hull_distance_equals_that_of_all_vertices() {
     let mut random = Random::new(11);
     for i in 0..240 {
         let [a, b] = [i % 3, i / 3 % 4].map(|kind| match kind {
@@ -45,7 +45,7 @@ fn few_corners_say_what_all_do() {
         let at_a = place(1.0);
         let at_b = match i % 5 {
             0 => at_a,
-            // Faces against faces.
+            // Face against face.
             1 => at_a * Placement::translation(Vector3::new(0.9, 0.0, 0.0)),
             2 => at_a * Placement::translation(Vector3::new(0.0, 0.0, 0.8)),
             _ => place(1.4),
@@ -68,13 +68,13 @@ fn few_corners_say_what_all_do() {
             let off = shape.signed_distance(at.inverse().apply(point));
             assert!(off.abs() < 1e-9, "pair {i}: a point {off} off its shape");
         }
-        // Along no other direction is more room.
+        // No other direction separates farther.
         for step in 0..60 {
             let size = [1.0, 1e-3, 1e-6][step % 3];
             let other = (normal + size * random.direction().into_inner()).normalize();
             assert!(along(other) < found.distance + 1e-12, "pair {i}");
         }
-        // Just within it is found, and just beyond it is not.
+        // A bound just above the distance finds it, one just below does not.
         for (by, is_found) in [(1e-12, true), (-1e-12, false), (0.1, true), (-0.1, false)] {
             let within = found.distance + by;
             let near = separation_within(&shape_a, &at_a, &shape_b, &at_b, within);

@@ -1,4 +1,4 @@
-//! Promise: a figure's capsules are where its skin is, so that its hand does not go through its belly unseen.
+//! Promise: the capsules of a character are where its skin is, so that a hand in the belly is detected.
 
 use kinopt::collision::{Checker, CollisionModel};
 use kinopt::io::rig::Rig;
@@ -15,11 +15,11 @@ fn humanoid() -> (Rig, CollisionModel) {
 }
 
 #[test]
-fn capsules_are_where_the_skin_is() {
+fn capsules_approximate_the_skin() {
     let (rig, model) = humanoid();
     let mut outside = 0;
     let positions = rig.mesh.as_ref().unwrap().positions();
-    // The figure stands 1.75 m tall.
+    // The character is 1.75 m tall.
     for position in positions {
         let at = Vector3::new(position.x.into(), position.y.into(), position.z.into());
         let distance = model.objects().iter().map(|object| {
@@ -38,9 +38,9 @@ fn capsules_are_where_the_skin_is() {
     );
 }
 
-/// What several bones hold alike belongs to the first of them.
+/// Vertices with equal weights belong to the first bone.
 #[test]
-fn skin_that_two_bones_share_is_the_first_ones() {
+fn equally_weighted_skin_belongs_to_first_bone() {
     let (rig, _) = humanoid();
     let (mesh, bones) = (rig.mesh.as_ref().unwrap(), rig.skeleton.bones().len());
     let vertices = mesh.positions().len();
@@ -61,7 +61,7 @@ fn skin_that_two_bones_share_is_the_first_ones() {
 }
 
 #[test]
-fn a_hand_in_the_belly_is_told() {
+fn hand_in_the_belly_is_detected() {
     let (rig, model) = humanoid();
     let skeleton = &rig.skeleton;
     assert!(!model.is_checked("left_hand", "left_forearm").unwrap());
@@ -75,7 +75,7 @@ fn a_hand_in_the_belly_is_told() {
     let reach = |target: Vector3<f64>| {
         let mut tasks = Problem::builder(skeleton.model());
         tasks.add(Point::new(tip, target.to_array()));
-        // The body stands, the arm alone reaches.
+        // Only the arm moves.
         let arm = ["left_upper_arm", "left_forearm", "left_hand"];
         let joints = arm
             .map(|bone| skeleton.joints(skeleton.bone(bone).unwrap()))
@@ -97,7 +97,7 @@ fn a_hand_in_the_belly_is_told() {
         pairs.iter().find(pair).map(|pair| pair.depth())
     };
     assert!(through(&told).unwrap() > 0.02, "{told:?}");
-    // Half an arm's length before the belly, whichever way that is, the hand is free of the trunk.
+    // 35 cm from the belly, on one side at least, the hand does not touch the trunk.
     let free = [-1.0, 1.0].map(|side| {
         let across = [Vector3::UNITS[1], Vector3::UNITS[2]];
         across.map(|axis| through(&reach(belly + axis * (0.35 * side))).is_none())
@@ -106,7 +106,7 @@ fn a_hand_in_the_belly_is_told() {
 }
 
 #[test]
-fn balls_get_the_same_capsules() {
+fn ball_skeleton_has_equal_capsules() {
     let (rig, model) = humanoid();
     let balls = BallSkeleton::new(rig.skeleton.clone(), &Cones::new(), SkeletonRoot::FREE).unwrap();
     let (mesh, weights) = (rig.mesh.as_ref().unwrap(), rig.weights.as_ref().unwrap());

@@ -1,4 +1,4 @@
-//! Promise: an arm keeps its margin to what it cannot reach as well, to the number: what stands beyond the end of the stretched arm.
+//! Promise: the margin also applies exactly to obstacles beyond the end of the stretched arm.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -7,7 +7,7 @@ use kinopt::collision::{Checker, CollisionModel, Shape, SphereModel, World};
 use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 
-/// Two links of a metre in a plane, with a ball at the tip, on a base that stands elsewhere.
+/// Planar arm of two links of 1 m with a sphere at its tip, on a displaced base.
 const ROD: &str = r#"<robot name="rod"><link name="floor"/><link name="base"/><link name="upper"/>
     <joint name="stand" type="fixed"><parent link="floor"/><child link="base"/><origin xyz="0.7 -1.1 0.4"/></joint>
     <link name="tip"><collision><origin xyz="1 0 0"/><geometry><sphere radius="0.1"/></geometry></collision></link>
@@ -15,10 +15,10 @@ const ROD: &str = r#"<robot name="rod"><link name="floor"/><link name="base"/><l
     <joint name="elbow" type="continuous"><parent link="upper"/><child link="tip"/><origin xyz="1 0 0"/><axis xyz="0 0 1"/></joint>
     </robot>"#;
 
-/// What stands where the stretched arm just does not reach is as far from its tip as is seen: an obstacle of each kind, of which some are
-/// looked at one by one and some through a tree, there from the start or brought later.
+/// Obstacles of each kind just beyond the stretched arm, checked one by one and through a tree, present initially or
+/// added later.
 #[test]
-fn what_no_link_reaches_is_kept_off_by_the_margin() {
+fn obstacles_beyond_reach_keep_the_margin() {
     let robot = Robot::parse(ROD, "rod.urdf").unwrap();
     let bodies = CollisionModel::of(&robot).unwrap();
     let spheres = SphereModel::of_spheres(&bodies).unwrap();

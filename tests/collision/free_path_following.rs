@@ -1,5 +1,5 @@
-//! Promise: where a free continuous path of the joints exists, its tool poses are followed without a jump, and nothing is touched at the
-//! points or between them; and an arm reaches through a hole in a wall.
+//! Promise: if a continuous collision-free joint path exists, its tool poses are followed without jump and without
+//! contact, also between poses. An arm reaches through a window in a wall.
 
 use kinopt::arm::{Arm, Track};
 use kinopt::collision::{Checker, CollisionModel, World};
@@ -8,10 +8,10 @@ use support::arms::{distance, robot};
 use support::random::Random;
 use support::sample::cases;
 
-/// Things near the arm in a constructed case, and the poses along its path.
+/// Number of obstacles of a constructed case, and of poses along its path.
 const THINGS: usize = 10;
 const STEPS: usize = 80;
-/// Something is to be so near to a constructed path at least, metres.
+/// Largest distance of some obstacle from a constructed path, metres.
 const NEAR: f64 = 0.05;
 
 struct Panda {
@@ -56,7 +56,7 @@ impl Panda {
         way.unwrap().blocked_by.is_none()
     }
 
-    /// Whether something is near at a configuration.
+    /// True if an obstacle is near a configuration.
     fn is_close(&self, q: &[f64]) -> bool {
         let mut workspace = self.checker.workspace();
         let nearest = self.checker.nearest(&mut workspace, &self.whole(q), NEAR);
@@ -66,7 +66,7 @@ impl Panda {
             .is_some_and(|pair| obstacle(&pair.first) || obstacle(&pair.second))
     }
 
-    /// Nothing is touched on the way from one solution to the next, and no step is a leap.
+    /// Checks that motions between solutions are free and that no step is a jump.
     fn assert_kept_clear(&self, start: &[f64], track: &Track) {
         assert!(track.jumps.is_empty(), "{:?}", track.jumps);
         let mut last = start;
@@ -78,7 +78,7 @@ impl Panda {
     }
 }
 
-/// Configurations along a path whose joints swing as waves do.
+/// Configurations along a path of sinusoidal joint motions.
 fn waves(random: &mut Random, arm: &Arm) -> Vec<Vec<f64>> {
     let swings: Vec<_> = (arm.limits())
         .map(|limits| {
@@ -117,7 +117,7 @@ fn things(random: &mut Random) -> World {
     world
 }
 
-/// A path of the joints that is free, with things near it.
+/// A collision-free joint path near obstacles.
 fn constructed(random: &mut Random, alone: &Panda) -> (Panda, Vec<Vec<f64>>) {
     loop {
         let (panda, path) = (alone.among(&things(random)), waves(random, &alone.arm));
@@ -132,7 +132,7 @@ fn constructed(random: &mut Random, alone: &Panda) -> (Panda, Vec<Vec<f64>>) {
 }
 
 #[test]
-fn where_a_free_path_exists_there_is_no_jump_and_nothing_is_touched() {
+fn free_path_is_followed_without_contact() {
     let mut random = Random::new(100);
     let alone = panda();
     let (mut whole, count) = (0, cases(100, 4));
@@ -155,7 +155,7 @@ fn where_a_free_path_exists_there_is_no_jump_and_nothing_is_touched() {
     );
 }
 
-/// A wall before the arm with a window in it, whose middle is at a place; whole sides, metres.
+/// A wall with a square window about a point; sides in metres.
 fn wall_with_window(middle: Vector3<f64>, window: f64) -> World {
     const WALL: [f64; 2] = [0.03, 1.6];
     let [thick, whole] = WALL;
@@ -174,7 +174,7 @@ fn wall_with_window(middle: Vector3<f64>, window: f64) -> World {
 }
 
 #[test]
-fn an_arm_reaches_through_a_window_and_comes_back() {
+fn arm_reaches_through_a_window_and_returns() {
     let alone = panda();
     let start = [
         0.0,
@@ -186,7 +186,7 @@ fn an_arm_reaches_through_a_window_and_comes_back() {
         0.785,
     ];
     let begin = alone.arm.base_from_tool(&start).unwrap();
-    // Along the tool's own way out of the wrist, which is level.
+    // Along the tool's axis, which is horizontal.
     let ahead = begin.rotation.z;
     assert!(ahead.x > 0.99, "{ahead:?}");
     for window in [0.4, 0.34, 0.3] {
@@ -204,7 +204,7 @@ fn an_arm_reaches_through_a_window_and_comes_back() {
             .filter(|solution| !solution.reached)
             .count();
         assert_eq!(missed, 0, "a window of {window} m");
-        // The flange is behind the wall there, and no part of the arm in it.
+        // The flange is behind the wall, and no link touches it.
         let deepest = panda.arm.solve(poses[60], &start).unwrap();
         assert!(deepest.reached, "{}", deepest.explain());
         assert!(panda.arm.collisions(&deepest.q).unwrap().is_empty());

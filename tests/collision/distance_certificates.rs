@@ -1,6 +1,5 @@
-//! Promise: a distance is certified by its own parts. The two points lie on the shapes and are as far apart, and
-//! between the planes through them across the normal there is as much room; a depth is the least that any direction
-//! takes to part the two.
+//! Promise: distances are certified by their parts. The two points are on the shapes at that distance, and the planes
+//! through them normal to the direction separate the shapes. A penetration depth is the smallest over all directions.
 
 use kinopt::collision::separation;
 use kinopt::spatial::{Placement, Vector3};
@@ -8,7 +7,7 @@ use nalgebra as na;
 use support::convex_shapes::{Solid, gap_along};
 use support::random::Random;
 
-/// Random pairs near each other, some exactly at one place, with equal axes, or touching.
+/// Random pairs near each other, some at one position, with aligned axes, or in contact.
 fn pairs(seed: u64, count: usize) -> impl Iterator<Item = [(Solid, Placement<f64>); 2]> {
     let mut random = Random::new(seed);
     (0..count).map(move |i| {
@@ -32,9 +31,9 @@ fn pairs(seed: u64, count: usize) -> impl Iterator<Item = [(Solid, Placement<f64
     })
 }
 
-/// What is moved until it touches, or a little further, is no deeper than along the way that it came.
+/// Shapes that are moved into contact are no deeper than along that motion.
 #[test]
-fn what_touches_is_no_deeper_than_it_came() {
+fn contact_is_no_deeper_than_its_motion() {
     for (i, [(a, at_a), (b, at_b)]) in pairs(2, 3000).enumerate() {
         let before = separation(&a.shape(), &at_a, &b.shape(), &at_b);
         if before.distance < 0.0 {
@@ -48,7 +47,7 @@ fn what_touches_is_no_deeper_than_it_came() {
             let what =
                 || format!("pair {i}: {a:?} at {at_a:?}, {b:?} at {at_b:?}: {found:?}, {least}");
             assert!(found.distance >= least - 1e-12, "{}", what());
-            // Tips may pass each other, but then there is room between them.
+            // Along its own normal the found distance is exact.
             let own = gap_along((&a, &at_a), (&b, &at_b), found.normal.into());
             assert!((found.distance - own).abs() < 1e-12, "{}", what());
         }

@@ -1,4 +1,4 @@
-//! Promise: the convex pieces of a mesh hold it, inside and all, and leave its hollows free.
+//! Promise: the convex decomposition of a mesh contains the mesh and its interior, and leaves cavities free.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -27,7 +27,7 @@ const CAP: [[usize; 3]; 6] = [
     [0, 6, 7],
 ];
 
-/// The U from y = 0 to 1.
+/// The U extruded from y = 0 to 1.
 fn channel() -> String {
     let mut text = String::new();
     for y in [0, 1] {
@@ -84,7 +84,7 @@ fn holds(model: &CollisionModel, p: Vector3<f64>) -> bool {
 }
 
 #[test]
-fn a_channel_stays_open() {
+fn channel_stays_open() {
     let [pieces, hull] =
         [MeshUse::Pieces(16), MeshUse::Hull].map(|meshes| shapes(&channel(), meshes));
     assert!(
@@ -115,23 +115,23 @@ fn a_channel_stays_open() {
         }
     }
     assert!(20 * filled < hollow, "{filled} of {hollow}");
-    // One is the hull.
+    // A limit of one piece gives the hull.
     assert_eq!(shapes(&channel(), MeshUse::Pieces(1)).objects().len(), 1);
 }
 
-/// A block of 4 × 4 × 4 dice with a pocket of 2 × 2 × 2 in its top.
+/// A block of 4 × 4 × 4 cubes with a pocket of 2 × 2 × 2 in its top.
 fn is_die_of_block(die: [i32; 3]) -> bool {
     let [x, y, z] = die;
     let inner = |along: i32| along == 1 || along == 2;
     die.iter().all(|along| (0..4).contains(along)) && !(inner(x) && inner(y) && z >= 2)
 }
 
-/// Leaning, so that cuts go through its sides aslant.
+/// Sheared, so that cuts cross its sides obliquely.
 fn leant([x, y, z]: [f64; 3]) -> Vector3<f64> {
     Vector3::new(x + 0.31 * z, y - 0.17 * x, z)
 }
 
-/// The sides of its dice that are its surface.
+/// The surface sides of its cubes.
 fn block() -> String {
     let (mut text, mut count) = (String::new(), 0);
     for index in 0..64 {
@@ -162,9 +162,9 @@ fn block() -> String {
     text
 }
 
-/// Most of what the cuts of a solid body meet is within it, where no surface says that it is there.
+/// Most of a solid's cut cross-section is interior, without surface.
 #[test]
-fn a_block_is_held_to_its_middle() {
+fn pieces_contain_the_interior() {
     let pieces = shapes(&block(), MeshUse::Pieces(10));
     assert!(pieces.objects().len() > 6);
     let mut random = Random::new(22);
@@ -175,7 +175,7 @@ fn a_block_is_held_to_its_middle() {
     }
 }
 
-/// A cube of 2 whose top is dented by so much, about some place.
+/// A cube of side 2 whose top is dented by `by`, centred at `about`.
 fn dented(by: f64, about: [f64; 3]) -> String {
     let mut text = String::new();
     let mut corner = |at: [f64; 3]| {
@@ -194,9 +194,9 @@ fn dented(by: f64, about: [f64; 3]) -> String {
     text + "f 4 3 2 1\n"
 }
 
-/// A hundredth of the diagonal of 3.46, wherever the mesh has its origin.
+/// A hundredth of the diagonal of 3.46, at any origin of the mesh.
 #[test]
-fn what_is_convex_nearly_is_one_piece() {
+fn nearly_convex_mesh_is_one_piece() {
     for about in [[0.0; 3], [50.0, -20.0, 30.0]] {
         for (by, is_one) in [(0.03, true), (0.04, false)] {
             let pieces = shapes(&dented(by, about), MeshUse::Pieces(4));
@@ -206,9 +206,9 @@ fn what_is_convex_nearly_is_one_piece() {
     }
 }
 
-/// Six blades from one corner along the axes: of whichever two halves an even cut makes, one is flat.
+/// Six blades from one corner along the axes: every planar cut leaves one flat half.
 #[test]
-fn what_no_cut_parts_into_two_bodies_stays_one() {
+fn uncuttable_mesh_stays_one_piece() {
     let mut blades = String::from("v 0 0 0\n");
     let (mut corners, mut faces) = (1, String::new());
     for axis in 0..3 {

@@ -1,5 +1,5 @@
-//! Promise: with a world in which nothing is in the way a track is as good as without one, also where a branch ends at a limit and another
-//! way leads on; and a first target that is far is answered by what touches nothing.
+//! Promise: with unobstructed paths a track with a world equals one without in quality, also if a branch ends at a
+//! limit and a detour exists. A far first target is solved without contact.
 
 use kinopt::arm::{Arm, Track};
 use kinopt::collision::{Checker, CollisionModel, World};
@@ -28,7 +28,7 @@ fn arms(robot: &Robot) -> Arms {
     }
 }
 
-/// Configurations along a path each joint of which swings to a place drawn from its whole range, some to their limits.
+/// Configurations along a path whose joints oscillate over their whole range, some to their limits.
 fn to_the_limits(random: &mut Random, arm: &Arm) -> Vec<Vec<f64>> {
     let swings: Vec<_> = (arm.limits())
         .map(|limits| {
@@ -52,7 +52,7 @@ fn is_whole(track: &Track) -> bool {
     track.jumps.is_empty() && track.solutions.iter().all(|solution| solution.reached)
 }
 
-/// No sample between two configurations touches.
+/// True if no sample between two configurations is in contact.
 fn is_free_between(arm: &Arm, from: &[f64], to: &[f64]) -> bool {
     (0..4).all(|k| {
         let share = f64::from(k) / 4.0;
@@ -68,7 +68,7 @@ fn is_free(arm: &Arm, path: &[&[f64]]) -> bool {
 }
 
 #[test]
-fn a_track_whose_plain_way_is_free_is_as_good_as_the_plain_one() {
+fn free_track_is_as_complete_as_a_plain_one() {
     let Arms { plain, clear } = arms(&robot("franka_panda"));
     let (mut seen, mut fallen) = (0, Vec::new());
     let wanted = cases(300, 60);
@@ -95,9 +95,9 @@ fn a_track_whose_plain_way_is_free_is_as_good_as_the_plain_one() {
     assert!(fallen.is_empty(), "{fallen:?} of {seen} paths");
 }
 
-/// A ball about the elbow of where small steps lead to the first target, which another solution goes round.
+/// A sphere at the elbow of the nearby solution of the first target; another solution avoids it.
 #[test]
-fn a_first_target_that_is_far_is_answered_by_what_touches_nothing() {
+fn far_first_target_is_solved_without_contact() {
     let robot = robot("franka_panda");
     let Arms { plain, clear } = arms(&robot);
     let start = [0.0, -0.3, 0.0, -2.0, 0.0, 1.9, 0.8];
@@ -121,9 +121,9 @@ fn a_first_target_that_is_far_is_answered_by_what_touches_nothing() {
     assert!(solution.reached, "{}", solution.explain());
 }
 
-/// Among ten balls, one of which is in the way of the branch: what is left of the arm's freedom leads round it by small steps or not at all.
+/// Ten spheres, one of which blocks the branch: the null space leads around it in small steps or not at all.
 #[test]
-fn what_is_in_the_way_is_not_gone_round_by_a_jump() {
+fn blocked_track_does_not_jump() {
     let Arms { plain, clear } = arms(&robot("franka_panda"));
     let mut random = Random::new(1369);
     let mut world = World::new();

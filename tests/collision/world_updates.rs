@@ -1,5 +1,5 @@
-//! Promise: whatever is moved, added, taken out, attached, let touch and left again, a checker and an arm that go along with a world answer bit for bit
-//! as those of a world that is built anew; those of the world before stay as they were.
+//! Promise: after any sequence of edits an updated checker and arm give bitwise the results of a rebuilt world. Those
+//! of the earlier world are unchanged.
 
 use kinopt::arm::Arm;
 use kinopt::collision::{Checker, Shape, World};
@@ -8,11 +8,11 @@ use support::arms::robot;
 use support::random::Random;
 use support::sample::cases;
 
-use crate::arms_keep_clear::drawn;
+use crate::arm_avoidance::drawn;
 
-/// Changes between two comparisons at most.
+/// Largest number of edits between two comparisons.
 const CHANGES: usize = 40;
-/// A place further away than so far, metres, is not told apart.
+/// Distance limit of nearest queries, metres.
 const FARTHEST: f64 = 0.1;
 
 fn vector(random: &mut Random, size: f64) -> Vector3<f64> {
@@ -24,7 +24,7 @@ fn somewhere(random: &mut Random) -> Placement<f64> {
     let turn = rotation_exp(vector(random, 2.0));
     loop {
         let at = vector(random, 1.2);
-        // Not where the arm is mounted.
+        // Not at the arm's base.
         if at.norm() > 0.5 {
             return Placement::new(turn, at);
         }
@@ -50,7 +50,7 @@ fn shape(random: &mut Random) -> Shape {
     .unwrap()
 }
 
-/// The same obstacles in the same order, sharing nothing.
+/// Rebuilds a world with the same obstacles in the same order.
 fn anew(world: &World) -> World {
     let mut anew = World::new();
     for own in world.obstacles() {
@@ -106,7 +106,7 @@ fn change(world: &mut World, added: &mut usize, random: &mut Random) {
     }
 }
 
-/// What a checker and an arm say of configurations, to the last bit.
+/// Reports of a checker and an arm at random configurations.
 fn told(checker: &Checker, arm: &Arm, random: &mut Random) -> String {
     let mut told = String::new();
     let mut workspace = checker.workspace();
@@ -115,7 +115,7 @@ fn told(checker: &Checker, arm: &Arm, random: &mut Random) -> String {
     for index in 0..8 {
         let q = drawn(arm, random);
         several.extend_from_slice(&q);
-        // Exact distances to hundreds take long, unoptimised.
+        // Exact distances to hundreds of obstacles are slow in a debug build.
         if index >= cases(8, 3) {
             continue;
         }
@@ -138,7 +138,7 @@ fn told(checker: &Checker, arm: &Arm, random: &mut Random) -> String {
     told + &format!("{clear:?}")
 }
 
-/// `count` obstacles at first, and `rounds` of changes.
+/// Starts with `count` obstacles and makes `rounds` of edits.
 fn go_along(count: usize, rounds: usize, seed: u64) {
     let robot = robot("franka_panda");
     let plain = Checker::of(&robot).unwrap().with_margin(0.005).unwrap();
@@ -183,7 +183,7 @@ fn go_along(count: usize, rounds: usize, seed: u64) {
             told(&known.0, &known.1, &mut asked()) == before,
             "round {round}"
         );
-        // Another copy of what there was some rounds ago, with the same new names for other things.
+        // A copy from some rounds ago, with the same new names for other obstacles.
         let mut of_fork = added;
         for _ in 0..3 {
             change(&mut branch, &mut of_fork, &mut fork);
@@ -204,17 +204,17 @@ fn go_along(count: usize, rounds: usize, seed: u64) {
 }
 
 #[test]
-fn few_obstacles() {
+fn few_obstacles_equal_a_rebuilt_world() {
     go_along(20, cases(12, 3), 1);
 }
 
 #[test]
-fn as_many_as_are_just_listed() {
+fn listed_obstacles_equal_a_rebuilt_world() {
     go_along(511, cases(12, 3), 2);
 }
 
 #[test]
-fn many_obstacles() {
+fn many_obstacles_equal_a_rebuilt_world() {
     go_along(1000, cases(8, 2), 3);
 }
 
@@ -229,7 +229,7 @@ fn add_big(world: &mut World) {
     world.add_sphere("big", 0.25, beside).unwrap();
 }
 
-/// An arm that keeps clear of nothing yet, and some of its configurations.
+/// An arm without a world, and random configurations.
 struct Asked {
     plain: Checker,
     rest: Vec<f64>,
@@ -257,7 +257,7 @@ impl Asked {
         clear
     }
 
-    /// An arm that goes along from one world to another is clear there as one that never saw the first, and not as before.
+    /// Checks that an arm updated from one world to another equals one that never had the first.
     fn goes_along(&self, from: &World, to: &World) {
         let [known, fresh] = [from, &anew(to)].map(|world| {
             let checker = self.plain.clone().with_world(world).unwrap();
@@ -269,9 +269,9 @@ impl Asked {
     }
 }
 
-/// Up to 512 are looked at one by one, more through a tree.
+/// Up to 512 obstacles are checked one by one, more through a tree.
 #[test]
-fn what_is_taken_out_is_gone_also_where_many_become_few_or_the_other_way() {
+fn removal_holds_across_list_and_tree() {
     let asked = Asked::new();
     for (before, after) in [(513, 510), (510, 514), (520, 519), (20, 22)] {
         let mut world = World::new();
@@ -288,7 +288,7 @@ fn what_is_taken_out_is_gone_also_where_many_become_few_or_the_other_way() {
 }
 
 #[test]
-fn of_a_copy_that_went_another_way_all_is_gone() {
+fn edits_of_a_diverged_copy_have_no_effect() {
     let mut one = World::new();
     (0..3).for_each(|index| add_small(&mut one, index));
     let mut other = one.clone();
