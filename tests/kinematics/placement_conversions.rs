@@ -1,5 +1,5 @@
-//! Promise: placements, nalgebra's isometries and glam's affine maps are the same motions; what is no
-//! rigid motion is refused.
+//! Promise: placements, nalgebra's isometries and glam's affine maps convert into each other, and non-rigid maps are
+//! rejected.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{Affine3A, DAffine3, DVec3, Vec3};
@@ -21,7 +21,7 @@ fn apart(a: &Placement<f64>, b: &Placement<f64>) -> f64 {
 }
 
 #[test]
-fn there_and_back() {
+fn conversions_round_trip() {
     let mut random = Random::new(5);
     for _ in 0..500 {
         let placement = any(&mut random);
@@ -44,7 +44,7 @@ fn there_and_back() {
         assert!(apart(&Placement::from(isometry), &placement) < 1e-14);
         let back = Placement::try_from(single).unwrap();
         assert!(apart(&back, &placement) < 1e-6);
-        // Rigid in double precision though it came from single.
+        // Rigid in double precision although it came from single.
         assert!(back.check_rigid(1e-14).is_ok());
         let turn = glam::DQuat::from_mat3(&double.matrix3);
         let [single, double] = [Matrix3::from(turn.as_quat()), Matrix3::from(turn)];
@@ -55,7 +55,7 @@ fn there_and_back() {
 }
 
 #[test]
-fn what_is_not_rigid_is_refused() {
+fn non_rigid_maps_are_rejected() {
     let shear = Affine3A::from_mat3(glam::Mat3::from_cols(
         Vec3::X,
         Vec3::new(0.01, 1.0, 0.0),
@@ -81,7 +81,7 @@ fn what_is_not_rigid_is_refused() {
 }
 
 #[test]
-fn vectors_and_rotations_of_either_crate() {
+fn vectors_and_rotations_convert() {
     let [x, y, z] = [0.25, -1.5, 3.0];
     let own = Vector3::new(x, y, z);
     let glams = DVec3::new(x, y, z);
@@ -118,7 +118,7 @@ fn vectors_and_rotations_of_either_crate() {
 }
 
 #[test]
-fn builders_take_either_crates_types() {
+fn builders_accept_types_of_both_crates() {
     use kinopt::model::{Limits, Model};
     let mut models = Vec::new();
     let limits = Limits::new(-1.0, 1.0);

@@ -1,5 +1,5 @@
-//! Promise: every function of `Scalar` is the function it names, and its derivative on dual
-//! numbers is its derivative, also on the axes where careless formulas divide by zero.
+//! Promise: every function of `Scalar` equals the function it names, and its derivative on dual numbers is exact, also
+//! on the axes where naive formulas divide by zero.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Scalar;
@@ -7,7 +7,7 @@ use kinopt::scalar::Dual;
 
 const POINTS: [f64; 9] = [-3.0, -1.0, -0.4, -1e-3, 0.0, 1e-3, 0.5, 1.0, 2.7];
 
-/// f's derivative by Richardson's extrapolated central difference, good to about 1e-11.
+/// Derivative of f by Richardson extrapolation of central differences, accurate to about 1e-11.
 fn slope(f: impl Fn(f64) -> f64, x: f64) -> f64 {
     let difference = |h: f64| (f(x + h) - f(x - h)) / (2.0 * h);
     let h = 1e-3 * x.abs().clamp(0.1, 1.0);
@@ -17,7 +17,7 @@ fn slope(f: impl Fn(f64) -> f64, x: f64) -> f64 {
 }
 
 fn check(name: &str, x: f64, dual: Dual<2>, f: impl Fn(f64) -> f64) {
-    // A quotient of dual numbers is a product with the reciprocal, which rounds once more.
+    // A quotient of dual numbers multiplies by the reciprocal, which rounds once more.
     let rounding = 2.0 * f64::EPSILON * f(x).abs();
     assert!((dual.value() - f(x)).abs() <= rounding, "{name}({x})");
     let [along, across] = dual.derivatives();
@@ -114,7 +114,7 @@ fn atan2_has_both_derivatives_on_the_axes() {
 }
 
 #[test]
-fn select_keeps_the_derivatives_of_the_side_it_picks() {
+fn select_keeps_derivatives_of_the_chosen_side() {
     let yes = Dual::<2>::new(1.0, [5.0, 6.0]);
     let no = Dual::<2>::new(2.0, [f64::NAN, f64::INFINITY]);
     assert_eq!(Dual::select(true, yes, no), yes);
@@ -142,8 +142,8 @@ fn constants_and_variables() {
 }
 
 #[test]
-fn branches_not_taken_poison_nothing() {
-    // The pattern the trait's documentation prescribes for a guarded root.
+fn unselected_branch_has_no_influence() {
+    // The pattern that the trait's documentation prescribes for a guarded root.
     fn guarded<S: Scalar>(squared: S) -> S {
         let zero = squared.less_than(S::constant(1e-30));
         let root = S::select(zero, S::one(), squared).sqrt();

@@ -1,5 +1,5 @@
-//! Promise: a character that is dragged by one limb stays where it stands: its trunk and the ends of its
-//! other limbs are held, whatever else hangs on the skeleton.
+//! Promise: a character that is dragged by one limb stays in place: its root chain and the ends of its other limbs are
+//! pinned, for any skeleton.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::model::Limits;
@@ -11,7 +11,7 @@ use kinopt::spatial::{Placement, Vector3};
 const FREE: [Limits; 3] = [Limits::UNBOUNDED; 3];
 const LOCKED: [Limits; 3] = [Limits::new(0.0, 0.0); 3];
 
-/// Bones by name, parent, where they stand at rest, and limits.
+/// Bones: name, parent, rest position and limits.
 type Plan = (&'static str, Option<usize>, [f64; 2], [Limits; 3]);
 
 fn skeleton(bones: &[Plan]) -> Skeleton {
@@ -29,8 +29,7 @@ fn skeleton(bones: &[Plan]) -> Skeleton {
     builder.build().unwrap()
 }
 
-/// Two legs, a back of two bones with two arms, a head with a nose, three fingers on each hand, and a prop
-/// that does not move.
+/// Two legs, a spine of two bones with two arms, a head with a nose, three fingers on each hand, and an immobile prop.
 const CHARACTER: [Plan; 25] = [
     ("scene", None, [0.0, 0.0], LOCKED),
     ("root", Some(0), [0.0, 0.0], FREE),
@@ -79,17 +78,17 @@ fn held(skeleton: &Skeleton, dragged: &[&str]) -> (Vec<String>, Vec<String>) {
 }
 
 #[test]
-fn the_trunk_and_the_other_limbs_stay() {
+fn root_chain_and_other_limbs_are_pinned() {
     let character = character();
     let trunk = ["scene", "root", "hips"];
     for dragged in ["left hand", "left arm", "left ring"] {
         let (still, ends) = held(&character, &[dragged]);
         assert_eq!(still, trunk, "{dragged}");
-        // Of a hand one finger; the head goes along.
+        // One finger for each hand; the head moves along.
         let others = ["left foot", "right foot", "right finger"];
         assert_eq!(ends, others, "{dragged}");
     }
-    // What hangs on what is dragged comes along.
+    // Descendants of the dragged bone move along.
     let (still, ends) = held(&character, &["chest"]);
     assert_eq!(
         (still.len(), ends),
@@ -100,7 +99,7 @@ fn the_trunk_and_the_other_limbs_stay() {
 }
 
 #[test]
-fn a_dragged_trunk_leaves_its_limbs_behind() {
+fn dragged_root_chain_leaves_limbs_pinned() {
     let (still, ends) = held(&character(), &["hips"]);
     assert_eq!(still, ["scene", "root"]);
     let all = ["left foot", "right foot", "left finger", "right finger"];
@@ -108,7 +107,7 @@ fn a_dragged_trunk_leaves_its_limbs_behind() {
 }
 
 #[test]
-fn the_back_hardly_bends() {
+fn spine_range_is_narrowed() {
     let character = character();
     let back = |dragged: &[&str]| {
         let ids: Vec<BoneId> = dragged.iter().map(|d| character.bone(d).unwrap()).collect();
@@ -123,7 +122,7 @@ fn the_back_hardly_bends() {
     ] {
         assert_eq!(back(dragged), ["spine", "chest"], "{dragged:?}");
     }
-    // It is what is dragged, or has no part in it.
+    // The spine is dragged itself, or is not involved.
     for dragged in ["chest", "hips", "left foot"] {
         assert!(back(&[dragged]).is_empty(), "{dragged}");
     }
@@ -156,7 +155,7 @@ fn the_back_hardly_bends() {
 }
 
 #[test]
-fn one_chain_holds_nothing() {
+fn single_chain_pins_nothing() {
     let arm = skeleton(&[
         ("a", None, [0.0, 0.0], FREE),
         ("b", Some(0), [1.0, 0.0], FREE),
@@ -166,7 +165,7 @@ fn one_chain_holds_nothing() {
 }
 
 #[test]
-fn the_trunk_s_angles_stay_as_they_are() {
+fn root_chain_angles_are_kept() {
     let character = character();
     let hand = character.bone("left hand").unwrap();
     let holds = character.holds(&[hand]);
@@ -174,7 +173,7 @@ fn the_trunk_s_angles_stay_as_they_are() {
         .map(|k| if k < 3 { 0.0 } else { 0.01 * k as f64 })
         .collect();
     let map = holds.parameters(&character, &q).unwrap();
-    // Of 25 bones three are the trunk and two more never move.
+    // Of 25 bones three are the root chain and two more are immobile.
     assert_eq!(map.variables(), 60);
     let mut expanded = vec![0.0; q.len()];
     map.expand(&vec![0.0; map.variables()], &mut expanded)
@@ -182,9 +181,9 @@ fn the_trunk_s_angles_stay_as_they_are() {
     assert_eq!(expanded[3..9], q[3..9]);
 }
 
-/// A limb is long by the figure's own measure, whatever the unit.
+/// Limb lengths are relative to the skeleton's size.
 #[test]
-fn the_unit_of_length_does_not_matter() {
+fn holds_are_unit_invariant() {
     for seed in 0..6 {
         let holds = [1e-3, 1.0, 1e3].map(|unit| {
             let rig = support::bones::RandomRig::scaled(seed, unit);
@@ -196,9 +195,9 @@ fn the_unit_of_length_does_not_matter() {
     }
 }
 
-/// A tail need not hang on the body: with a root of its own it stays as well, before the body's bones or behind them.
+/// A tail with its own root is pinned as well, before or after the body's bones.
 #[test]
-fn a_limb_with_a_root_of_its_own_is_held_too() {
+fn limb_with_its_own_root_is_pinned() {
     let tail = |first: usize| {
         [
             ("tail", None, 1.0),
@@ -223,9 +222,9 @@ fn a_limb_with_a_root_of_its_own_is_held_too() {
     }
 }
 
-/// A limb is as long as its longest way on, whatever short bone branches off before.
+/// A limb is as long as its longest branch, whatever short bones branch off.
 #[test]
-fn a_short_bone_on_a_limb_takes_nothing_from_it() {
+fn short_side_bone_does_not_end_a_limb() {
     let mut bones: Vec<Plan> = CHARACTER[..4].to_vec();
     bones.push(("left pocket", Some(3), [0.11, 0.89], FREE));
     let rest = CHARACTER[4..].iter().map(|&(name, parent, at, limits)| {
@@ -239,9 +238,9 @@ fn a_short_bone_on_a_limb_takes_nothing_from_it() {
     }
 }
 
-/// It would be held where nothing can move it from.
+/// It would be pinned although nothing can move it.
 #[test]
-fn a_long_limb_that_cannot_move_is_not_held() {
+fn immobile_limb_is_not_pinned() {
     let pole = [
         ("pole", Some(2), [0.0, 1.0], LOCKED),
         ("pole's top", Some(CHARACTER.len()), [-1.0, 1.8], LOCKED),
@@ -254,9 +253,9 @@ fn a_long_limb_that_cannot_move_is_not_held() {
     }
 }
 
-/// A back keeps five times as strongly to its posture as limbs do.
+/// The spine has five times the posture weight of limbs.
 #[test]
-fn a_back_is_stiffer_than_limbs() {
+fn spine_is_stiffer_than_limbs() {
     let character = character();
     let holds = character.holds(&[character.bone("left hand").unwrap()]);
     let n = character.model().degrees_of_freedom();
@@ -276,7 +275,7 @@ fn a_back_is_stiffer_than_limbs() {
     let back: usize = holds.back.iter().map(|&b| character.joints(b).len()).sum();
     let of = |weight: f64| residual.iter().filter(|r| **r == weight).count();
     assert!(back > 0 && of(5.0) == back, "{residual:?}");
-    // What is locked stands at 0.
+    // Locked joints are at 0.
     let limbs = residual.len() - back;
     assert_eq!(of(1.0) + of(-0.25), limbs, "{residual:?}");
 }
