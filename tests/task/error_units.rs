@@ -1,5 +1,5 @@
-//! Promise: a task's error is told, weighed and judged in the unit of what it asks for: metres of a place, radians of a turn, and
-//! of a relation between joints the unit of the first.
+//! Promise: a task's error is reported, weighted and judged in the unit of its quantity: metres, radians, or for a
+//! joint coupling the unit of the first joint.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
@@ -18,7 +18,7 @@ fn quantities(residual: &impl Residual) -> Vec<Quantity> {
 }
 
 #[test]
-fn every_task_has_the_unit_of_what_it_asks() {
+fn every_task_has_the_unit_of_its_quantity() {
     use Quantity::{
         JointUnits, JointUnitsPerSecond, Metres, MetresPerSecond, Radians, RadiansPerSecond, Ratio,
     };
@@ -54,7 +54,7 @@ fn every_task_has_the_unit_of_what_it_asks() {
             vec![JointUnitsPerSecond],
         ),
         (quantities(&LimitCentring::new(&model)), vec![Ratio]),
-        // Room changes no unit.
+        // Bounds do not change the unit.
         (
             quantities(&Within::at_least(pair(slide, hinge), 0.0)),
             vec![Metres],
@@ -63,7 +63,7 @@ fn every_task_has_the_unit_of_what_it_asks() {
         assert_eq!(told, expected);
     }
 
-    // So a weight on metres weighs a coupling of slides, and one on radians does not.
+    // A weight on metres applies to a coupling of prismatic joints; one on radians does not.
     let slope = |quantity| {
         let mut tasks = Problem::builder(&model);
         tasks.add(Task::new(pair(slide, hinge)).weight(quantity, 3.0));

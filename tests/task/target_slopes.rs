@@ -1,4 +1,4 @@
-//! Promise: what a task says by hand of its target's slopes is what dual numbers say.
+//! Promise: handwritten derivatives with respect to a task's target equal those by dual numbers.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::model::{FrameId, Model};
@@ -43,7 +43,7 @@ fn agree(own: &impl Residual, frames: &[Placement<f64>], random: &mut Random) {
 }
 
 #[test]
-fn by_hand_they_are_what_dual_numbers_say() {
+fn target_derivatives_match_dual_numbers() {
     let mut builder = Model::builder("frames");
     let [hand, base]: [FrameId; 2] =
         ["hand", "base"].map(|name| builder.frame(name, None, Placement::identity()));
@@ -65,7 +65,7 @@ fn by_hand_they_are_what_dual_numbers_say() {
         agree(&pose.with_tool(tool), &frames, &mut random);
         agree(&turn, &frames, &mut random);
         agree(&point, &frames, &mut random);
-        // Where it is asked to be.
+        // Exactly at its target.
         let reached = match frames.get(1) {
             Some(base) => base.inverse() * frames[0],
             None => frames[0],

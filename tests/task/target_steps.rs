@@ -1,5 +1,5 @@
-//! Promise: a target moved by a small step within the residual, by which solutions are differentiated, is where the
-//! task's own setter puts it.
+//! Promise: a target that is moved by a small step within the residual, as derivatives of solutions do, equals one
+//! moved by the task's setter.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::model::{JointId, Model};
@@ -16,7 +16,7 @@ fn same<R: Residual>(task: &R, moved: &R, step: &[f64]) {
     same_at(task, moved, step, &vec![placed; task.frames().len()], &[]);
 }
 
-/// The rows of a task whose target is moved by a step, and of one made so, where frames and joints stand so.
+/// Compares the rows of a task with its target moved by a step and of one set there, at given frames and joints.
 fn same_at<R: Residual>(
     task: &R,
     moved: &R,
@@ -42,7 +42,7 @@ fn same_at<R: Residual>(
 }
 
 #[test]
-fn places_and_directions_are_moved_by_the_step_itself() {
+fn positions_and_directions_move_by_the_step() {
     let mut builder = Model::builder("eye");
     let frame = builder.frame("eye", None::<JointId>, Placement::identity());
     builder.build().unwrap();
@@ -60,9 +60,9 @@ fn places_and_directions_are_moved_by_the_step_itself() {
     same(&Point::new(frame, target), &Point::new(frame, there), &step);
 }
 
-/// What is set elsewhere is what is made there.
+/// A task that is set equals a task constructed with the value.
 #[test]
-fn a_task_that_is_set_is_one_made_so() {
+fn setter_equals_the_constructor() {
     let mut builder = Model::builder("eye");
     let frame = builder.frame("eye", None::<JointId>, Placement::identity());
     builder.build().unwrap();
@@ -93,9 +93,9 @@ fn a_task_that_is_set_is_one_made_so() {
     assert_eq!(within, Within::at_most(Point::new(frame, b), 0.1));
 }
 
-/// The same of what has one number.
+/// The same for scalar values.
 #[test]
-fn a_number_that_is_set_is_that_of_one_made_so() {
+fn scalar_setter_equals_the_constructor() {
     use kinopt::model::Limits;
     use kinopt::task::{Distance, JointCoupling, Manipulability};
     let mut builder = Model::builder("hinges");
@@ -121,9 +121,9 @@ fn a_number_that_is_set_is_that_of_one_made_so() {
     assert_eq!(coupling, coupled(0.7));
 }
 
-/// Targets are those of a problem with the same kinds of tasks, one for one, and of no other.
+/// Targets belong to a problem with the same kinds of tasks in the same order, and to no other.
 #[test]
-fn targets_of_other_tasks_are_refused() {
+fn targets_of_other_tasks_are_rejected() {
     use kinopt::model::Limits;
     use kinopt::problem::{Problem, ProblemBuilder, ProblemError};
     let mut builder = Model::builder("hinge");
@@ -169,9 +169,9 @@ fn targets_of_other_tasks_are_refused() {
     }
 }
 
-/// What is asked about a task and a problem is what they were given.
+/// Getters of tasks and problems return the given values.
 #[test]
-fn what_is_asked_about_is_what_was_given() {
+fn getters_return_the_given_values() {
     use kinopt::model::Limits;
     use kinopt::problem::Problem;
     use kinopt::task::{Posture, Task};
@@ -192,7 +192,7 @@ fn what_is_asked_about_is_what_was_given() {
     }
 }
 
-/// The rows of a task whose numbers are moved by a step, and of one made so.
+/// Compares the rows of a task with numbers moved by a step and of one set there.
 fn same_with<R: Residual>(task: &R, moved: &R, step: &[f64], joints: &[f64]) {
     assert_eq!(task.target_len(), step.len(), "{}", task.kind());
     let mut random = support::random::Random::new(31);
@@ -204,9 +204,9 @@ fn same_with<R: Residual>(task: &R, moved: &R, step: &[f64], joints: &[f64]) {
     same_at(task, moved, step, &frames, joints);
 }
 
-/// Numbers, pixels, places of lines, postures and velocities are moved by a step as places are.
+/// Numbers, pixels, points of lines, postures and velocities are moved by a step like positions.
 #[test]
-fn targets_of_every_kind_are_moved_by_the_step_itself() {
+fn targets_of_every_kind_move_by_the_step() {
     use kinopt::model::{Limits, Masses, PointMass};
     use kinopt::task::{Camera, CentreOfMass, Distance, JointCoupling, Pixel, Posture};
     let mut builder = Model::builder("hinges");
@@ -226,7 +226,7 @@ fn targets_of_every_kind_are_moved_by_the_step_itself() {
     same_with(&distance(0.0), &distance(1e-3), &[1e-3], &[]);
     let through = |through: Vector3<f64>| Ray::new(a, [0.1, 0.2, -3.0], through);
     let mut ray = through(place);
-    // A line's target is the mouse: its eye goes along.
+    // A line's target is the mouse; its eye moves along.
     ray.set_line(Vector3::new(0.1, 0.2, -3.0) + Vector3::from(step), there);
     same_with(&through(place), &ray, &step, &[]);
     let plane = |at: Vector3<f64>| Plane::new(a, at, [0.2, 0.4, 1.0]);

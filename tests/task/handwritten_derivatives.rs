@@ -1,4 +1,4 @@
-//! Promise: derivatives that a residual writes by hand are weighed row by row, wherever it writes them.
+//! Promise: handwritten derivatives of a residual are weighted row by row, in any storage form.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::model::{FrameId, JointId, Limits, Model};
@@ -9,7 +9,7 @@ use kinopt::task::{LocalJacobian, Quantity, Residual, Rows, Task};
 use kinopt::{Problem, Scalar};
 use nalgebra::DMatrix;
 
-/// A row of each of two quantities, of a joint each: 2 a and 3 b.
+/// Two rows of different quantities, each of one joint: 2 a and 3 b.
 #[derive(Clone)]
 struct TwoSorts {
     joints: [JointId; 2],
@@ -55,7 +55,7 @@ fn hinges() -> (Model, [JointId; 2]) {
 }
 
 #[test]
-fn each_row_has_its_own_weight() {
+fn each_row_has_its_weight() {
     let (model, joints) = hinges();
     for diagonal in [true, false] {
         let mut tasks = Problem::builder(&model);
@@ -72,7 +72,7 @@ fn each_row_has_its_own_weight() {
     }
 }
 
-/// Twice a joint for each row, and five times the second in the first row as well.
+/// Twice a joint for each row, plus five times the second joint in the first row.
 #[derive(Clone)]
 struct DiagonalAndMore {
     joints: [JointId; 2],
@@ -96,7 +96,7 @@ impl Residual for DiagonalAndMore {
         r[0] += joints[1] * S::constant(5.0);
     }
     fn differentiate(&self, _: &[Placement<f64>], _: &[f64], to: &mut LocalJacobian) -> bool {
-        // There are no more entries than rows and joints.
+        // There are at most as many entries as rows and joints.
         to.set_diagonal([2.0; 5]);
         to.joint_mut(1)[0] = 5.0;
         true
@@ -104,7 +104,7 @@ impl Residual for DiagonalAndMore {
 }
 
 #[test]
-fn what_is_written_beside_a_diagonal_counts_with_it() {
+fn entries_next_to_a_diagonal_are_added() {
     let (model, joints) = hinges();
     for (rows, expected) in [(1, vec![2.0, 5.0]), (2, vec![2.0, 5.0, 0.0, 2.0])] {
         let mut tasks = Problem::builder(&model);

@@ -1,5 +1,5 @@
-//! Promise: what a centre of mass may be over does not depend on the order in which points of support are given, also
-//! where many stand on one line, nor on the order in which it is told of points, margin and vertical.
+//! Promise: a support polygon does not depend on the order of its points, also if many are on one line, nor on the
+//! order of setting points, margin and vertical.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Problem;
@@ -10,9 +10,9 @@ use support::bodies::sledge;
 use support::random::Random;
 
 #[test]
-fn the_points_of_a_square_hold_it_in_any_order() {
+fn square_does_not_depend_on_point_order() {
     let (model, _, masses) = sledge();
-    // Corners, the middles of the sides and the middle of all.
+    // Corners, midpoints of the sides and the centre.
     let mut points: Vec<[f64; 3]> = (0..9)
         .map(|k| [f64::from(k % 3) - 1.0, f64::from(k / 3) - 1.0, 0.0])
         .collect();
@@ -36,9 +36,9 @@ fn the_points_of_a_square_hold_it_in_any_order() {
     }
 }
 
-/// Feet on a line hold what is on it between them, and nothing beyond, however exactly it is on it.
+/// Feet on a line support a centre of mass on the line between them, and nothing beyond.
 #[test]
-fn between_two_points_there_is_a_line_and_no_more() {
+fn two_points_support_the_line_between_them() {
     let (model, _, masses) = sledge();
     let mut tasks = Problem::builder(&model);
     let ends = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]];
@@ -59,7 +59,7 @@ fn between_two_points_there_is_a_line_and_no_more() {
 }
 
 #[test]
-fn a_polygon_is_the_same_in_whichever_order_it_is_told() {
+fn polygon_does_not_depend_on_setter_order() {
     let (_, _, masses) = sledge();
     let points = [[0.0; 3], [1.0, 0.0, 0.3], [1.0, 0.2, 1.0], [0.0, 0.1, 1.0]];
     let (up, margin) = ([0.1, 1.0, 0.2], 0.07);

@@ -1,5 +1,5 @@
-//! Promise: an end effector is dragged along a viewing ray, by its distance from the line or by its
-//! distance in the image, while the others stay where they are at rest.
+//! Promise: an end effector follows a viewing ray, by its distance from the line or its distance in the image, while
+//! pinned tips stay at rest.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Solver;
@@ -14,14 +14,14 @@ use support::{placement, rigid};
 
 type Vector = na::Vector3<f64>;
 
-/// The energy as it is usually written: ‖(x − m) − ((x − m)·d) d‖² with d = (e − m)/‖e − m‖.
+/// The usual form of the energy: ‖(x − m) − ((x − m)·d) d‖² with d = (e − m)/‖e − m‖.
 fn mouse_energy(x: Vector, eye: Vector, mouse: Vector) -> f64 {
     let d = (eye - mouse) / (eye - mouse).norm();
     ((x - mouse) - d * (x - mouse).dot(&d)).norm_squared()
 }
 
 #[test]
-fn the_energy_is_that_of_the_formula_and_of_its_short_form() {
+fn ray_energy_equals_both_formulas() {
     for seed in 0..10 {
         let rig = RandomRig::new(seed);
         let mut random = Random::new(seed);
@@ -30,7 +30,7 @@ fn the_energy_is_that_of_the_formula_and_of_its_short_form() {
         let x = rig.tip(&rig.transforms(&q), tip);
         let (eye, mouse) = (random.vector(3.0), random.vector(1.0));
         let d = (eye - mouse).normalize();
-        // Any other point of the line is as good as the mouse, from either side.
+        // Any other point of the line gives the same energy, from either side.
         for (eye, mouse) in [(eye, mouse), (eye, mouse + d * 0.3), (mouse - d, mouse)] {
             let mut builder = Problem::builder(rig.skeleton.model());
             builder.add(Ray::new(rig.skeleton.tip(tip), eye, mouse));
@@ -75,14 +75,14 @@ impl View {
         }
     }
 
-    /// The pixel on the screen, placed in the scene.
+    /// The pixel on the screen, in scene coordinates.
     fn unproject(&self, [u, v]: [f64; 2]) -> Vector {
         let on_screen = na::Point3::new((u - CENTRE[0]) / FOCAL, (v - CENTRE[1]) / FOCAL, 1.0);
         (self.world_from_camera * on_screen).coords
     }
 }
 
-/// One tip to the mouse, the others pinned where they are at rest.
+/// Result of a drag of one tip to the ray, with the others pinned at rest.
 fn dragged(rig: &RandomRig, view: &View, pixel: [f64; 2], in_image: bool) -> Vec<f64> {
     let mut builder = Problem::builder(rig.skeleton.model());
     let tip = rig.skeleton.tip(rig.tips[0]);
@@ -108,7 +108,7 @@ fn dragged(rig: &RandomRig, view: &View, pixel: [f64; 2], in_image: bool) -> Vec
 }
 
 #[test]
-fn a_pixel_is_unprojected_onto_the_screen() {
+fn viewing_ray_passes_through_the_pixel() {
     let mut random = Random::new(9);
     for _ in 0..50 {
         let view = View::new(random.vector(2.0), &mut random);
@@ -116,7 +116,7 @@ fn a_pixel_is_unprojected_onto_the_screen() {
         let [eye, mouse] = view.camera.viewing_ray(pixel).unwrap();
         assert!((Vector::from(eye) - view.eye).amax() < 1e-13);
         assert!((Vector::from(mouse) - view.unproject(pixel)).amax() < 1e-13);
-        // Whatever is on the ray is seen there, however far.
+        // Every point of the ray projects to its pixel, at any distance.
         for depth in [0.1, 1.0, 70.0] {
             let seen = view.camera.project(eye + (mouse - eye) * depth);
             for (seen, wanted) in seen.iter().zip(pixel) {
@@ -124,7 +124,7 @@ fn a_pixel_is_unprojected_onto_the_screen() {
             }
         }
     }
-    // Parallel rays meet in no eye.
+    // Parallel rays have no eye.
     let parallel = Camera {
         pixel_from_world: [
             [1.0, 0.0, 0.0, 5.0],
@@ -142,12 +142,12 @@ fn a_pixel_is_unprojected_onto_the_screen() {
 }
 
 #[test]
-fn one_tip_follows_the_mouse_and_the_others_stay() {
+fn one_tip_follows_the_ray_and_others_stay() {
     for seed in 0..8 {
         let rig = RandomRig::new(seed);
         let mut random = Random::new(100 + seed);
         let rest = rig.transforms(&vec![0.0; rig.skeleton.angles()]);
-        // A limb of its own bends: where its tip goes is in reach with the others at rest.
+        // An independent limb bends: its tip's target is reachable with the others at rest.
         let mut bent = vec![0.0; rig.skeleton.angles()];
         let mut bone = Some(rig.tips[0].index());
         for _ in 0..2 {

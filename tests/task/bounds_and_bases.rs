@@ -1,6 +1,5 @@
-//! Promise: within an interval nothing is asked, and beyond it the error is told from there, in metres
-//! and radians; a goal in a frame that the same joints move is met there, and nobody takes it for one in
-//! the world.
+//! Promise: errors are zero within an interval and are measured from its end, in metres and radians. A target relative
+//! to a frame that the same joints move is met in that frame, and is never taken for a world target.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::geometric::{Ccd, Geometric};
@@ -19,7 +18,7 @@ use support::planar_tip;
 const LINKS: [f64; 3] = [1.0, 0.8, 0.5];
 const Z: Vector3<f64> = Vector3::<f64>::UNITS[2];
 
-/// A planar arm about z with limits, its frames on the first link's end and at the tip.
+/// Planar arm about z with limits, with frames at the first link's end and at the tip.
 fn arm(limit: f64) -> (Model, FrameId, FrameId) {
     let mut builder = Model::builder("arm");
     let limits = Limits::new(-limit, limit);
@@ -43,14 +42,14 @@ fn solve<R: Residual>(model: &Model, task: impl Into<Task<R>>, start: &[f64]) ->
     Solver::default().solve_once(&problem, start).unwrap()
 }
 
-/// The tip's placement.
+/// Placement of the tip.
 fn placed(q: &[f64]) -> Placement<f64> {
     let at = planar_tip(&LINKS, q);
     Placement::new(rotation_exp(Z * q.iter().sum::<f64>()), at.into())
 }
 
 #[test]
-fn within_its_interval_a_task_costs_nothing() {
+fn task_within_its_interval_costs_nothing() {
     let (model, base, tip) = arm(3.0);
     let q = [0.3, 0.9, -0.4];
     let near = placed(&[0.31, 0.88, -0.35]);
@@ -79,9 +78,9 @@ fn within_its_interval_a_task_costs_nothing() {
     }
 }
 
-/// A turn is told as its angle, though rows with room are chords, and metres beyond the interval.
+/// Rotations are reported as angles, although bounded rows are chords, and metres beyond the interval.
 #[test]
-fn errors_are_told_from_the_interval_on() {
+fn errors_are_measured_from_the_interval() {
     let mut builder = Model::builder("slide and hinge");
     let still = Placement::identity();
     let x = Vector3::UNITS[0];
@@ -90,7 +89,7 @@ fn errors_are_told_from_the_interval_on() {
     let tip = builder.frame("tip", Some(hinge), still);
     let model = builder.build().unwrap();
     let target = Placement::new(rotation_exp(Z * 2.5), x * 2.0);
-    // In the target's axes its x is turned by 2.5 rad, so that all of the position is asked for.
+    // In the target's axes its x is rotated by 2.5 rad, so the whole position counts.
     let goal = Goal::within([0.0, 0.0, 0.0, f64::INFINITY, 0.0, 0.0]);
     let solution = solve(&model, Pose::new(tip, target).with_goal(goal), &[0.0; 2]);
     let task = solution.tasks().next().unwrap();
@@ -103,9 +102,9 @@ fn errors_are_told_from_the_interval_on() {
     assert!((task.position_error().unwrap() - 0.25).abs() < 1e-9);
 }
 
-/// Room changes neither what a task is called nor what it is of.
+/// Bounds change neither the name nor the frame of a task.
 #[test]
-fn a_body_s_task_with_room_is_of_the_body_still() {
+fn bounded_task_keeps_its_name() {
     let (model, _, tip) = arm(3.0);
     let mass = PointMass {
         frame: tip,
@@ -120,7 +119,7 @@ fn a_body_s_task_with_room_is_of_the_body_still() {
 }
 
 #[test]
-fn a_goal_is_met_in_a_frame_that_the_same_joints_move() {
+fn target_in_a_moving_frame_is_met() {
     let (model, base, tip) = arm(3.0);
     let wanted = [0.4, 0.7, -1.2];
     let at = planar_tip(&LINKS[1..], &wanted[1..]);
@@ -129,7 +128,7 @@ fn a_goal_is_met_in_a_frame_that_the_same_joints_move() {
     let mut builder = Problem::builder(&model);
     builder.add(Pose::new(tip, relative).relative_to(base));
     builder.add(Orientation::new(tip, turn).relative_to(base));
-    // And where the same joints bring both together.
+    // And at a point where the same joints bring both together.
     let world = Vector3::from(planar_tip(&LINKS, &wanted));
     builder.add(Point::new(tip, world));
     let problem = builder.build().unwrap();
@@ -141,9 +140,9 @@ fn a_goal_is_met_in_a_frame_that_the_same_joints_move() {
     assert_eq!(solution.tasks().next().unwrap().frame, Some("tip"));
 }
 
-/// Places in a moving frame are none in the world, from where the chain's reach is counted.
+/// Positions in a moving frame are not compared with the chain's reach in the world.
 #[test]
-fn what_is_far_in_a_base_is_not_out_of_reach() {
+fn far_target_in_a_base_is_not_out_of_reach() {
     let (model, base, tip) = arm(0.5);
     let far = [0.0, 9.0, 0.0];
     assert!(solve(&model, Point::new(tip, far), &[0.0; 3]).is_out_of_reach());
@@ -154,14 +153,14 @@ fn what_is_far_in_a_base_is_not_out_of_reach() {
     let slides = Pose::new(tip, at).with_goal(Goal::free_along(Axis::Y));
     let slides = solve(&model, slides, &[0.0; 3]);
     assert!(!slides.reached && !slides.is_out_of_reach());
-    // A tool that long might do.
+    // A tool of that length could reach.
     let tool = Placement::translation([0.0, 8.0, 0.0].into());
     let tooled = solve(&model, Pose::new(tip, at).with_tool(tool), &[0.1; 3]);
     assert!(!tooled.is_out_of_reach());
 }
 
 #[test]
-fn geometry_takes_tools_and_refuses_room_and_bases_by_name() {
+fn geometric_solvers_reject_bounds_and_bases() {
     let (model, base, tip) = arm(3.0);
     let target = placed(&[0.5, 0.4, 0.3]);
     let tool = Placement::new(rotation_exp(Z * 0.3), Vector3::new(0.2, 0.1, 0.0));

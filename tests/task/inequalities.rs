@@ -1,4 +1,4 @@
-//! Promise: the rows of a room vanish where each of its depths is at least zero, and only there.
+//! Promise: the rows of an inequality are zero where all its slacks are nonnegative, and only there.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::kinematics::ForwardKinematics;
@@ -12,7 +12,7 @@ use support::arms::panda;
 use support::random::Random;
 use support::trees::configuration_of;
 
-/// How often all rooms of a residual were stood in, and how often one was left, at random configurations of an arm.
+/// Counts of random configurations of an arm with all inequalities satisfied, and with one violated.
 fn stood_in_and_left<R: Residual>(make: impl Fn(&Robot) -> R) -> [usize; 2] {
     let (robot, ..) = panda();
     let model = robot.model();
@@ -49,13 +49,13 @@ fn stood_in_and_left<R: Residual>(make: impl Fn(&Robot) -> R) -> [usize; 2] {
     met
 }
 
-/// Both happen often enough to say something.
+/// Asserts that both occur often enough.
 fn assert_told(met: [usize; 2]) {
     assert!(met.iter().all(|&times| times >= 10), "{met:?}");
 }
 
 #[test]
-fn of_intervals() {
+fn interval_rows_match_their_slacks() {
     assert_told(stood_in_and_left(|robot| {
         let tip = robot.model().frame("flange").unwrap();
         Within::new(Point::new(tip, [0.3, 0.0, 0.5]), 0.3)
@@ -63,7 +63,7 @@ fn of_intervals() {
 }
 
 #[test]
-fn of_intervals_that_are_open_below() {
+fn half_open_interval_rows_match_their_slacks() {
     assert_told(stood_in_and_left(|robot| {
         let tip = robot.model().frame("flange").unwrap();
         Within::at_most(Point::new(tip, [0.3, 0.0, 0.5]), 0.1)
@@ -71,7 +71,7 @@ fn of_intervals_that_are_open_below() {
 }
 
 #[test]
-fn of_goals_with_bands() {
+fn bounded_goal_rows_match_their_slacks() {
     assert_told(stood_in_and_left(|robot| {
         let tip = robot.model().frame("flange").unwrap();
         let target = Placement::translation(Vector3::new(0.3, 0.0, 0.5));
@@ -80,7 +80,7 @@ fn of_goals_with_bands() {
 }
 
 #[test]
-fn of_gazes() {
+fn gaze_rows_match_their_slacks() {
     assert_told(stood_in_and_left(|robot| {
         let tip = robot.model().frame("flange").unwrap();
         Gaze::at(tip, [0.0, 0.0, 0.7], [1.0, 0.5, 0.2], 1.1)
@@ -88,7 +88,7 @@ fn of_gazes() {
 }
 
 #[test]
-fn of_measures_of_manipulability() {
+fn manipulability_rows_match_their_slacks() {
     assert_told(stood_in_and_left(|robot| {
         let tip = robot.model().frame("flange").unwrap();
         Manipulability::new(robot.model(), None, tip, 0.05)
@@ -96,7 +96,7 @@ fn of_measures_of_manipulability() {
 }
 
 #[test]
-fn of_polygons() {
+fn polygon_rows_match_their_slacks() {
     assert_told(stood_in_and_left(|robot| {
         let model = robot.model();
         let masses = ["link4", "flange"].map(|name| PointMass {
@@ -118,7 +118,7 @@ fn of_polygons() {
 }
 
 #[test]
-fn of_centres_of_mass() {
+fn bounded_centre_rows_match_their_slacks() {
     assert_told(stood_in_and_left(|robot| {
         let model = robot.model();
         let masses = [PointMass {
@@ -131,9 +131,9 @@ fn of_centres_of_mass() {
     }));
 }
 
-/// How deep a turn is within its band is counted by the quaternion with w ≥ 0, however far the turn is.
+/// The slack of a rotation in its bounds uses the quaternion with w ≥ 0, for any rotation.
 #[test]
-fn depths_of_far_turns_are_those_of_the_shorter_way_round() {
+fn slacks_of_large_rotations_use_the_short_way() {
     use kinopt::spatial::rotation_exp;
     use nalgebra as na;
     let mut builder = kinopt::Model::builder("frame");

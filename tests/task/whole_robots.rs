@@ -1,6 +1,6 @@
-//! Promise: tasks of whole bodies do what they say on free bases and ball joints: what is asked is reached, within
-//! their room they cost nothing, derivatives agree by every route (near half a turn and at the identity too), and
-//! what makes no sense is refused by name.
+//! Promise: whole-body tasks work on free bases and ball joints. Reachable targets are reached, tasks within bounds
+//! cost nothing, and derivatives agree by every route, also near half a turn and at the identity. Invalid input is
+//! rejected by name.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::PI;
@@ -21,7 +21,7 @@ use support::figures::Figure;
 use support::random::Random;
 use support::{placement, vector};
 
-/// A mass on every frame, heavier towards the tips.
+/// Masses on every frame, heavier towards the tips.
 fn masses_of(figure: &Figure) -> Masses {
     let parts = figure.frames.iter().enumerate();
     let parts = parts.map(|(k, &frame)| PointMass {
@@ -183,7 +183,7 @@ fn tasks<'a>(figure: &'a Figure, masses: &'a Masses, seed: u64) -> Vec<Add<'a>> 
     ]
 }
 
-/// Of the residual alone, by differences of the fourth order: (8 (r₁ − r₋₁) − (r₂ − r₋₂)) / 12 h.
+/// Derivative of the residual by fourth-order differences: (8 (r₁ − r₋₁) − (r₂ − r₋₂)) / 12 h.
 fn by_differences(problem: &Problem, x: &[f64]) -> DMatrix<f64> {
     const STEP: f64 = 1e-3;
     let mut scratch = problem.scratch();
@@ -204,7 +204,7 @@ fn by_differences(problem: &Problem, x: &[f64]) -> DMatrix<f64> {
 }
 
 #[test]
-fn every_derivative_route_agrees_on_balls_and_free_bases() {
+fn derivative_routes_agree_on_floating_bases() {
     for seed in 0..8 {
         let figure = Figure::new(seed, 8);
         let (model, masses) = (&figure.model, masses_of(&figure));
@@ -213,7 +213,7 @@ fn every_derivative_route_agrees_on_balls_and_free_bases() {
             builder.parameters(ParameterMap::free(model));
             add(&mut builder);
             let Ok(problem) = builder.build() else {
-                // Too few joints for a measure of manipulability.
+                // Too few joints for manipulability.
                 assert!(name.starts_with("manipulability"), "{name}");
                 continue;
             };
@@ -224,7 +224,7 @@ fn every_derivative_route_agrees_on_balls_and_free_bases() {
                     _ => model.random_configuration(seed + case),
                 };
                 if case == 2 {
-                    // Half a turn of the base but for a hair.
+                    // The base is 1e-7 rad short of half a turn.
                     let half = 0.5 * (PI - 1e-7);
                     q[3..7].copy_from_slice(&[half.cos(), half.sin(), 0.0, 0.0]);
                 }
@@ -235,13 +235,13 @@ fn every_derivative_route_agrees_on_balls_and_free_bases() {
                 let off = (&analytic - &dual).amax() / size;
                 assert!(off < 1e-11, "{name}, seed {seed}, case {case}: {off:e}");
                 if name.starts_with("manipulability") && case == 0 {
-                    // Its kink at singularities, of which rest is one.
+                    // It has a kink at singularities, such as the neutral configuration.
                     continue;
                 }
                 let central = jacobian(&problem, Derivatives::CentralDifference, &x);
                 let off = (&central - &dual).amax() / size;
                 assert!(off < 1e-7, "{name}, seed {seed}, case {case}: {off:e}");
-                // Its long steps cross the edges of a room.
+                // The long steps cross edges of inequalities.
                 let is_smooth = !name.contains("room");
                 let off = match is_smooth {
                     true => (by_differences(&problem, &x) - &dual).amax() / size,
@@ -270,10 +270,10 @@ fn every_derivative_route_agrees_on_balls_and_free_bases() {
     }
 }
 
-/// By as much as a frame turns, or moves in all, against its base, that does against the frame: whether joints of both, of the
-/// frame alone or of the base alone are between.
+/// Manipulability of a frame relative to a base equals that of the base relative to the frame, whichever joints are
+/// between them.
 #[test]
-fn a_base_moves_as_much_against_its_frame() {
+fn manipulability_is_symmetric_in_base_and_frame() {
     let random = &mut Random::new(21);
     let mut builder = Model::builder("two arms");
     let limits = Limits::new(-2.0, 2.0);
@@ -314,9 +314,9 @@ fn a_base_moves_as_much_against_its_frame() {
     }
 }
 
-/// A centre of mass that some configuration has is reached, over the point alone too.
+/// The centre of mass of some configuration is reached, also with a polygon of one point.
 #[test]
-fn a_body_balances() {
+fn reachable_centre_of_mass_is_reached() {
     for seed in 0..20 {
         let figure = Figure::new(seed, 6);
         let (model, masses) = (&figure.model, masses_of(&figure));
@@ -336,10 +336,10 @@ fn a_body_balances() {
     }
 }
 
-/// A triangle of support, one of whose corners is on a foot: inside nothing moves, outside the nearest place of the
-/// shrunken triangle is asked for.
+/// Support triangle with one corner on a foot: no motion inside, and the closest point of the shrunken triangle
+/// outside.
 #[test]
-fn over_its_feet_a_body_is_left_alone() {
+fn balanced_robot_does_not_move() {
     let mut builder = Model::builder("sledge");
     let [x, y, _] = Vector3::UNITS;
     let still = Placement::identity();
@@ -359,7 +359,7 @@ fn over_its_feet_a_body_is_left_alone() {
         mass: 3.0,
     };
     let masses = Masses::new(&model, [mass]).unwrap();
-    // A right-angled triangle of sides 4, 4: (0, 0), (4, 0), (0, 4).
+    // Right triangle with legs of 4: (0, 0), (4, 0), (0, 4).
     let triangle = SupportPolygon::new(&masses)
         .with_points([[0.0, 0.0, 2.0], [0.0, 4.0, -3.0], [1.0, 1.0, 0.0]])
         .with_points_on(foot, [[0.0, 0.0, 0.5]]);
@@ -385,7 +385,7 @@ fn over_its_feet_a_body_is_left_alone() {
     check(solve(&inner, [-2.0, -1.0]), [0.5, 0.5]);
     let edge = 2.0 - 0.5 * 0.5_f64.sqrt();
     check(solve(&inner, [3.0, 3.0]), [edge, edge]);
-    // A line of support, and a point.
+    // A support line, and a support point.
     let line =
         SupportPolygon::new(&masses).with_points([[0.0; 3], [2.0, 0.0, 0.0], [1.0, 0.0, 5.0]]);
     check(solve(&line, [1.5, 1.0]), [1.5, 0.0]);
@@ -393,7 +393,7 @@ fn over_its_feet_a_body_is_left_alone() {
     check(solve(&point, [0.0, 0.0]), [1.0, 2.0]);
 }
 
-/// A residual of a user's own, by a signed distance.
+/// A custom residual with a signed distance.
 #[derive(Clone)]
 struct Depth(FrameId);
 
@@ -409,9 +409,9 @@ impl Residual for Depth {
     }
 }
 
-/// Any residual is one-sided by `Within`: a user's own too.
+/// `Within` makes any residual one-sided, also a custom one.
 #[test]
-fn a_user_s_own_residual_may_be_one_sided() {
+fn custom_residual_may_be_one_sided() {
     for seed in 0..10 {
         let figure = Figure::new(2 * seed + 1, 5);
         let model = &figure.model;
@@ -430,7 +430,7 @@ fn a_user_s_own_residual_may_be_one_sided() {
             assert!(solution.reached, "seed {seed}: {}", solution.explain());
             let mut places = ForwardKinematics::new(model);
             let at = places.place(&solution.q).unwrap()[last.index()].translation;
-            // Within the sphere the point goes where it would rather be, outside it stops at the sphere.
+            // Inside the sphere the point follows the soft task, outside it stops at the sphere.
             if is_free {
                 assert!((at - place).norm() < 1e-3, "seed {seed}: {at:?} {place:?}");
             } else {
@@ -445,7 +445,7 @@ fn a_user_s_own_residual_may_be_one_sided() {
 }
 
 #[test]
-fn what_makes_no_sense_is_refused_by_name() {
+fn invalid_task_input_is_rejected_by_name() {
     let figure = Figure::new(1, 6);
     let (model, masses) = (&figure.model, masses_of(&figure));
     let (last, nan) = (figure.frames[5], f64::NAN);
@@ -536,9 +536,9 @@ fn what_makes_no_sense_is_refused_by_name() {
     );
 }
 
-/// What is left free is shared evenly, or by weights: three hinges of a finger bend by the same angle.
+/// Redundant motion is shared evenly, or by weights: three revolute joints of a finger bend equally.
 #[test]
-fn joints_share_what_is_asked_of_them() {
+fn joints_share_a_redundant_motion() {
     let mut builder = Model::builder("column");
     let (z, still) = (Vector3::UNITS[2], Placement::identity());
     let (mut last, mut joints) = (None, Vec::new());
@@ -570,9 +570,9 @@ fn joints_share_what_is_asked_of_them() {
     }
 }
 
-/// A stretched arm bends until the measure is what it should be; a frame that should stay still stays.
+/// A stretched arm bends to the required measure; a pinned frame stays.
 #[test]
-fn an_arm_keeps_clear_of_its_singularity() {
+fn manipulability_task_avoids_singularities() {
     let mut builder = Model::builder("arm");
     let [_, y, z] = Vector3::UNITS;
     let link = Placement::translation([1.0, 0.0, 0.0].into());
