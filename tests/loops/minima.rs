@@ -1,8 +1,8 @@
-//! Promise: where goals are out of reach the loops stay closed, and the nearest configuration is as near as
-//! the minimum that CasADi and IPOPT find with the loops as equality constraints.
+//! Promise: for unreachable targets loops stay closed, and the result is as close as the minimum that CasADi and IPOPT
+//! find with loops as equality constraints.
 //!
-//! `notebooks-ref/loops.py` writes the file. Two arms of seven joints have some dozen minima that starts at random find: from
-//! near the least one the solver ends there. Of the others it finds the least from a start of its own.
+//! `notebooks-ref/loops.py` writes the file. Two arms of seven joints have about a dozen minima from random starts;
+//! from near the smallest one the solver ends there. Of the other mechanisms it finds the smallest from its own start.
 
 use kinopt::ik::Restarts;
 use kinopt::model::{Loop, Model, ParameterMap};
@@ -30,9 +30,9 @@ struct Provenance {
 struct Statement {
     mechanism: String,
     target: Vec<f64>,
-    /// The least first.
+    /// Sorted, the smallest first.
     minima: Vec<Minimum>,
-    /// A place near the least.
+    /// A configuration near the smallest minimum.
     near: Vec<f64>,
 }
 
@@ -41,14 +41,14 @@ struct Minimum {
     cost: f64,
 }
 
-/// Costs are the same within this share of them.
+/// Largest relative difference of equal costs.
 const SAME: f64 = 1e-6;
 
 fn vector(numbers: &[f64]) -> Vector3<f64> {
     Vector3::new(numbers[0], numbers[1], numbers[2])
 }
 
-/// The model, what moves, and where it starts.
+/// The model, its parameter map and its start.
 fn mechanism(own: &Statement) -> (Model, Option<ParameterMap>, Vec<f64>) {
     let file = |path| format!("{}/{path}", env!("CARGO_MANIFEST_DIR"));
     match own.mechanism.as_str() {
@@ -105,7 +105,7 @@ fn solve(own: &Statement) -> Solution {
             problem.add(Point::new(frame("pen"), [target[0], target[1], 0.0]));
         }
         "gripper" => {
-            // The left side's are mirrored.
+            // The left side is mirrored.
             problem.add(Point::new(frame("left tip"), [-target[0], target[1], 0.0]));
             problem.add(Point::new(frame("right tip"), [target[2], target[3], 0.0]));
         }
@@ -137,7 +137,7 @@ fn solve(own: &Statement) -> Solution {
 }
 
 #[test]
-fn what_is_out_of_reach_is_missed_by_as_little_as_closed_loops_allow() {
+fn misses_with_closed_loops_are_minimal() {
     let text = include_str!("../reference/loops.json");
     let reference: Reference = serde_json::from_str(text).unwrap();
     assert_eq!(reference.provenance.tool, "CasADi + IPOPT");

@@ -1,4 +1,4 @@
-//! Promise: two hands on one box are a loop like any other: wherever the box goes, both hold it where they did.
+//! Promise: two hands on one box are a loop: both keep their grips wherever the box moves.
 
 use kinopt::ik::LoopClosure;
 use kinopt::kinematics::ForwardKinematics;
@@ -8,7 +8,7 @@ use kinopt::spatial::{Placement, Vector3, rotation_exp, rotation_log};
 use kinopt::task::{Pose, Posture};
 use kinopt::{Problem, Solver};
 
-/// From each tool to the box's middle, 0.4 m wide, held from both sides.
+/// From each tool to the centre of the box, 0.4 m wide, held from both sides.
 pub(crate) fn grips() -> [Placement<f64>; 2] {
     [1.0, -1.0].map(|side| {
         let turn = rotation_exp(Vector3::new(side * std::f64::consts::FRAC_PI_2, 0.0, 0.0));
@@ -25,7 +25,7 @@ pub(crate) fn robot() -> Robot {
         .unwrap()
 }
 
-/// Both hands' places of the box, one in the other: how far off the identity, metres and radians.
+/// Relative placement of the box in both hands: distance from the identity, metres and radians.
 fn apart(model: &Model, q: &[f64]) -> [f64; 2] {
     let mut kinematics = ForwardKinematics::new(model);
     let placed = kinematics.place(q).unwrap();
@@ -39,7 +39,7 @@ fn apart(model: &Model, q: &[f64]) -> [f64; 2] {
 }
 
 #[test]
-fn the_box_goes_where_both_can_hold_it() {
+fn box_reaches_poses_that_both_hands_allow() {
     let robot = robot();
     let model = robot.model();
     let closure = LoopClosure::new(robot.parameters(), &model.moving_joints()[..1]).unwrap();

@@ -1,4 +1,4 @@
-//! Promise: a loop that is wrong, or that nothing closes, is an error that names it when the model is built.
+//! Promise: an invalid loop, or one that no joint values close, is named in the error of building the model.
 
 use kinopt::Arm;
 use kinopt::Problem;
@@ -19,7 +19,7 @@ const Z: Vector3<f64> = Vector3 {
     z: 1.0,
 };
 
-/// A hinge with a tip 1 m off, another 3 m away with a tip as far off, and a slide at the second tip.
+/// A revolute joint with a tip at 1 m, another at 3 m with an equal tip, and a prismatic joint at the second tip.
 fn apart(travel: f64) -> (ModelBuilder, [FrameId; 2]) {
     let mut builder = Model::builder("two hinges");
     let one = builder.revolute("one", None, along_x(0.0), Z, TURNS);
@@ -39,7 +39,7 @@ fn apart(travel: f64) -> (ModelBuilder, [FrameId; 2]) {
 }
 
 #[test]
-fn a_link_longer_than_all_others_together() {
+fn unreachable_gap_is_reported() {
     let (mut builder, ends) = apart(0.5);
     builder.close(Loop::connect("far", ends));
     let error = builder.build().unwrap_err();
@@ -49,7 +49,7 @@ fn a_link_longer_than_all_others_together() {
     assert_eq!((name.as_str(), *unit), ("far", "m"));
     assert!((gap - 0.5).abs() < 1e-12, "{gap}");
     assert!(error.to_string().contains("loop `far` cannot close"));
-    // A slide that goes far enough takes the doubt away.
+    // A prismatic joint of sufficient range can close it.
     let (mut builder, ends) = apart(1.5);
     builder.close(Loop::connect("far", ends));
     assert!(builder.build().is_ok());
@@ -60,7 +60,7 @@ fn built_joint(builder: &ModelBuilder, name: &str) -> JointId {
 }
 
 #[test]
-fn places_that_no_joint_moves_apart() {
+fn frames_without_joints_between_must_coincide() {
     let turned = Placement::new(Matrix3::rotation(Z, (0.6, 0.8)), Vector3::zero());
     type Kind = fn(&'static str, [FrameId; 2]) -> Loop;
     let (connect, weld): (Kind, Kind) = (Loop::connect, Loop::weld);
@@ -84,7 +84,7 @@ fn places_that_no_joint_moves_apart() {
 }
 
 #[test]
-fn names_frames_and_places() {
+fn invalid_names_frames_and_points_are_named() {
     let built = |loops: &[Loop]| {
         let mut builder = Model::builder("four-bar");
         FourBar::CRANK_ROCKER.add_to(&mut builder, None);
@@ -121,14 +121,14 @@ fn names_frames_and_places() {
 }
 
 #[test]
-fn what_closes_no_loops_refuses_them_by_name() {
+fn arms_and_geometric_solvers_reject_loops() {
     let mut builder = Model::builder("four-bar on an arm");
     let shoulder = builder.revolute("shoulder", None, along_x(0.0), Z, TURNS);
     let elbow = builder.revolute("elbow", Some(shoulder), along_x(1.0), Z, TURNS);
     let hand = builder.frame("hand", Some(elbow), along_x(1.0));
     FourBar::CRANK_ROCKER.add_to(&mut builder, Some(elbow));
     let model = builder.build().unwrap();
-    // Above the loop an arm is an arm.
+    // An arm above the loop is valid.
     assert!(Arm::new(&model, Base::World, hand).is_ok());
     let error = Arm::new(&model, Base::World, "pen").unwrap_err();
     assert!(
@@ -144,9 +144,9 @@ fn what_closes_no_loops_refuses_them_by_name() {
     assert!(matches!(&error, GeometricError::UnsupportedTask { task, .. } if task == "loop `pin`"));
 }
 
-/// The crank of the loop follows the elbow, which is in no loop itself.
+/// The crank of the loop is a mimic joint of the elbow, which is in no loop.
 #[test]
-fn an_arm_that_moves_a_loop_by_what_follows_it_is_refused() {
+fn arm_that_drives_a_loop_is_rejected() {
     let mut builder = Model::builder("two hinges beside a four-bar");
     let shoulder = builder.revolute("shoulder", None, along_x(0.0), Z, TURNS);
     let elbow = builder.revolute("elbow", Some(shoulder), along_x(1.0), Z, TURNS);
@@ -174,7 +174,7 @@ fn an_arm_that_moves_a_loop_by_what_follows_it_is_refused() {
 }
 
 #[test]
-fn robots_take_loops_that_their_files_do_not_know() {
+fn robots_accept_additional_loops() {
     let model = FourBar::CRANK_ROCKER.model();
     let ends = model.loops()[0].frames;
     let robot = Robot::new(model, Vec::new()).unwrap();
@@ -197,7 +197,7 @@ fn robots_take_loops_that_their_files_do_not_know() {
 }
 
 #[test]
-fn what_cannot_be_closed_is_told_by_name() {
+fn unclosable_loops_are_named() {
     let model = FourBar::CRANK_ROCKER.model();
     let joint = |name| model.joint(name).unwrap();
     let parameters = || ParameterMap::builder(&model);
@@ -221,22 +221,22 @@ fn what_cannot_be_closed_is_told_by_name() {
     }
     assert!(closure.gaps(&[0.0; 2]).is_err() && closure.gaps(&[f64::NAN; 3]).is_err());
 
-    // The crank alone cannot close what coupler and rocker leave open.
+    // The crank alone cannot close a gap of coupler and rocker.
     let crank = LoopClosure::new(parameters(), &[joint("crank")]).unwrap();
     let error = crank.close(&mut [0.0; 3]).unwrap_err().to_string();
     assert!(
         error.contains("loop `pin` is open by 2.300e-1 m: no values of crank"),
         "{error}"
     );
-    // Dependent joints may begin anywhere.
+    // Dependent joints may start anywhere.
     let mut q = [0.3, 90.0, -50.0];
     closure.close(&mut q).unwrap();
     assert!(closure.gaps(&q).unwrap()[0].is_closed() && q[0] == 0.3);
 }
 
-/// A slide is as long as it comes out to the side on which it comes farther.
+/// The length of a prismatic joint is that of its longer side.
 #[test]
-fn a_slide_that_bridges_a_gap() {
+fn prismatic_joint_bridges_a_gap() {
     for (limits, gap) in [
         (Limits::new(0.0, 4.0), 0.0),
         (Limits::new(-4.0, 0.0), 0.0),
@@ -255,7 +255,8 @@ fn a_slide_that_bridges_a_gap() {
     }
 }
 
-/// A link of a metre on one hinge; on another, so far away, a rail a metre long whose end is on that of the link.
+/// A link of 1 m on a revolute joint; on another at distance `apart`, a prismatic joint of 1 m whose end meets the
+/// link's.
 fn between_hinges(apart: f64, limits: Limits) -> ModelBuilder {
     let mut builder = Model::builder("two hinges and a rail");
     let one = builder.revolute("one", None, along_x(0.0), Z, TURNS);
@@ -271,9 +272,9 @@ fn between_hinges(apart: f64, limits: Limits) -> ModelBuilder {
     builder
 }
 
-/// What is always out, forwards or backwards, is a link of at least that length.
+/// A joint that is always extended, in either direction, is a link of at least that length.
 #[test]
-fn a_slide_that_is_always_out() {
+fn always_extended_prismatic_joint_is_a_link() {
     for (limits, gap) in [
         (Limits::new(3.25, 4.0), 0.25),
         (Limits::new(-4.0, -3.25), 0.25),
@@ -291,9 +292,9 @@ fn a_slide_that_is_always_out() {
     }
 }
 
-/// Joints of either end may turn a welded place onto the other's, whichever is named first.
+/// Joints of either end may rotate a welded frame, in any order of the ends.
 #[test]
-fn a_weld_is_turned_by_the_joints_of_either_end() {
+fn weld_rotates_by_joints_of_either_end() {
     for hinge_is_first in [true, false] {
         let mut builder = Model::builder("hinge at a wall");
         let hinge = builder.revolute("hinge", None, along_x(0.0), Z, TURNS);
@@ -310,9 +311,9 @@ fn a_weld_is_turned_by_the_joints_of_either_end() {
     }
 }
 
-/// A weld whose places are one but turned is open.
+/// A weld whose frames coincide but are rotated is open.
 #[test]
-fn a_weld_that_is_only_turned_is_open() {
+fn rotated_weld_is_open() {
     let mut builder = Model::builder("hinge in a wall");
     let hinge = builder.revolute("hinge", None, along_x(0.0), Z, TURNS);
     let hand = builder.frame("hand", Some(hinge), along_x(0.0));

@@ -1,4 +1,4 @@
-//! Promise: a solution tells whether the model's loops are closed, and is never reached where one is open.
+//! Promise: a solution reports whether the model's loops are closed, and is never reached with an open loop.
 
 use kinopt::model::{Limits, Loop, Model, ParameterMap};
 use kinopt::spatial::{Placement, Vector3};
@@ -8,10 +8,10 @@ use kinopt::{Problem, Solver};
 use crate::mechanisms::{FourBar, along_x};
 
 #[test]
-fn an_open_loop_is_told_by_name_and_gap() {
+fn open_loop_is_reported_by_name_and_gap() {
     let linkage = FourBar::CRANK_ROCKER;
     let model = linkage.model();
-    // Both ends of the coupler and the rocker held: the pin is open by as much as they are apart.
+    // Coupler and rocker are locked, so the pin is open by their distance.
     let joint = |name| model.joint(name).unwrap();
     let map = ParameterMap::builder(&model)
         .with_locked(joint("coupler"), 0.0)
@@ -24,7 +24,7 @@ fn an_open_loop_is_told_by_name_and_gap() {
     let solution = Solver::default().solve_once(&problem, &[0.0; 3]).unwrap();
     assert!(!solution.reached && !solution.loops_closed());
     let open: Vec<_> = solution.open_loops().collect();
-    // The crank and the coupler in line, turned by q, and the rocker's end on the x axis.
+    // Crank and coupler in line, rotated by q, and the rocker's end on the x axis.
     let (sin, cos) = solution.q[0].sin_cos();
     let (length, end) = (
         linkage.crank + linkage.coupler,
@@ -41,10 +41,10 @@ fn an_open_loop_is_told_by_name_and_gap() {
 }
 
 #[test]
-fn loops_have_a_tolerance_of_their_own_whatever_the_tasks_have() {
+fn loop_tolerance_is_independent_of_tasks() {
     let model = FourBar::CRANK_ROCKER.model();
     let mut problem = Problem::builder(&model);
-    // The rocker at 2.2 rad, which the linkage reaches.
+    // The rocker at 2.2 rad, which is reachable.
     let (sin, cos) = 2.2_f64.sin_cos();
     let pin = model.frame("rocker end").unwrap();
     problem.add(Point::new(pin, [0.4 + 0.3 * cos, 0.3 * sin, 0.0]));
@@ -57,7 +57,7 @@ fn loops_have_a_tolerance_of_their_own_whatever_the_tasks_have() {
 }
 
 #[test]
-fn a_weld_tells_both_its_gap_and_its_angle() {
+fn open_weld_reports_gap_and_angle() {
     let z = Vector3::new(0.0, 0.0, 1.0);
     let mut builder = Model::builder("door");
     let hinge = builder.revolute("hinge", None, along_x(0.0), z, Limits::new(0.0, 1.0));

@@ -1,4 +1,4 @@
-//! Promise: where few random configurations lead to one whose loops are closed, others are drawn until one does.
+//! Promise: if few random configurations lead to closed loops, more are sampled until one does.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::ik::LoopClosure;
@@ -7,15 +7,15 @@ use kinopt::spatial::{Placement, Vector3};
 
 use crate::mechanisms::along_x;
 
-/// Where all hinges close, radians: beyond the far end of their limits for each that begins nearer to that.
+/// Angle at which all revolute joints close, radians. Starts nearer to the opposite limit do not get there.
 const CLOSED: f64 = 3.0;
 const LIMITS: Limits = Limits {
     lower: -3.1,
     upper: 3.1,
 };
 
-/// Hinges of a metre, each held at its end. One in two starts leads a hinge there and the other into its limit, so that all of them
-/// go there together from one in sixty-four.
+/// Revolute joints of 1 m, each pinned at its end. Every second start fails for one joint, so one in sixty-four closes
+/// all.
 fn hinges() -> Model {
     let mut builder = Model::builder("six hinges");
     let z = Vector3::UNITS[2];
@@ -32,7 +32,7 @@ fn hinges() -> Model {
 }
 
 #[test]
-fn one_that_cannot_be_closed_is_followed_by_another() {
+fn unclosable_sample_is_replaced() {
     let model = hinges();
     let closure = LoopClosure::new(ParameterMap::builder(&model), model.moving_joints()).unwrap();
     let mut closed = 0;

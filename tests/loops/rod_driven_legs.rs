@@ -1,5 +1,5 @@
-//! Promise: of a leg whose knee and ankle are driven by rods, read from an MJCF file, the passive joints follow the
-//! motors, and every solution keeps the rods' lengths.
+//! Promise: in a leg with rod-driven knee and ankle, read from an MJCF file, passive joints follow the motors and every
+//! solution keeps the rods' lengths.
 
 use kinopt::ik::LoopClosure;
 use kinopt::kinematics::ForwardKinematics;
@@ -12,8 +12,7 @@ fn leg() -> Robot {
     Robot::read_mjcf(file).unwrap()
 }
 
-/// From the crank's pin to the lever's: what the rods measure, by their bodies' frames and the places that the file
-/// joins them at.
+/// Distances from the crank's pin to the lever's, by body frames and the file's anchor points.
 fn rods(robot: &Robot, q: &[f64]) -> [f64; 2] {
     let model = robot.model();
     let mut kinematics = ForwardKinematics::new(model);
@@ -28,7 +27,7 @@ fn rods(robot: &Robot, q: &[f64]) -> [f64; 2] {
 }
 
 fn assert_rods(robot: &Robot, q: &[f64]) {
-    // As the file draws them: (0.01, -0.012, -0.4) and (0.005, 0, -0.38) from pin to pin.
+    // From the file, pin to pin: (0.01, -0.012, -0.4) and (0.005, 0, -0.38).
     let drawn = [0.01_f64.hypot(0.012).hypot(0.4), 0.005_f64.hypot(0.38)];
     for (own, drawn) in rods(robot, q).into_iter().zip(drawn) {
         assert!((own - drawn).abs() < 1.1e-9, "{own} {drawn}");
@@ -36,7 +35,7 @@ fn assert_rods(robot: &Robot, q: &[f64]) {
 }
 
 #[test]
-fn what_no_motor_or_cable_drives_is_passive() {
+fn undriven_joints_are_passive() {
     let robot = leg();
     let model = robot.model();
     let name = |id: &kinopt::model::JointId| model.joints()[id.index()].name.as_str();
@@ -50,7 +49,7 @@ fn what_no_motor_or_cable_drives_is_passive() {
 }
 
 #[test]
-fn motors_turn_knee_and_ankle() {
+fn motors_bend_knee_and_ankle() {
     let robot = leg();
     let model = robot.model();
     let closure = LoopClosure::of_robot(&robot).unwrap();
@@ -64,7 +63,7 @@ fn motors_turn_knee_and_ankle() {
         closure.close(&mut q).unwrap();
         assert_eq!((q[at("knee_motor")], q[at("hip")]), (motor, 0.0));
         assert_rods(&robot, &q);
-        // The rod pulls the shank's lever up and the knee bends, further and further.
+        // The rod pulls the shank's lever up and the knee bends further.
         assert!(q[at("knee")] > last);
         last = q[at("knee")];
     }
@@ -72,7 +71,7 @@ fn motors_turn_knee_and_ankle() {
 }
 
 #[test]
-fn the_foot_goes_where_random_closed_configurations_have_it() {
+fn foot_reaches_random_closed_configurations() {
     let robot = leg();
     let model = robot.model();
     let closure = LoopClosure::of_robot(&robot).unwrap();
