@@ -60,7 +60,7 @@ fn origin_and_order_do_not_matter() {
 
 /// In another unit lengths scale and directions are equal.
 #[test]
-fn the_unit_of_length_does_not_matter() {
+fn distances_are_unit_invariant() {
     let times = |solid: &Solid, by: f64| match solid {
         Solid::Sphere(radius) => Solid::Sphere(radius * by),
         Solid::Capsule(radius, length) => Solid::Capsule(radius * by, length * by),

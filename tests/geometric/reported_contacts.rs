@@ -1,4 +1,4 @@
-//! Promise: a geometric method is not led out of what is in the way, and so tells of it: what touches is not reached.
+//! Promise: geometric methods do not avoid collisions, but report contacts: a result in contact is not reached.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::Problem;
@@ -9,7 +9,7 @@ use kinopt::task::Point;
 use support::planar_arm;
 
 #[test]
-fn what_touches_is_told_and_not_reached() {
+fn result_in_contact_is_reported_not_reached() {
     let model = planar_arm(&[1.0, 1.0], None);
     let tip = model.frame("tip").unwrap();
     let ball = Shape::sphere(0.1).unwrap();
