@@ -1,5 +1,4 @@
-//! Promise: a mesh without weights gets some that follow the nearest bones, sum to 1, are smooth
-//! over its edges, and are the same every time.
+//! Promise: automatic weights follow the nearest bones, sum to 1, are smooth along edges and are reproducible.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::BTreeSet;
@@ -17,7 +16,7 @@ fn tube() -> (TriangleMesh, [[DVec3; 2]; 2]) {
 }
 
 #[test]
-fn they_are_the_documented_formula_before_smoothing() {
+fn unsmoothed_weights_follow_the_formula() {
     let (mesh, bones) = tube();
     let mut plain = AutomaticWeights::default();
     plain.smoothing_steps = 0;
@@ -36,7 +35,7 @@ fn they_are_the_documented_formula_before_smoothing() {
 }
 
 #[test]
-fn smoothing_evens_them_out_and_keeps_the_sums() {
+fn smoothing_reduces_steps_and_keeps_sums() {
     let (mesh, bones) = tube();
     let with = |smoothing_steps| {
         let mut own = AutomaticWeights::default();
@@ -54,7 +53,7 @@ fn smoothing_evens_them_out_and_keeps_the_sums() {
 }
 
 #[test]
-fn one_smoothing_step_is_the_documented_mean() {
+fn smoothing_step_is_the_documented_mean() {
     let (mesh, bones) = tube();
     let with = |smoothing_steps| {
         let mut own = AutomaticWeights::default();
@@ -77,7 +76,7 @@ fn one_smoothing_step_is_the_documented_mean() {
 }
 
 #[test]
-fn a_figure_s_limbs_follow_their_own_bones() {
+fn limbs_follow_their_own_bones() {
     let rig = Rig::read(concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/../models/humanoid/humanoid.json"
@@ -96,7 +95,7 @@ fn a_figure_s_limbs_follow_their_own_bones() {
             .unwrap()
             .bone as usize
     };
-    // Weights made by people and by distance agree on the bone, or on the next one of the chain.
+    // Authored weights and distance weights agree on the strongest bone, or on its neighbour in the chain.
     let parent = |bone: usize| rig.skeleton.bones()[bone].parent.map(|p| p.index());
     let agree = (0..given.vertex_count()).filter(|&vertex| {
         let (a, b) = (strongest(&given, vertex), strongest(&made, vertex));
@@ -106,7 +105,7 @@ fn a_figure_s_limbs_follow_their_own_bones() {
     assert!(share > 0.95, "{share}");
 }
 
-/// A palm with the bones of five fingers in it, where all of them are near.
+/// A palm with five finger bones, all near each other.
 fn palm() -> (TriangleMesh, Vec<[DVec3; 2]>) {
     let side = 80;
     let place = |k: u32| k as f32 / side as f32;
@@ -133,9 +132,9 @@ fn palm() -> (TriangleMesh, Vec<[DVec3; 2]>) {
     (mesh, bones)
 }
 
-/// Cut off plainly, the fifth influence takes all of its weight with it as it falls out.
+/// With plain pruning, the fifth influence loses its whole weight at once where it drops out.
 #[test]
-fn four_influences_tear_no_crease() {
+fn pruning_to_four_influences_is_smooth() {
     let (mesh, bones) = palm();
     let with = |most: usize| {
         let mut own = AutomaticWeights::default();
@@ -144,7 +143,7 @@ fn four_influences_tear_no_crease() {
     };
     let all = with(64);
     let (plain, _) = all.pruned(4).unwrap();
-    // What the cut adds to the steps along edges.
+    // Increase of steps along edges by pruning.
     let added = |own: &SkinWeights| {
         let change = own.to_table() - all.to_table();
         let edges = mesh.triangles().iter();
@@ -155,7 +154,7 @@ fn four_influences_tear_no_crease() {
     let four = with(4);
     let own = AutomaticWeights::default().for_segments(&mesh, &bones);
     let [plain, faded, own] = [&plain, &four, &own.unwrap()].map(added);
-    // Without evening out where they were cut they would add 0.57 of it.
+    // Without smoothing of the pruned weights the ratio would be 0.57.
     assert!(faded < 0.54 * plain, "{plain} {faded}");
     assert!(own < 1e-6, "{plain} {own}");
     for influences in four.iter() {
@@ -164,9 +163,9 @@ fn four_influences_tear_no_crease() {
     }
 }
 
-/// Of pulls 1, 1/4 and 1/9 the third falls out: w − t² / w of each that stays, by their sum.
+/// Of pulls 1, 1/4 and 1/9 the third is dropped: remaining weights are w − t² / w, normalised.
 #[test]
-fn the_weights_that_stay_fade_by_what_falls_out() {
+fn kept_weights_fade_by_the_dropped_one() {
     let dot = TriangleMesh::new(vec![glam::Vec3::ZERO], vec![], vec![]).unwrap();
     let at = |x: f64| [DVec3::X * x; 2];
     let mut two = AutomaticWeights::default();
@@ -182,13 +181,13 @@ fn the_weights_that_stay_fade_by_what_falls_out() {
     };
     let [a, b] = [36.0 - 16.0 / 36.0, 9.0 - 16.0 / 9.0];
     assert!((first - a / (a + b)).abs() < 1e-12 && (second - b / (a + b)).abs() < 1e-12);
-    // Where all are equal there is nothing to fade to.
+    // Equal weights have nothing to fade to.
     let equal = kept(&[at(1.0), at(-1.0), [DVec3::Y; 2]]);
     assert_eq!(equal, [(0, 0.5), (1, 0.5)]);
 }
 
 #[test]
-fn what_cannot_be_followed_is_refused() {
+fn invalid_bones_and_falloffs_are_rejected() {
     let (mesh, bones) = tube();
     let own = AutomaticWeights::default();
     assert_eq!(
@@ -207,7 +206,7 @@ fn what_cannot_be_followed_is_refused() {
         let refused = own.for_segments(&mesh, &bones).unwrap_err();
         assert_eq!(refused, AutomaticWeightsError::Falloff(falloff));
     }
-    // Points, and a mesh that is one point on a bone, are no special case.
+    // Points, and a mesh of one point on a bone, are no special case.
     let points = [[DVec3::ZERO; 2], [DVec3::X; 2]];
     let dot = TriangleMesh::new(vec![glam::Vec3::ZERO], vec![], vec![]).unwrap();
     let weights = own.for_segments(&dot, &points).unwrap();

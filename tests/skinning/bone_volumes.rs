@@ -1,5 +1,5 @@
-//! Promise: a closed mesh's volume is shared out to its bones by their weights, to a thousandth of the whole, and a
-//! rig's masses and its centre follow from that; what has no inside is refused.
+//! Promise: the volume of a closed mesh is distributed to its bones by weight, to a thousandth of the whole. A rig's
+//! masses and centre follow from it. Meshes without an inside are rejected.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::path::Path;
@@ -12,7 +12,7 @@ use kinopt::mesh::TriangleMesh;
 use kinopt::model::MassError;
 use kinopt::skinning::{SkinWeights, TwistedTube, VolumeError, bone_volumes};
 
-/// A box between two corners, its eight vertices by bits x, y, z.
+/// Box between two corners, with its eight vertices indexed by bits x, y, z.
 fn cuboid(low: [f32; 3], high: [f32; 3]) -> TriangleMesh {
     let corner = |bits: usize| {
         let side = |axis: usize| {
@@ -56,7 +56,7 @@ fn near(ours: f64, theirs: f64, within: f64) {
 }
 
 #[test]
-fn a_box_goes_with_its_bones() {
+fn box_volume_is_split_by_weights() {
     let mesh = cuboid([0.0, -1.0, 2.0], [4.0, 1.0, 3.0]);
     // One bone has all of it.
     let [all, none] = bone_volumes(&mesh, &weights(|_| [1.0, 0.0], 8)).unwrap()[..] else {
@@ -67,7 +67,7 @@ fn a_box_goes_with_its_bones() {
         near(ours, theirs, 0.02);
     }
     assert_eq!((none.volume, none.centre.to_array()), (0.0, [0.0; 3]));
-    // The weight goes over along x: ∫ x/4 = 1/2 each, centres a third from either end.
+    // The weight changes linearly along x: ∫ x/4 = 1/2 each, with centres a third from either end.
     let over = weights(
         |vertex| {
             if vertex & 1 == 1 {
@@ -84,7 +84,7 @@ fn a_box_goes_with_its_bones() {
         near(half.centre.x, x, 0.02);
         near(half.centre.y, 0.0, 0.02);
     }
-    // And along the columns themselves, z being narrowest.
+    // And along the integration columns, as z is the narrowest axis.
     let over = weights(
         |vertex| {
             if vertex & 4 == 4 {
@@ -103,7 +103,7 @@ fn a_box_goes_with_its_bones() {
 }
 
 #[test]
-fn a_round_tube_is_whole() {
+fn tube_volumes_sum_to_the_whole() {
     let tube = TwistedTube::default();
     let mesh = tube.mesh().unwrap();
     let volumes = bone_volumes(&mesh, &tube.weights().unwrap()).unwrap();
@@ -113,13 +113,13 @@ fn a_round_tube_is_whole() {
         whole,
         2e-3 * whole,
     );
-    // Both ends are alike.
+    // Both ends are equal.
     near(volumes[0].volume, volumes[1].volume, 2e-3 * whole);
     near(volumes[0].centre.x + volumes[1].centre.x, tube.length, 0.02);
 }
 
 #[test]
-fn what_does_not_close_is_refused() {
+fn open_mesh_is_rejected() {
     let whole = cuboid([0.0; 3], [1.0, 2.0, 3.0]);
     let (open, _) = whole.triangles().split_at(10);
     let open = TriangleMesh::new(whole.positions().to_vec(), Vec::new(), open.to_vec()).unwrap();
@@ -146,7 +146,7 @@ fn what_does_not_close_is_refused() {
 
 /// One column in a hundred may be open.
 #[test]
-fn a_small_hole_takes_no_more_than_is_in_it() {
+fn small_hole_loses_only_its_own_volume() {
     let whole = cuboid([0.0; 3], [4.0, 4.0, 1.0]);
     for (side, is_open) in [(0.25_f32, false), (1.0, true)] {
         // A corner of the top is cut off.
@@ -169,7 +169,7 @@ fn a_small_hole_takes_no_more_than_is_in_it() {
 }
 
 #[test]
-fn a_rig_weighs_what_its_mesh_holds() {
+fn rig_mass_equals_mesh_volume() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/humanoid/humanoid.json");
     let rig = Rig::read(file).unwrap();
     let masses = rig.masses(1000.0).unwrap();

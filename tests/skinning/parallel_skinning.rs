@@ -1,4 +1,4 @@
-//! Promise: skinning over the threads of a rayon pool gives the bits of one thread.
+//! Promise: skinning on a rayon pool equals single-threaded skinning bitwise.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::Affine3A;
@@ -15,9 +15,9 @@ fn same(rest: &Vertices, deformation: &impl Deformation) {
     deformation
         .deform_parallel(rest.rest(), parallel.posed())
         .unwrap();
-    // Not assert_eq, which would print them all.
+    // Not assert_eq, which would print all vertices.
     assert!(parallel == serial);
-    // Positions alone, as a range of other buffers that are not there.
+    // Positions only, with the other buffers missing.
     parallel.positions.fill(glam::Vec3::ZERO);
     let posed = kinopt::skinning::PosedVertices {
         positions: &mut parallel.positions,
@@ -32,7 +32,7 @@ fn same(rest: &Vertices, deformation: &impl Deformation) {
 }
 
 #[test]
-fn any_way_to_skin() {
+fn parallel_skinning_equals_serial() {
     let mut random = Random::new(7);
     let (count, bones) = (50_003, 20);
     let weights = weights(&mut random, count, bones, 4);
@@ -53,7 +53,7 @@ fn any_way_to_skin() {
 }
 
 #[test]
-fn wrong_sizes_are_errors_there_too() {
+fn wrong_sizes_are_errors_in_parallel() {
     let mut random = Random::new(8);
     let weights = weights(&mut random, 10, 3, 2);
     let blend = LinearBlend::new(&weights, &[Affine3A::IDENTITY; 3]).unwrap();
