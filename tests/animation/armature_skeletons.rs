@@ -37,7 +37,7 @@ fn places(armature: &Armature, pose: &Pose) -> Vec<Affine3A> {
 }
 
 #[test]
-fn both_stand_at_the_same_places() {
+fn skeleton_and_armature_poses_agree() {
     let random = &mut Random::new(3);
     for _ in 0..20 {
         let armature = armature(12, random);
@@ -68,7 +68,7 @@ fn both_stand_at_the_same_places() {
 }
 
 #[test]
-fn a_hand_is_dragged() {
+fn hand_of_an_armature_reaches_its_target() {
     let random = &mut Random::new(4);
     for _ in 0..10 {
         let armature = armature(8, random);
@@ -92,7 +92,7 @@ fn a_hand_is_dragged() {
 }
 
 #[test]
-fn a_bone_may_be_called_as_a_tip_is() {
+fn bone_may_have_the_name_of_a_tip() {
     // As the End Sites of motion capture are: the joint's own tip takes another name.
     let bone = |name: &str, parent, x: f32| ArmatureBone {
         name: name.into(),
@@ -133,7 +133,7 @@ fn a_bone_may_be_called_as_a_tip_is() {
 }
 
 #[test]
-fn a_figure_rests_in_a_pose_of_its_own() {
+fn rest_pose_can_be_replaced() {
     let random = &mut Random::new(6);
     let armature = armature(6, random);
     let mut pose = armature.rest().clone();
@@ -159,7 +159,7 @@ fn a_figure_rests_in_a_pose_of_its_own() {
 }
 
 #[test]
-fn uneven_scales_with_children_are_refused() {
+fn uneven_scales_above_children_are_rejected() {
     let with = |scale: [f32; 3], children: bool| {
         let bone = |name: &str, parent, scale: [f32; 3]| ArmatureBone {
             name: name.into(),
@@ -193,7 +193,7 @@ fn uneven_scales_with_children_are_refused() {
 
 /// Bones that turn may turn any way, and the others not at all.
 #[test]
-fn bones_turn_or_stand_still() {
+fn bones_rotate_freely_or_are_locked() {
     use std::collections::BTreeSet;
     let rig = support::bones::RandomRig::new(3);
     let armature = kinopt::animation::Armature::of_skeleton(&rig.skeleton);

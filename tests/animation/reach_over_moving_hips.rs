@@ -36,7 +36,7 @@ fn move_and_scale(pose: &mut Pose, armature: &Armature, random: &mut Random) {
 }
 
 #[test]
-fn moved_and_scaled_bones_are_reached_with_as_they_are() {
+fn moved_and_scaled_bones_are_used_in_reaches() {
     let mut reached = 0;
     for seed in 0..8 {
         let rig = RandomRig::new(400 + seed);
@@ -95,7 +95,7 @@ fn moved_and_scaled_bones_are_reached_with_as_they_are() {
 
 /// The same angles and targets in a frame in which only the hips have moved ask another question.
 #[test]
-fn hips_alone_move() {
+fn moving_hips_alone_change_the_problem() {
     let rig = RandomRig::new(420);
     let (skeleton, tips) = (&rig.skeleton, &rig.tips[..1]);
     let armature = Armature::of_skeleton(skeleton);
@@ -118,7 +118,7 @@ fn hips_alone_move() {
 }
 
 #[test]
-fn a_bone_that_would_shear_what_hangs_on_it_is_named() {
+fn shearing_bone_is_named() {
     let rig = RandomRig::new(500);
     let (skeleton, bone) = (&rig.skeleton, rig.tips[0]);
     let armature = Armature::of_skeleton(skeleton);
@@ -156,7 +156,7 @@ fn a_bone_that_would_shear_what_hangs_on_it_is_named() {
 
 /// Walks that people captured, whose hips go across the room.
 #[test]
-fn a_captured_walk_is_reached_with_where_it_is() {
+fn captured_walk_is_reached_in_place() {
     let Some(shared) = std::env::var_os("KINOPT_SHARED") else {
         eprintln!("SKIPPED: KINOPT_SHARED is not set, so no captured walk was tried");
         return;
