@@ -1,4 +1,4 @@
-//! Promise: a malformed rig is an error that names the file, the place in it and the problem.
+//! Promise: errors of malformed rigs name the file, the location and the problem.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::io::rig::{Rig, RigNote};
@@ -6,7 +6,7 @@ use kinopt::io::{Place, ReadProblem, dmat, ply};
 use serde_json::{Value, json};
 use support::small_rig::{DMAT, PLY, SmallRig};
 
-/// Changes the good rig's JSON by `edit`, and checks that the error has every one of `parts`.
+/// Edits the valid rig's JSON and checks that the error contains all `parts`.
 fn refused(case: &str, edit: impl FnOnce(&mut Value), parts: &[&str]) {
     let mut json: Value = serde_json::from_str(support::small_rig::JSON).unwrap();
     edit(&mut json);
@@ -28,7 +28,7 @@ fn remove(value: &mut Value, key: &str) {
 }
 
 #[test]
-fn the_good_rig_is_read() {
+fn valid_rig_is_read() {
     let rig = SmallRig::with_json(support::small_rig::JSON)
         .parse()
         .unwrap();
@@ -39,7 +39,7 @@ fn the_good_rig_is_read() {
 }
 
 #[test]
-fn missing_keys_and_wrong_types() {
+fn missing_keys_and_wrong_types_are_named() {
     refused(
         "no bones",
         |j| remove(j, "bones"),
@@ -110,7 +110,7 @@ fn missing_keys_and_wrong_types() {
 }
 
 #[test]
-fn text_that_is_not_the_json_of_a_rig() {
+fn invalid_json_is_named() {
     let text = |case: &str, json: &str, parts: &[&str]| {
         refused_with(case, &SmallRig::with_json(json), parts);
     };
@@ -148,7 +148,7 @@ fn text_that_is_not_the_json_of_a_rig() {
 }
 
 #[test]
-fn wrong_sizes() {
+fn wrong_sizes_are_named() {
     refused(
         "rows",
         |j| remove_last(&mut j["bones"][2]["rest_T"]),
@@ -181,7 +181,7 @@ fn remove_last(value: &mut Value) {
 }
 
 #[test]
-fn trees_that_are_none() {
+fn invalid_trees_are_named() {
     for parent in [1, 2, 3, -2, i64::MAX, i64::MIN] {
         let number = parent.to_string();
         refused(
@@ -201,7 +201,7 @@ fn trees_that_are_none() {
 }
 
 #[test]
-fn names_that_are_none() {
+fn invalid_names_are_named() {
     let named = |case: &str, name: Value, parts: &[&str]| {
         refused(case, |j| j["bones"][1]["name"] = name, parts);
     };
@@ -229,7 +229,7 @@ fn names_that_are_none() {
 }
 
 #[test]
-fn numbers_out_of_range() {
+fn numbers_out_of_range_are_named() {
     refused(
         "length",
         |j| j["bones"][2]["length"] = json!(-0.1),
@@ -297,7 +297,7 @@ fn numbers_out_of_range() {
 }
 
 #[test]
-fn rest_placements_that_are_not_rigid() {
+fn non_rigid_rest_placements_are_named() {
     let rest = |case: &str, row: usize, column: usize, value: f64, parts: &[&str]| {
         refused(
             case,
@@ -342,7 +342,7 @@ fn rest_placements_that_are_not_rigid() {
 }
 
 #[test]
-fn weights_that_do_not_fit() {
+fn mismatched_weights_are_named() {
     for id in [2, -2, i64::MAX] {
         let number = id.to_string();
         refused(
@@ -395,7 +395,7 @@ fn weights_that_do_not_fit() {
         &["weights.file: ", "small.dmat", "line 1", "is damaged"],
     );
 
-    // A column that nobody claims may be there as long as it is zero.
+    // An unclaimed column is accepted if it is zero.
     let spare = format!("3 {}0 0 0\n", DMAT.strip_prefix("2 ").unwrap());
     let rig = SmallRig {
         dmat: Some(spare.into()),
@@ -405,7 +405,7 @@ fn weights_that_do_not_fit() {
 }
 
 #[test]
-fn named_files_that_cannot_be_read() {
+fn unreadable_part_files_are_named() {
     let rig = SmallRig {
         ply: None,
         ..SmallRig::with_json(support::small_rig::JSON)
@@ -428,7 +428,7 @@ fn named_files_that_cannot_be_read() {
 
 /// Bones and keyframes do not need the weights.
 #[test]
-fn weights_that_do_not_exist_are_noted() {
+fn missing_weights_file_is_noted() {
     let rig = SmallRig {
         dmat: None,
         ..SmallRig::with_json(support::small_rig::JSON)
@@ -452,7 +452,7 @@ fn weights_that_do_not_exist_are_noted() {
 }
 
 #[test]
-fn paths_that_cannot_be_read() {
+fn unreadable_paths_are_named() {
     let nowhere = Rig::read("no/such/rig.json").unwrap_err();
     assert_eq!(nowhere.place, Place::File);
     assert!(matches!(nowhere.problem, ReadProblem::Io(_)));
@@ -473,7 +473,7 @@ fn paths_that_cannot_be_read() {
             "{error}"
         );
     }
-    // The parts are looked for beside the rig.
+    // Parts are searched next to the rig file.
     let folder = std::env::temp_dir().join(format!("kinopt-malformed-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     std::fs::write(folder.join("rig.json"), support::small_rig::JSON).unwrap();
@@ -484,9 +484,9 @@ fn paths_that_cannot_be_read() {
     assert_eq!(error.place, Place::Json("model.file".into()));
 }
 
-/// Tension, continuity and bias are of one interpolation; another has none of them, and says so.
+/// Tension, continuity and bias belong to one interpolation and are rejected for others.
 #[test]
-fn controls_of_another_interpolation() {
+fn controls_of_another_interpolation_are_named() {
     for name in ["linear", "catmull-rom"] {
         refused(
             name,
@@ -496,7 +496,7 @@ fn controls_of_another_interpolation() {
                     j["fk_animation"][0]["keys"][key]["tcb"] = json!([0.1, 0.2, 0.3]);
                 }
             },
-            // The first that has any.
+            // The first key with controls is named.
             &["fk_animation[0].keys[0].tcb", "kochanek-bartels", name],
         );
     }

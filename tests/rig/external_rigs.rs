@@ -1,14 +1,13 @@
-//! Promise: rigs that other programs wrote can be read, written and read again.
+//! Promise: rigs of other programs are read and round trip through files.
 //!
-//! They carry no licence, so they are not shipped: set `KINOPT_SHARED` to the folder that has them
-//! under `rigs/`.
+//! They have no licence and are not shipped: `KINOPT_SHARED` names the folder that has them under `rigs/`.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![allow(clippy::print_stderr)] // To say that nothing was tested.
 
 use kinopt::io::rig::Rig;
 
 #[test]
-fn every_rig_in_the_folder_reads_and_round_trips() {
+fn external_rigs_are_read_and_round_trip() {
     let Some(shared) = std::env::var_os("KINOPT_SHARED") else {
         eprintln!("SKIPPED: KINOPT_SHARED is not set, so no rigs of others were read");
         return;
