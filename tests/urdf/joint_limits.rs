@@ -1,5 +1,5 @@
-//! Promise: MoveIt's joint_limits.yaml adds to what a robot's file says of its joints: rates, accelerations, narrower positions; what
-//! is wrong in one is told by its line.
+//! Promise: MoveIt's joint_limits.yaml adds velocity and acceleration limits and narrower positions to a robot. Errors
+//! name the line.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use kinopt::Arm;
@@ -35,7 +35,7 @@ fn limits(robot: &Robot, joint: JointId) -> Option<Limits> {
 }
 
 #[test]
-fn they_add_to_what_the_file_says() {
+fn limits_add_to_those_of_the_file() {
     let (plain, told) = (robot("franka_panda"), with(LIMITS).unwrap());
     let joint = |name: &str| told.model().joint(name).unwrap();
     let [one, two, three, four] = ["joint1", "joint2", "joint3", "joint4"].map(joint);
@@ -93,9 +93,9 @@ fn shipped_panda_limits_name_every_joint() {
     );
 }
 
-/// One that no file has told of, of a model that was built.
+/// For a robot without a file these limits are the only ones.
 #[test]
-fn they_are_all_that_is_known_of_a_robot_without_a_file() {
+fn limits_apply_to_a_robot_without_a_file() {
     let bare = Robot::new(planar_arm(&[0.5, 0.4, 0.3], None), Vec::new()).unwrap();
     let told = "joint_limits: {joint 1: {max_velocity: 1.5, max_acceleration: 3.75}}";
     let told = bare
@@ -110,16 +110,16 @@ fn they_are_all_that_is_known_of_a_robot_without_a_file() {
 }
 
 #[test]
-fn positions_only_narrow() {
+fn position_limits_only_narrow() {
     let wide = "joint_limits: {joint2: {has_position_limits: true, min_position: -100, max_position: 100}}";
     let (plain, told) = (robot("franka_panda"), with(wide).unwrap());
     let id = plain.model().joint("joint2").unwrap();
     assert_eq!(limits(&told, id), limits(&plain, id));
 }
 
-/// MoveIt's files keep numbers that are switched off.
+/// MoveIt's files keep values that are disabled.
 #[test]
-fn what_is_switched_off_does_not_count() {
+fn disabled_limits_are_ignored() {
     let off = "joint_limits: {joint2: {has_position_limits: false, min_position: -0.5, max_position: 0.25,
         has_velocity_limits: false, max_velocity: 0.1, has_acceleration_limits: false, max_acceleration: 0.1}}";
     let (plain, told) = (robot("franka_panda"), with(off).unwrap());
@@ -130,7 +130,7 @@ fn what_is_switched_off_does_not_count() {
 }
 
 #[test]
-fn without_joints_nothing_changes() {
+fn empty_limits_change_nothing() {
     for text in ["joint_limits:\n", "joint_limits: {}"] {
         let told = with(text).unwrap();
         let id = told.model().joint("joint1").unwrap();
@@ -142,7 +142,7 @@ fn without_joints_nothing_changes() {
 }
 
 #[test]
-fn what_is_wrong_is_told_by_its_line() {
+fn errors_name_the_line() {
     let cases = [
         ("", "no YAML"),
         ("joints: {}", "joint_limits"),

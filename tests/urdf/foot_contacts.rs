@@ -1,11 +1,12 @@
-//! Promise: what a foot stands on are the links that are fixed to it and the corners of their shapes, in its own frame.
+//! Promise: the foot contact of a frame consists of the links fixed to it and the corners of their shapes, in the
+//! frame's axes.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::kinematics::ForwardKinematics;
 use kinopt::robot::Robot;
 use kinopt::spatial::Vector3;
 
-/// A shin, an ankle, and a foot with a toe and a tool fixed to it, turned by a quarter about z.
+/// A shin, an ankle, and a foot with a toe and a tool fixed to it, rotated by a quarter turn about z.
 const LEG: &str = r#"<robot name="leg">
   <link name="shin"/>
   <link name="foot">
@@ -31,11 +32,12 @@ fn has(points: &[Vector3<f64>], [x, y, z]: [f64; 3]) -> bool {
 }
 
 #[test]
-fn a_foot_stands_on_what_is_fixed_to_it() {
+fn foot_contact_has_all_fixed_links() {
     let robot = Robot::parse(LEG, "leg.urdf").unwrap();
     let model = robot.model();
     let of_foot = robot.sole(model.frame("foot").unwrap());
-    // Both origins, eight corners of the box, the ball's middle and eight corners of the cylinder; nothing of the mesh.
+    // Both origins, eight corners of the box, the sphere's centre and eight corners of the cylinder; nothing of the
+    // mesh.
     assert_eq!(of_foot.len(), 2 + 8 + 1 + 8);
     assert_eq!(of_foot[0].to_array(), [0.0; 3]);
     let square = 0.02 / 2.0_f64.sqrt();
@@ -48,7 +50,7 @@ fn a_foot_stands_on_what_is_fixed_to_it() {
     ] {
         assert!(has(&of_foot, place), "{place:?} of {of_foot:?}");
     }
-    // Seen from the toe they are the same points, wherever the ankle is.
+    // From the toe they are the same points, at any ankle angle.
     let (foot, toe) = (model.frame("foot").unwrap(), model.frame("toe").unwrap());
     let of_toe = robot.sole(toe);
     assert_eq!(
@@ -65,7 +67,7 @@ fn a_foot_stands_on_what_is_fixed_to_it() {
     for point in of_toe {
         assert!(has(&seen, world_from_toe.apply(point).to_array()));
     }
-    // The shin has nothing but itself, and another model's frame none.
+    // The shin has only its own point, and a frame of another model none.
     assert_eq!(robot.sole(model.frame("shin").unwrap()).len(), 1);
     let nao = support::arms::robot("aldebaran_nao");
     assert!(
