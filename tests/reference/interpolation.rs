@@ -1,4 +1,4 @@
-//! Promise: interpolants, Euler angles and polar decompositions are SciPy's, number by number.
+//! Promise: interpolants, Euler angles and polar decompositions equal SciPy's.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Quat, Vec3};
@@ -101,20 +101,20 @@ fn matrix(rows: [[f64; 3]; 3]) -> DMat3 {
     DMat3::from_cols_array_2d(&rows).transpose()
 }
 
-/// How far apart two unit quaternions are as rotations, in radians.
+/// Angle between the rotations of two unit quaternions, in radians.
 fn apart(a: DQuat, b: DQuat) -> f64 {
     2.0 * (a.conjugate() * b).xyz().length().min(1.0).asin()
 }
 
 #[test]
-fn slerp_is_scipy_s() {
+fn slerp_equals_scipy() {
     for arc in reference().slerp {
         let (from, to) = (quaternion(arc.from).as_quat(), quaternion(arc.to).as_quat());
         for (&share, at) in arc.shares.iter().zip(arc.at) {
             let ours = slerp(from, to, share);
             assert!(apart(ours.as_dquat(), quaternion(at)) < 2e-6, "{share}");
             assert!((ours.length() - 1.0).abs() < 1e-6);
-            // The faster one stays on the arc and meets it at the ends and in the middle.
+            // `nlerp` stays on the arc and equals `slerp` at the ends and in the middle.
             let close = [0.0, 0.5, 1.0].contains(&share);
             let off = apart(nlerp(from, to, share).as_dquat(), quaternion(at));
             assert!(off < if close { 2e-6 } else { 0.2 }, "{share}: {off}");
@@ -123,7 +123,7 @@ fn slerp_is_scipy_s() {
 }
 
 #[test]
-fn hermite_splines_are_scipy_s() {
+fn hermite_splines_equal_scipy() {
     for spline in reference().hermite {
         let tangents = spline.rates.iter().map(|&rate| [rate.into(); 2]).collect();
         let values: Vec<DVec3> = spline.values.into_iter().map(DVec3::from).collect();
@@ -136,7 +136,7 @@ fn hermite_splines_are_scipy_s() {
 }
 
 #[test]
-fn bezier_curves_are_scipy_s() {
+fn bezier_curves_equal_scipy() {
     for bezier in reference().bezier {
         let curve = CubicBezier::new(bezier.points.map(DVec3::from));
         for ((&u, position), tangent) in bezier.at.iter().zip(bezier.position).zip(bezier.tangent) {
@@ -147,7 +147,7 @@ fn bezier_curves_are_scipy_s() {
 }
 
 #[test]
-fn rotation_hermites_about_one_axis_are_scipy_s_spline() {
+fn rotation_hermites_about_one_axis_equal_scipy() {
     for spline in reference().rotation_spline {
         let keys: Vec<Quat> = spline
             .rotations
@@ -168,7 +168,7 @@ fn rotation_hermites_about_one_axis_are_scipy_s_spline() {
 }
 
 #[test]
-fn euler_angles_of_all_orders_are_scipy_s() {
+fn euler_angles_of_all_orders_equal_scipy() {
     let mut orders = std::collections::HashSet::new();
     for case in reference().euler {
         let theirs = quaternion(case.quaternion);
@@ -195,7 +195,7 @@ fn euler_angles_of_all_orders_are_scipy_s() {
 }
 
 #[test]
-fn polar_decompositions_are_scipy_s() {
+fn polar_decompositions_equal_scipy() {
     for case in reference().polar {
         let translation = DVec3::new(1.0, -2.0, 3.0);
         let matrix3 = matrix(case.matrix);
@@ -212,7 +212,7 @@ fn polar_decompositions_are_scipy_s() {
 }
 
 #[test]
-fn single_precision_keyed_curves_agree_with_double() {
+fn single_precision_curves_equal_double_precision() {
     for spline in reference().hermite {
         let times = spline.times.iter().map(|&t| t as f32).collect();
         let values = spline

@@ -1,5 +1,6 @@
-//! Promise: vertices of the shipped rigs, skinned by linear blend and by dual quaternions, agree
-//! with another implementation (NumPy and SciPy, in double precision) to 1e-5 of the model's size.
+//! Promise: skinned vertices of the shipped rigs equal another implementation to 1e-5 of the model's size.
+//!
+//! The methods are linear blend and dual quaternions; the reference is NumPy and SciPy in double precision.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::path::Path;
@@ -33,7 +34,7 @@ fn transforms(rig: &Rig, pose: &Value) -> Vec<Affine3A> {
     transforms.map(|t| single_precision_transform(&t)).collect()
 }
 
-/// The furthest that a listed vertex is off.
+/// Largest deviation of a listed vertex.
 fn off(entry: &Value, expected: &Value, posed: &[Vec3]) -> f64 {
     let listed = entry["vertices"].as_array().unwrap().iter();
     let expected = numbers(&expected["positions"]);
@@ -48,7 +49,7 @@ fn off(entry: &Value, expected: &Value, posed: &[Vec3]) -> f64 {
 }
 
 #[test]
-fn any_number_of_influences() {
+fn posed_vertices_equal_the_reference() {
     for entry in reference()["rigs"].as_array().unwrap() {
         let rig = rig(entry);
         let (mesh, weights) = (rig.mesh.as_ref().unwrap(), rig.weights.as_ref().unwrap());
@@ -64,7 +65,7 @@ fn any_number_of_influences() {
                     entry["file"]
                 );
 
-                // All the others by their mean and their spread about it.
+                // The remaining vertices are compared by their mean and their spread about it.
                 let all = || posed.positions().iter().map(|p| p.as_dvec3());
                 let count = posed.positions().len() as f64;
                 let centroid = all().sum::<DVec3>() / count;
@@ -82,9 +83,9 @@ fn any_number_of_influences() {
     }
 }
 
-/// The arm's vertices follow at most four bones.
+/// The arm's vertices have at most four bones each.
 #[test]
-fn four_packed_influences() {
+fn vertices_of_packed_weights_equal_the_reference() {
     let document = reference();
     let entries = document["rigs"].as_array().unwrap();
     let mut compared = 0;
