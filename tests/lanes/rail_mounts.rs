@@ -1,12 +1,12 @@
-//! Promise: an arm that stands upright on its rail but for rounding is found as soon as one that does exactly, whichever way rounding
-//! tilts it.
+//! Promise: an arm whose mount is tilted from its vertical rail by rounding needs no more attempts than an exactly
+//! upright one, for any direction of the tilt.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::lanes::{Chain, ChainJoint, JointKind, LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::lane_chains::{Random, panda, target};
 
-/// The Panda beside a short vertical rail, tilted by so much about horizontal axes, radians.
+/// The Panda beside a short vertical rail, tilted about horizontal axes by angles in radians.
 fn on_a_rail(tilt: [f64; 2]) -> Chain {
     let rail = ChainJoint {
         parent_from_joint: Placement::identity(),
@@ -23,7 +23,7 @@ fn on_a_rail(tilt: [f64; 2]) -> Chain {
     Chain::new(joints, *panda().joint_from_tip()).unwrap()
 }
 
-/// Attempts that a number of poses take.
+/// Attempts for 200 poses.
 fn attempts(chain: &Chain) -> u32 {
     const COUNT: usize = 200;
     let solver = PoseSolver::new(chain, LaneOptions::default()).unwrap();
@@ -41,7 +41,7 @@ fn attempts(chain: &Chain) -> u32 {
 }
 
 #[test]
-fn rounding_that_tilts_a_mount_costs_no_attempts() {
+fn mount_tilted_by_rounding_costs_no_attempts() {
     let upright = attempts(&on_a_rail([0.0, 0.0]));
     for tilt in [[1e-11, 0.0], [-1e-11, 0.0], [0.0, 1e-11], [-7e-12, -7e-12]] {
         let tilted = attempts(&on_a_rail(tilt));

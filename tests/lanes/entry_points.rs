@@ -1,4 +1,4 @@
-//! Promise: every door of a pose solver asks what the others do, refuses what they do, and keeps to its options.
+//! Promise: all entry points of a pose solver solve the same problem, reject the same input and respect the options.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::lanes::{
@@ -13,9 +13,9 @@ fn solver(chain: &Chain, options: LaneOptions) -> PoseSolver {
     PoseSolver::new(chain, options).unwrap()
 }
 
-/// Following a path is asking for one target after another from where the last one was answered.
+/// Following a path equals solving for one target after another from the previous result.
 #[test]
-fn a_path_is_one_question_after_another() {
+fn path_equals_consecutive_solves() {
     for chain in [panda(), ur5(), random_chain(5, 6, 1, true)] {
         let own = solver(&chain, NO_ATLAS());
         let n = own.joints();
@@ -49,9 +49,9 @@ fn a_path_is_one_question_after_another() {
     }
 }
 
-/// No attempt begins after so many iterations of all, at one question as in a batch.
+/// No attempt begins once all attempts together have used this many iterations, for a single query and in a batch.
 #[test]
-fn the_iterations_of_all_attempts_are_bounded() {
+fn total_iterations_are_bounded() {
     let chain = panda();
     let (start, n) = (vec![0.1, 0.1, 0.1, -1.0, 0.1, 1.0, 0.1], 7);
     let mut last = 0;
@@ -72,7 +72,7 @@ fn the_iterations_of_all_attempts_are_bounded() {
         .unwrap();
         outcomes.push(told.unwrap());
         for outcome in &outcomes {
-            // Eight at once may have begun before that.
+            // Eight attempts may already be running at that point.
             assert!(outcome.iterations < most + 8 * 40, "{most}: {outcome:?}");
             assert!(!outcome.reached && outcome.attempts <= most + 8);
         }
@@ -83,7 +83,7 @@ fn the_iterations_of_all_attempts_are_bounded() {
 }
 
 #[test]
-fn an_option_out_of_its_range_is_named() {
+fn option_out_of_range_is_named() {
     type Set = fn(LaneOptions, f64) -> LaneOptions;
     let options: [(&str, Set); 4] = [
         ("position_tolerance", LaneOptions::with_position_tolerance),
@@ -103,9 +103,9 @@ fn an_option_out_of_its_range_is_named() {
     }
 }
 
-/// What is wrong with one of many questions is told by its number.
+/// An invalid query is reported with its index.
 #[test]
-fn a_wrong_question_is_told_by_its_number() {
+fn invalid_query_is_reported_by_index() {
     let chain = ur5();
     let own = solver(&chain, NO_ATLAS());
     let n = own.joints();
@@ -143,7 +143,7 @@ fn a_wrong_question_is_told_by_its_number() {
         let mut outcomes = [PoseOutcome::default()];
         let refused = own.run_attempts(&bad, &start, Prefer::Start, 0, &mut q, &mut outcomes);
         assert_eq!(refused, Err(LaneError::Target(0)));
-        // Nor is it a placement of a chain.
+        // Such a placement is also rejected within a chain.
         let refused = Chain::new(chain.joints().to_vec(), bad);
         assert_eq!(refused, Err(ChainError::Placement(n)));
         let mut joints = chain.joints().to_vec();
@@ -160,9 +160,9 @@ fn a_wrong_question_is_told_by_its_number() {
     }
 }
 
-/// A component of no weight is free: it is no part of what is told to be missed.
+/// A component with weight zero is free, and does not count in the reported error.
 #[test]
-fn what_does_not_weigh_is_no_error() {
+fn weightless_components_do_not_count_as_errors() {
     let mut random = Random(23);
     let mut missed = 0;
     for case in 0..24 {
@@ -202,9 +202,9 @@ fn what_does_not_weigh_is_no_error() {
     assert!((4..24).contains(&missed), "{missed}");
 }
 
-/// Room that an attempt never comes to the edges of is no row of its equations: each step is that of a free component.
+/// A half width that no attempt reaches adds no row to the equations: every step equals that of a free component.
 #[test]
-fn room_that_is_wide_enough_is_as_good_as_free() {
+fn very_wide_tolerance_equals_a_free_component() {
     let mut random = Random(29);
     for case in 0..40_u64 {
         let chain = random_chain(case, 6, case as usize % 3, false);
@@ -232,9 +232,9 @@ fn room_that_is_wide_enough_is_as_good_as_free() {
     }
 }
 
-/// An error that is too large for a number is infinite, and no question.
+/// An error beyond the range of floating point is infinite, and the solve still succeeds.
 #[test]
-fn an_error_that_overflows_is_infinite() {
+fn overflowing_error_is_infinite() {
     let chain = random_chain(3, 6, 0, false);
     let own = solver(&chain, NO_ATLAS().with_attempts(2));
     let turned = target(&chain, &[0.4; 6]).rotation;
@@ -253,7 +253,7 @@ fn an_error_that_overflows_is_infinite() {
 }
 
 #[test]
-fn options_that_are_not_set_are_as_they_are_told() {
+fn default_options_are_as_documented() {
     let told = LaneOptions::default()
         .with_position_tolerance(1e-6)
         .with_orientation_tolerance(1e-6)

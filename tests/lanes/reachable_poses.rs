@@ -1,4 +1,4 @@
-//! Every reachable pose is solved, on arms of every size and kind.
+//! Promise: every reachable pose is solved, on arms of all sizes and kinds.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::lanes::{
@@ -55,15 +55,15 @@ fn without_atlas() -> LaneOptions {
 }
 
 #[test]
-fn known_arms() {
+fn known_arms_are_solved() {
     all_solved(&panda(), LaneOptions::default(), 1, 200);
     all_solved(&ur5(), LaneOptions::default(), 2, 200);
 }
 
-/// A lift beneath an arm, which turns about the lift's axis, or one beside it: a goal's four seeds of the atlas are good for most, though the lift
-/// is too short to make up for what a sample's height is off.
+/// An arm that rotates about the axis of the lift beneath it, or beside it. The atlas's four seeds for a goal suffice
+/// in most cases, although the lift is too short to correct the height of a sample.
 #[test]
-fn an_arm_on_a_lift() {
+fn arm_on_a_lift_is_solved_from_the_atlas() {
     for aside in [0.0, 0.12] {
         let mut joints = panda().joints().to_vec();
         joints[0].parent_from_joint.translation.x += aside;
@@ -93,7 +93,7 @@ fn an_arm_on_a_lift() {
 }
 
 #[test]
-fn random_arms_of_six_seven_and_more_joints() {
+fn random_arms_of_six_to_ten_joints_are_solved() {
     for (seed, joints) in [(1, 6), (2, 7), (3, 8), (4, 10)] {
         all_solved(
             &random_chain(seed, joints, 0, false),
@@ -105,7 +105,7 @@ fn random_arms_of_six_seven_and_more_joints() {
 }
 
 #[test]
-fn random_arms_with_an_atlas() {
+fn random_arms_with_an_atlas_are_solved() {
     for (seed, joints, slides) in [(5, 6, 0), (6, 7, 1)] {
         all_solved(
             &random_chain(seed, joints, slides, false),
@@ -117,7 +117,7 @@ fn random_arms_with_an_atlas() {
 }
 
 #[test]
-fn sliding_and_unbounded_joints() {
+fn prismatic_and_unbounded_joints_are_solved() {
     for (seed, joints, slides) in [(7, 7, 2), (8, 8, 1), (9, 6, 0)] {
         all_solved(
             &random_chain(seed, joints, slides, true),
@@ -129,12 +129,12 @@ fn sliding_and_unbounded_joints() {
 }
 
 #[test]
-fn thirty_two_joints() {
+fn thirty_two_joints_are_solved() {
     all_solved(&random_chain(10, 32, 2, true), without_atlas(), 10, 8);
 }
 
 #[test]
-fn fewer_joints_than_components() {
+fn fewer_joints_than_components_are_solved() {
     for joints in 1..=5 {
         all_solved(
             &random_chain(20 + joints as u64, joints, 0, false),
@@ -146,7 +146,7 @@ fn fewer_joints_than_components() {
 }
 
 #[test]
-fn a_planar_arm_reaches_positions() {
+fn planar_arm_reaches_positions() {
     let chain = planar();
     let options = without_atlas().with_axes(AxisGoal::position_only());
     let solver = PoseSolver::new(&chain, options).unwrap();
@@ -169,9 +169,9 @@ fn a_planar_arm_reaches_positions() {
     }
 }
 
-/// A tool free to spin: the tool's z axis must point as asked, any turn about it is right.
+/// The tool's z axis must have the target's direction; any rotation about it is accepted.
 #[test]
-fn a_free_tool_axis() {
+fn free_rotation_about_the_tool_axis_is_used() {
     let chain = panda();
     let axes = AxisGoal {
         orientation_weights: [1.0, 1.0, 0.0],
@@ -197,9 +197,9 @@ fn a_free_tool_axis() {
     assert!(spun > 15, "the freedom was not used: {spun}");
 }
 
-/// A dead band: a position component may be off by its half width, the others may not.
+/// A position component may deviate by its half width, the others may not.
 #[test]
-fn a_component_with_room() {
+fn position_half_width_bounds_one_component() {
     let chain = panda();
     let axes = AxisGoal {
         position_half_widths: [0.0, 0.0, 0.05],

@@ -1,16 +1,17 @@
-//! Promise: a question that none of its attempts answers keeps the best of them, or the start's own.
+//! Promise: where no attempt reaches the target, the result is the best attempt, or the start's own attempt where the
+//! search prefers that.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::lanes::{LaneOptions, PoseOutcome, PoseSolver, Prefer};
 use support::lane_chains::{Random, errors, panda, target};
 
-/// ½ p² + w² (1 − cos θ), by nalgebra's kinematics: what the engine lowers.
+/// Weight of the orientation in the cost ½ p² + w² (1 − cos θ), which the solver minimises.
 const METRES_PER_RADIAN: f64 = 0.5;
 
 #[test]
-fn the_best_attempt_is_kept() {
+fn unreached_target_keeps_the_best_attempt() {
     let chain = panda();
-    // So few iterations that hardly any attempt comes to its end.
+    // Few iterations, so that hardly any attempt converges.
     let options = LaneOptions::default()
         .with_atlas(false)
         .with_attempts(7)
@@ -61,9 +62,9 @@ fn the_best_attempt_is_kept() {
     assert!(not_last > 8, "{not_last}");
 }
 
-/// Where all attempts miss by the same, as where the square of the distance overflows, the first of them counts.
+/// Where all attempts miss by the same amount, the first one counts. Here the square of the distance overflows.
 #[test]
-fn of_equal_misses_the_first_is_kept() {
+fn equally_bad_attempts_keep_the_first() {
     let chain = panda();
     let options = LaneOptions::default().with_atlas(false).with_attempts(7);
     let solver = PoseSolver::new(&chain, options).unwrap();

@@ -1,5 +1,5 @@
-//! Promise: where a joint counts from does not matter: a chain whose first and last joints have other zeros, and limits
-//! that go with them, is solved from the same seeds in the same steps.
+//! Promise: results do not depend on the zeros of joints. A chain whose first and last joints have shifted zeros and
+//! limits is solved from the same seeds in the same number of steps.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::lanes::{Chain, LaneOptions, PoseSolver, Prefer};
@@ -7,8 +7,8 @@ use kinopt::spatial::{Matrix3, Placement, Vector3};
 use support::lane_chains::{Random, panda, target, ur5};
 use support::sample::cases;
 
-/// The same chain, of which the values of two joints are so many radians more.
-fn turned(chain: &Chain, by: [f64; 2]) -> Chain {
+/// The same chain, with the values of two joints increased by angles in radians.
+fn with_shifted_zeros(chain: &Chain, by: [f64; 2]) -> Chain {
     let mut joints = chain.joints().to_vec();
     let last = joints.len() - 1;
     for (place, by) in [0, last].into_iter().zip(by) {
@@ -23,12 +23,13 @@ fn turned(chain: &Chain, by: [f64; 2]) -> Chain {
 }
 
 #[test]
-fn other_zeros_have_the_same_seeds() {
+fn shifted_zeros_have_the_same_seeds() {
     for chain in [panda(), ur5()] {
         let n = chain.joints().len();
         let plain = PoseSolver::new(&chain, LaneOptions::default()).unwrap();
         for by in [[0.0, 2.5], [2.5, 0.0], [-4.0, 4.0]] {
-            let solver = PoseSolver::new(&turned(&chain, by), LaneOptions::default()).unwrap();
+            let solver =
+                PoseSolver::new(&with_shifted_zeros(&chain, by), LaneOptions::default()).unwrap();
             let mut random = Random(11);
             let (mut q, mut other) = (vec![0.0; n], vec![0.0; n]);
             let (mut spent, mut same, count) = ([0; 2], 0, cases(200, 60));
@@ -50,7 +51,7 @@ fn other_zeros_have_the_same_seeds() {
                 let apart = q.iter().zip(&other).map(|(a, b)| (a - b).abs());
                 same += usize::from(apart.fold(0.0, f64::max) < 1e-5);
             }
-            // Rounding may lead to another seed now and then.
+            // Rounding can occasionally lead to another seed.
             assert!(20 * same >= 19 * count, "{by:?}: {same} of {count}");
             let [own, turned] = spent.map(f64::from);
             assert!((turned / own - 1.0).abs() < 0.02, "{by:?}: {spent:?}");
