@@ -1,5 +1,5 @@
-//! Promise: numbers of another length than a call takes, or that are not finite, are an `Err` that says
-//! so, everywhere: none is dropped, filled up, taken for 0 or carried along.
+//! Promise: numbers of the wrong count, or not finite, are an `Err` that says so in all of the interface. None is
+//! dropped, filled up, taken as 0 or passed on.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::error::Error;
@@ -70,7 +70,7 @@ fn minimised(model: &Model, start: &[f64]) -> Outcome {
     Ok(())
 }
 
-/// What takes a configuration of a model of three joints.
+/// Functions that take a configuration of a model with three joints.
 fn of_a_configuration(q: &[f64]) -> Vec<(&'static str, Outcome)> {
     let model = planar_arm(&[0.5, 0.4, 0.3], None);
     let map = ParameterMap::identity(&model);
@@ -143,7 +143,7 @@ fn of_a_configuration(q: &[f64]) -> Vec<(&'static str, Outcome)> {
     ]
 }
 
-/// What takes the stacked angles of a skeleton of two bones.
+/// Functions that take the stacked angles of a skeleton with two bones.
 fn of_angles(q: &[f64]) -> Vec<(&'static str, Outcome)> {
     let skeleton = skeleton();
     let holds = skeleton.holds(&[]);
@@ -168,7 +168,7 @@ fn of_angles(q: &[f64]) -> Vec<(&'static str, Outcome)> {
 }
 
 #[test]
-fn configurations() {
+fn invalid_configurations_are_rejected() {
     for (name, right) in of_a_configuration(&[0.1, 0.2, 0.3]) {
         assert!(right.is_ok(), "{name}: {right:?}");
     }
@@ -196,7 +196,7 @@ fn configurations() {
 }
 
 #[test]
-fn room_for_a_configuration() {
+fn configuration_buffers_of_wrong_length_are_rejected() {
     let map = ParameterMap::identity(&planar_arm(&[0.5, 0.4, 0.3], None));
     for length in [0, 2, 4] {
         let mut room = vec![7.0; length];
@@ -208,7 +208,7 @@ fn room_for_a_configuration() {
 }
 
 #[test]
-fn poses_and_masks() {
+fn invalid_poses_and_masks_are_rejected() {
     let armature = Armature::of_skeleton(&skeleton());
     let other = Armature::new(Vec::new(), Vec::new()).unwrap();
     let mut pose: Pose = armature.rest().clone();
@@ -230,7 +230,7 @@ fn poses_and_masks() {
             .pose_of(&[0.0; 6], &mut other.rest().clone())
             .is_err()
     );
-    // As a scene's, which has bones of its own behind a rig's.
+    // A scene's armature, which has bones of its own after the rig's.
     let named = |bone: usize| ArmatureBone {
         name: format!("bone {bone}"),
         parent: None,
@@ -272,7 +272,7 @@ fn poses_and_masks() {
 }
 
 #[test]
-fn targets() {
+fn invalid_targets_are_rejected() {
     let model = planar_arm(&[0.5, 0.4, 0.3], None);
     let mut posture = Posture::new(&model, &[0.0; 3]);
     assert!(posture.set_reference(&[0.1; 3]).is_ok());
@@ -286,7 +286,7 @@ fn targets() {
 }
 
 #[test]
-fn counts_of_nothing() {
+fn zero_counts_are_rejected() {
     let keys = vec![Placement::identity(); 2];
     let told = CartesianPath::spline(keys, None, 0).unwrap_err();
     assert!(told.to_string().contains("steps"), "{told}");
@@ -297,7 +297,7 @@ fn counts_of_nothing() {
 }
 
 #[test]
-fn keyframes() {
+fn invalid_sample_times_are_rejected() {
     let clip = EulerClip::default();
     assert!(
         clip.sample(f64::NAN, Playback::Hold, &mut [0.0; 6])
@@ -306,7 +306,7 @@ fn keyframes() {
 }
 
 #[test]
-fn weights_of_skin() {
+fn invalid_skin_weights_are_rejected() {
     let (mesh, skeleton) = (triangle(), skeleton());
     let mut by_distance = AutomaticWeights::default();
     by_distance.most = 0;
