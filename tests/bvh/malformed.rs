@@ -102,7 +102,7 @@ fn is_value(range: &Range<usize>) -> bool {
 }
 
 #[test]
-fn the_good_file_is_read() {
+fn valid_file_is_read() {
     let capture = read(GOOD).unwrap();
     let names = ["Hips", "Chest", "Chest/tip", "Leg", "Leg/tip"];
     assert_eq!(
@@ -112,7 +112,7 @@ fn the_good_file_is_read() {
 }
 
 #[test]
-fn each_word_is_deleted() {
+fn deleted_words_are_errors() {
     for word in words() {
         let damaged = read(&with(&word, ""));
         assert!(
@@ -125,7 +125,7 @@ fn each_word_is_deleted() {
 }
 
 #[test]
-fn each_word_is_doubled() {
+fn doubled_words_are_errors() {
     let mut names = 0;
     for word in words() {
         let text = &GOOD[word.clone()];
@@ -147,7 +147,7 @@ fn each_word_is_doubled() {
 }
 
 #[test]
-fn each_word_is_replaced() {
+fn replaced_words_are_errors_with_their_line() {
     let good = read(GOOD).unwrap();
     for word in words() {
         for new in [
@@ -179,14 +179,14 @@ fn each_word_is_replaced() {
 }
 
 #[test]
-fn each_end_is_cut_off() {
+fn truncated_files_are_errors() {
     for end in 0..GOOD.trim_end().len() - 1 {
         refused(&GOOD[..end], &[]);
     }
 }
 
 #[test]
-fn errors_say_what_was_expected_where() {
+fn errors_name_what_was_expected_and_where() {
     let edit = |old: &str, new: &str| {
         assert_eq!(GOOD.matches(old).count(), 1, "{old}");
         GOOD.replace(old, new)
@@ -316,7 +316,7 @@ fn errors_say_what_was_expected_where() {
 
 /// Frames beyond those announced are nothing of the motion, as to three.js and Assimp.
 #[test]
-fn surplus_frames_are_left_out_with_a_note() {
+fn surplus_frames_are_omitted_with_a_note() {
     let good = read(GOOD).unwrap();
     assert!(good.notes.is_empty());
     let more = format!("{GOOD}\n1 2 3 4 5 6 7 8 9 10\n1 2 3 4 5 6 7 8 9 1e1\n\n");
@@ -362,7 +362,7 @@ fn announced_frames_are_not_allocated() {
 }
 
 #[test]
-fn times_that_meet_in_single_precision_are_refused() {
+fn frame_times_equal_in_f32_are_rejected() {
     // The smallest number is 1.4e-45, and 1e-45 and 2e-45 both round to it.
     let text = GOOD
         .replace("0.04", "1e-45")
@@ -372,7 +372,7 @@ fn times_that_meet_in_single_precision_are_refused() {
 }
 
 #[test]
-fn nesting_has_no_limit() {
+fn nesting_depth_is_unlimited() {
     let depth = 50_000;
     let joints: String = (0..depth)
         .map(|k| format!("JOINT j{k}\n{{OFFSET 0 0 0 "))
@@ -387,7 +387,7 @@ fn nesting_has_no_limit() {
 }
 
 #[test]
-fn bytes_that_are_no_text_are_refused() {
+fn bytes_that_are_not_utf8_are_rejected() {
     let mut bytes = GOOD.as_bytes().to_vec();
     let at = GOOD.find("Leg").unwrap();
     bytes[at] = 0xE9;
@@ -399,7 +399,7 @@ fn bytes_that_are_no_text_are_refused() {
 
 /// Places are bounded, so that no sum overflows; angles repeat, and a sensor that spins counts turns.
 #[test]
-fn angles_may_be_of_any_size_and_places_may_not() {
+fn positions_are_bounded_and_angles_are_not() {
     let far = GOOD.replace("1.25 9 3 11", "1.25 9 3 1e32");
     assert!(read(&far).is_ok());
     for beyond in ["1e32", "-1e32"] {
@@ -410,7 +410,7 @@ fn angles_may_be_of_any_size_and_places_may_not() {
 
 /// Lines are counted alike however they end.
 #[test]
-fn a_line_is_told_whatever_ends_lines() {
+fn line_numbers_are_independent_of_line_endings() {
     for word in words().into_iter().filter(is_value).step_by(3) {
         let text = with(&word, "much");
         let places = ["\n", "\r\n", "\r"].map(|end| {
