@@ -1,12 +1,12 @@
-//! Promise: the ground that passes under feet passes across the axis up, by the feet that are near it, however they rise and
-//! fall meanwhile.
+//! Promise: the speed of the ground under the feet is perpendicular to the up axis, and results from the feet near the
+//! ground, however they rise and descend.
 
 use glam::{Vec3, Vec3A};
 use kinopt::animation::curve::KeyedCurve;
 use kinopt::animation::{Armature, ArmatureBone, Channel, Clip, LocalTransform};
 use kinopt::motion::clip_ik::ground_speed;
 
-/// The speed of the ground under a foot that goes straight from key to key: (seconds, place).
+/// Speed of the ground under a foot that moves linearly between keys (seconds, position).
 fn speed(keys: &[(f32, Vec3)], up: Vec3) -> Vec3 {
     let bone = |name: &str, parent| ArmatureBone {
         name: name.into(),
@@ -25,9 +25,9 @@ fn speed(keys: &[(f32, Vec3)], up: Vec3) -> Vec3 {
     ground_speed(&armature, &clip.build(), &[foot], up, 100.0).unwrap()
 }
 
-/// A foot on a slope: what passes is level, the slope's rise is no way of the body.
+/// A foot on a slope: the result is level, because the slope's rise is no displacement of the subject.
 #[test]
-fn a_foot_that_rises_all_the_way_passes_over_level_ground() {
+fn rising_foot_gives_a_level_ground_speed() {
     let way = Vec3::new(0.3, 0.2, -1.1);
     for up in [
         Vec3::X,
@@ -45,9 +45,9 @@ fn a_foot_that_rises_all_the_way_passes_over_level_ground() {
     }
 }
 
-/// What a foot does in the air is not asked, were it most of the time.
+/// The motion of a foot in the air has no influence, even if that is most of the time.
 #[test]
-fn a_foot_in_the_air_says_nothing() {
+fn foot_in_the_air_has_no_influence() {
     let z = |z: f32, y: f32| Vec3::new(0.0, y, z);
     let keys = [
         (0.0, z(0.4, 0.0)),

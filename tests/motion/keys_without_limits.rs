@@ -1,4 +1,4 @@
-//! Promise: an angle without a limit, or with one on one side, is keyed as one whose limit is far away.
+//! Promise: an angle without limits, or with a single limit, is solved as one with a distant limit.
 #![allow(clippy::unwrap_used)]
 
 use kinopt::animation::{EulerClip, EulerKey, EulerTrack};
@@ -23,7 +23,7 @@ fn arm(limits: Limits) -> Skeleton {
 }
 
 #[test]
-fn a_limit_that_there_is_not_is_one_far_away() {
+fn missing_limit_equals_a_distant_one() {
     let solved = |limits: Limits| {
         let skeleton = arm(limits);
         let tracks = skeleton.bone_ids().map(|bone| EulerTrack {

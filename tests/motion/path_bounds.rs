@@ -1,5 +1,5 @@
-//! Promise: the largest deviation is a bound: no place between two points is farther from the path, by kinematics of nalgebra's, and
-//! it is not much more than what is found there. A spline's bound holds against the curve itself.
+//! Promise: the reported largest deviation is an upper bound. According to nalgebra's kinematics no pose between two
+//! points is farther from the path, and the bound is close. A spline's bound refers to the curve itself.
 
 use kinopt::Arm;
 use kinopt::arm::{Axis, Goal};
@@ -10,7 +10,7 @@ use kinopt::spatial::{Matrix3, Placement, Vector3};
 use nalgebra::{Isometry3, Translation3};
 use support::arms::{Random, apart, base_from_tip, robot, within_limits};
 
-/// Straight pieces from pose to pose, of so many points.
+/// Straight segments between poses, with a number of points.
 fn path(arm: &Arm, random: &mut Random, points: usize) -> Vec<Placement<f64>> {
     let near = |q: &[f64], random: &mut Random| -> Vec<f64> {
         let moves = q.iter().zip(arm.limits());
@@ -35,7 +35,7 @@ fn path(arm: &Arm, random: &mut Random, points: usize) -> Vec<Placement<f64>> {
         .collect()
 }
 
-/// The farthest that is found between the rows, metres and radians.
+/// Largest deviation found between the rows, in metres and radians.
 fn sampled(
     name: &str,
     (base, tip): (&str, &str),
@@ -68,7 +68,7 @@ fn sampled(
 }
 
 #[test]
-fn nothing_between_the_points_is_farther_and_the_bound_is_close() {
+fn deviation_between_points_is_tightly_bounded() {
     let mut random = Random(5);
     for (name, base, tip) in [
         ("universal_ur5e", "base", "flange"),
@@ -107,7 +107,7 @@ fn nothing_between_the_points_is_farther_and_the_bound_is_close() {
 }
 
 #[test]
-fn what_the_goal_leaves_free_does_not_count() {
+fn free_directions_do_not_count_as_deviation() {
     let robot = robot("universal_ur5e");
     let arm = Arm::new(&robot, "base", "flange").unwrap();
     let arm = arm.with_goal(Goal::free_about(Axis::Z)).unwrap();
@@ -126,14 +126,14 @@ fn what_the_goal_leaves_free_does_not_count() {
         let at = Isometry3::from(&exact.base_from_tool(q).unwrap());
         apart(&at, &Isometry3::from(point)).1
     });
-    // The tool turns about its axis by far more than it deviates.
+    // The tool rotates about its axis by far more than it deviates.
     assert!(turned.fold(0.0, f64::max) > 1e-3);
     assert!(solution.largest_deviation.radians < 1e-4);
     assert!(solution.largest_deviation.metres < 1e-4);
 }
 
 #[test]
-fn a_spline_is_bounded_against_its_curve() {
+fn spline_deviation_is_bounded_from_its_curve() {
     let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
     let begin = arm
         .base_from_tool(&[0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8])
@@ -175,7 +175,7 @@ fn a_spline_is_bounded_against_its_curve() {
     );
 }
 
-/// Where a tool is, 0.1 m out on a hand that turns at the end of a slide on a turning joint.
+/// Placement of a tool at 0.1 m on a hand, which rotates at the end of a prismatic joint on a revolute joint.
 fn tool_of_polar(q: &[f64]) -> Placement<f64> {
     let ((sin, cos), out) = (q[0].sin_cos(), q[1]);
     let wrist = Vector3::new(out * cos, out * sin, 0.0);
@@ -184,7 +184,7 @@ fn tool_of_polar(q: &[f64]) -> Placement<f64> {
     Placement::new(rotation, wrist + Vector3::new(0.1 * cos, 0.1 * sin, 0.0))
 }
 
-/// The same as a robot.
+/// The same arm as a robot.
 fn polar() -> Robot {
     let mut builder = Model::builder("polar");
     let at = Placement::identity();
@@ -198,18 +198,18 @@ fn polar() -> Robot {
     Robot::new(builder.build().unwrap(), Vec::new()).unwrap()
 }
 
-/// A slide on a joint that turns leaves the straight way by how far it slides while that turns (Coriolis), by far the most of this
-/// path: its first step only turns, and what bounds that at first sight is more. Where that one turns further it leaves the way by
-/// three quarters as much.
+/// A prismatic joint on a revolute joint deviates from the straight segment by the Coriolis term, the largest of this
+/// path. The first step only rotates, and its initial bound is larger. With a larger rotation it deviates by three
+/// quarters of that.
 #[test]
-fn a_slide_on_a_turning_joint_counts_with_its_turn() {
+fn coriolis_deviation_of_a_prismatic_joint_counts() {
     for first in [0.1, 0.16] {
-        farthest_at_the_slide(first);
+        check_coriolis_deviation(first);
     }
 }
 
-/// Of a path whose first step turns so far, radians.
-fn farthest_at_the_slide(first: f64) {
+/// Checks a path whose first step rotates by this angle in radians.
+fn check_coriolis_deviation(first: f64) {
     let robot = polar();
     let arm = Arm::builder(&robot, "base", "tool").with_atlas(false);
     let arm = arm.build().unwrap();
@@ -243,10 +243,10 @@ fn farthest_at_the_slide(first: f64) {
     );
 }
 
-/// Room along the tool's own axis turns with the target: a tool that is within it at both ends of a step, on either side of the middle,
-/// goes straight and stands out between, by the turned line's distance from its own.
+/// Goal bounds along the tool's own axis rotate with the target. A tool within them at both ends of a step, on either
+/// side of the middle, moves straight and exceeds them in between, by the distance from the rotated line.
 #[test]
-fn a_room_that_turns_with_the_target_is_left_between_its_points() {
+fn rotating_goal_bounds_are_exceeded_between_points() {
     let mut builder = Model::builder("table");
     let here = Placement::identity();
     let [x, y, z] = Vector3::UNITS;

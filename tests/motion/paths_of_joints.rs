@@ -1,5 +1,7 @@
-//! Promise: a Cartesian path that a continuous motion of the joints gives is solved without a reconfiguration, told or untold, or a point
-//! that is missed, but for one of two hundred; in a debug build a few of each arm, `KINOPT_CASES` asks for another number.
+//! Promise: a Cartesian path that results from a continuous joint motion is solved without a reconfiguration, reported
+//! or not, and without an unreached point. At most one in two hundred may fail.
+//!
+//! Debug builds solve a few cases of each arm; `KINOPT_CASES` sets another number.
 
 use std::ops::Range;
 
@@ -13,7 +15,7 @@ use support::follower_chains::follower_chain;
 use support::path_steps::{is_led, longest};
 use support::sample::{cases, few};
 
-/// Smooth in the joints through a few random configurations, so many points from one to the next.
+/// A smooth joint motion through three random configurations, with `steps` points from one to the next.
 fn joints(arm: &Arm, random: &mut Random, steps: usize) -> Vec<Vec<f64>> {
     let ends = [(); 3].map(|()| random.configuration(arm));
     through(&ends, steps)
@@ -31,7 +33,7 @@ fn through(ends: &[Vec<f64>; 3], steps: usize) -> Vec<Vec<f64>> {
     rows
 }
 
-/// How many of these paths of an arm are solved with a jump, or not for all of their points.
+/// Number of an arm's paths that are solved with a jump, or not for all points.
 fn jumps([name, base, tip]: [&str; 3], cases: Range<usize>, atlas: bool) -> usize {
     let robot = robot(name);
     let arm = Arm::builder(&robot, base, tip)
@@ -69,7 +71,7 @@ fn jumps([name, base, tip]: [&str; 3], cases: Range<usize>, atlas: bool) -> usiz
             far && !is_led(&arm, [points[row - 1], points[row]], [from, to])
         });
         assert_eq!(untold, None, "{name} {case}: {told:?}");
-        // What is told is a step that is longer than a branch allows.
+        // A reported step exceeds the maximum step of a branch.
         let short = solution
             .reconfigurations
             .iter()
@@ -81,7 +83,7 @@ fn jumps([name, base, tip]: [&str; 3], cases: Range<usize>, atlas: bool) -> usiz
 }
 
 #[test]
-fn six_joints() {
+fn six_joint_motions_need_no_reconfiguration() {
     let count = cases(20, 1);
     for name in ["universal_ur5e", "universal_ur10e"] {
         assert!(
@@ -92,7 +94,7 @@ fn six_joints() {
 }
 
 #[test]
-fn seven_joints() {
+fn seven_joint_motions_need_no_reconfiguration() {
     let count = cases(20, 1);
     for name in ["franka_panda", "kuka_iiwa14"] {
         assert!(
@@ -103,22 +105,22 @@ fn seven_joints() {
     assert!(jumps(["rethink_baxter", "torso", "left_tool"], 0..count, !few()) * 200 <= count);
 }
 
-/// Once it was shortened off the tool's way, by more than a step may be long, and not told.
+/// Earlier this step was moved off the tool's path by the shortening, by more than the maximum step, without a report.
 #[test]
-fn a_step_that_needs_parts_is_not_moved_off_the_tools_way() {
+fn subdivided_step_stays_on_the_tool_path() {
     let iiwa = ["kuka_iiwa14", "base", "flange"];
     assert_eq!(jumps(iiwa, 187..188, true), 0);
 }
 
 #[test]
-fn four_joints_and_a_slide() {
+fn scara_motions_need_no_reconfiguration() {
     let count = cases(20, 1);
     assert!(jumps(["adept_cobra_s600", "base", "flange"], 0..count, !few()) * 200 <= count);
 }
 
-/// Of the paths above, some on which the joints wind round so far that of all configurations to begin in one need not turn back.
+/// Paths on which joints wind so far that only one start needs no rewinding.
 #[test]
-fn joints_of_two_turns_begin_so_that_they_need_not_turn_back() {
+fn two_turn_joints_start_where_they_need_no_rewind() {
     for (name, cases) in [
         ("universal_ur5e", &[29, 94, 214, 245, 899][..]),
         ("adept_cobra_s600", &[99, 243, 299, 321]),
@@ -138,9 +140,9 @@ fn joints_of_two_turns_begin_so_that_they_need_not_turn_back() {
     }
 }
 
-/// Past places at which the arm is stretched out, where the branches known of one side and of the other are of one self-motion.
+/// Past stretched configurations, where the known branches of both sides belong to the same self-motion.
 #[test]
-fn a_leap_within_a_self_motion_is_shared_by_the_steps_around_it() {
+fn jump_within_a_self_motion_is_distributed() {
     let robot = robot("kuka_iiwa14");
     let arm = Arm::new(&robot, "base", "flange").unwrap();
     for ends in [
@@ -173,9 +175,9 @@ fn a_leap_within_a_self_motion_is_shared_by_the_steps_around_it() {
     }
 }
 
-/// What joints follow one another is led along a path as any arm is, though no lanes solve for it.
+/// Arms with mimic joints are solved as well, although the SIMD solver does not support them.
 #[test]
-fn chains_with_followers_are_led_too() {
+fn chains_with_mimic_joints_are_solved() {
     let (mut random, mut whole, mut tried) = (Random(91), 0, 0);
     for number in 0..12 {
         let (text, tip) = follower_chain(number);

@@ -1,4 +1,4 @@
-//! Promise: the factor of a joint in a rate cost is of that joint alone, and counts as a weight does.
+//! Promise: a joint's factor in a rate cost affects only that joint, and counts like a weight.
 
 use kinopt::model::{FrameId, Limits, Model};
 use kinopt::motion::clip::{MotionProblem, MotionSolver, RateCost};
@@ -7,7 +7,7 @@ use kinopt::task::Orientation;
 
 const FRAMES: usize = 12;
 
-/// A hinge and a ball that nothing joins, and what each carries.
+/// A revolute joint and a ball joint that are not connected, each with a frame.
 fn two_apart() -> (Model, [FrameId; 2]) {
     let mut builder = Model::builder("two apart");
     let z = Vector3::UNITS[2];
@@ -24,7 +24,7 @@ fn two_apart() -> (Model, [FrameId; 2]) {
     (builder.build().unwrap(), frames)
 }
 
-/// Where both end up that should turn to and fro under a cost of their rates, and what those cost.
+/// Final configurations and cost of joints that should rotate back and forth under a cost of rates.
 fn followed(cost: RateCost) -> (Vec<Vec<f64>>, f64) {
     let (model, frames) = two_apart();
     let mut motion = MotionProblem::builder(&model, FRAMES, 0.1);
@@ -44,7 +44,7 @@ fn followed(cost: RateCost) -> (Vec<Vec<f64>>, f64) {
     (frames.collect(), solved.cost_of_rates())
 }
 
-/// The most that a coordinate of some is off in any frame.
+/// Largest difference of some coordinates in any frame.
 fn off(a: &[Vec<f64>], b: &[Vec<f64>], coordinates: std::ops::Range<usize>) -> f64 {
     let rows = a.iter().zip(b);
     let pairs = rows.flat_map(|(a, b)| coordinates.clone().map(|k| (a[k] - b[k]).abs()));
@@ -52,7 +52,7 @@ fn off(a: &[Vec<f64>], b: &[Vec<f64>], coordinates: std::ops::Range<usize>) -> f
 }
 
 #[test]
-fn a_factor_is_of_its_joint_alone() {
+fn factor_affects_only_its_joint() {
     let (hinge, ball) = (0..1, 1..5);
     let make: [fn(f64) -> RateCost; 3] =
         [RateCost::velocity, RateCost::acceleration, RateCost::jerk];

@@ -1,4 +1,4 @@
-//! Promise: a long clip costs as much per frame as a short one, and in windows it moves as it does as a whole.
+//! Promise: a long clip costs as much per frame as a short one, and its motion in windows is that of the whole.
 
 use crate::slide::slide;
 use kinopt::motion::clip::{MotionProblem, MotionSolver, MotionTermination, RateCost, Windows};
@@ -31,7 +31,7 @@ fn windows_agree_with_the_whole_and_at_their_seams() {
 }
 
 #[test]
-fn work_grows_with_the_frames_and_no_faster() {
+fn work_grows_linearly_with_the_frames() {
     let walker = Walker::new();
     let windows = Windows::new(20, 10);
     let solver = MotionSolver::default()
@@ -49,11 +49,11 @@ fn work_grows_with_the_frames_and_no_faster() {
     );
 }
 
-/// Of windows that end differently the one that did not come to rest counts, wherever it is.
+/// Among windows with different terminations, one that did not converge counts, wherever it is.
 #[test]
-fn one_window_that_is_cut_short_is_told() {
+fn unconverged_window_is_reported() {
     let (model, tool) = slide();
-    // To and fro beyond its limits at first, and then no more.
+    // Back and forth beyond the limits at first, then still.
     let to_and_fro = |frames: usize| {
         let mut motion = MotionProblem::builder(&model, frames, 0.1);
         let task = motion.add(Point::new(tool, [0.0; 3]));

@@ -1,12 +1,12 @@
-//! Promise: a robot without a free base follows as well, and what no place tells comes to its posture.
+//! Promise: a robot without a free base follows as well, and joints not determined by the targets approach the nominal
+//! posture.
 
 use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting};
 use kinopt::robot::Robot;
 
-/// What no place tells comes to its posture, of a robot without a free base as well: where its hand rests, no change of the joints
-/// that leaves the hand there brings them nearer to zero.
+/// At the final position of the hand no motion within the null space brings the joints nearer to zero.
 #[test]
-fn an_arm_on_a_table_rests_near_its_posture() {
+fn arm_on_a_table_rests_near_its_nominal_posture() {
     let joint = |name: &str, parent: &str, child: &str, out: f64| {
         format!(
             "<link name=\"{child}\"/><joint name=\"{name}\" type=\"revolute\"><parent link=\"{parent}\"/>\
@@ -25,7 +25,7 @@ fn an_arm_on_a_table_rests_near_its_posture() {
     let robot = Robot::parse(&text, "arm.urdf").unwrap();
     let map = r#"{"joints": ["base", "hand"], "drives": {"base": "base", "hand": "hand"}}"#;
     let map = BodyMap::from_json(map, "").unwrap();
-    // Aside and back to where it rests.
+    // Sideways and back to its position of rest.
     let places = (0..300).flat_map(|frame| {
         let share = 0.05 * f64::from(frame.min(40));
         let (sin, cos) = (std::f64::consts::PI * share).sin_cos();
@@ -36,7 +36,7 @@ fn an_arm_on_a_table_rests_near_its_posture() {
     let retargeting = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
     let found = retargeting.per_frame().unwrap();
     let q = nalgebra::DVector::from_column_slice(&found.q[4 * 299..]);
-    // How the hand moves with each joint: across the way from there to it.
+    // Derivative of the hand's position by each joint: perpendicular to the line from the joint to the hand.
     let angles = (0..4).map(|link| q.rows(0, link + 1).sum());
     let links: Vec<f64> = angles.collect();
     let slopes = nalgebra::DMatrix::from_fn(2, 4, |axis, joint| {

@@ -1,5 +1,5 @@
-//! Promise: a goal that counts for nothing in a frame is not missed there, wherever its target is; one that counts is told by its frame,
-//! and counts there by its weight.
+//! Promise: a task with weight zero in a frame is not reported as unreached there, wherever its target is. A weighted
+//! one is reported for its frame, and counts there by its weight.
 
 use crate::slide::{rail, slide};
 use kinopt::ik::Side;
@@ -9,9 +9,9 @@ use kinopt::task::{Point, Task};
 const FRAMES: usize = 9;
 
 #[test]
-fn what_a_frame_does_not_ask_is_not_missed_there() {
+fn unweighted_frame_is_not_reported_as_unreached() {
     let (model, tool) = slide();
-    // Two metres out of reach in the middle.
+    // In the middle, two metres out of reach.
     let wanted = |frame: usize| if (3..6).contains(&frame) { 3.0 } else { 0.5 };
     for asked in [false, true] {
         let mut motion = MotionProblem::builder(&model, FRAMES, 0.1);
@@ -37,14 +37,14 @@ fn what_a_frame_does_not_ask_is_not_missed_there() {
     }
 }
 
-/// The only goal counts by its weights as one does beside another.
+/// A single task is weighted as one among several.
 #[test]
-fn a_goal_alone_counts_by_its_weight() {
+fn frame_weights_of_a_single_task_count() {
     let (model, tool) = slide();
     let solved = [false, true].map(|beside| {
         let mut motion = MotionProblem::builder(&model, FRAMES, 0.1);
         if beside {
-            // Which counts for nothing.
+            // With a negligible weight.
             motion.add(Task::new(Point::new(tool, [0.0; 3])).times(1e-9));
         }
         let task = motion.add(Point::new(tool, [0.0; 3]));
@@ -62,9 +62,9 @@ fn a_goal_alone_counts_by_its_weight() {
     assert!(apart < 1e-6, "{apart} m");
 }
 
-/// A limit that is far from where a joint goes holds it nowhere, however loosely the motion was solved; one that it goes to does.
+/// A distant limit is active in no frame, however coarse the solver's tolerance is. A limit that is reached is active.
 #[test]
-fn a_limit_that_is_far_holds_nothing() {
+fn distant_position_limit_is_inactive() {
     let (model, tool) = slide();
     let wanted = |frame: usize| if frame < 6 { 0.3 } else { 1.5 };
     for tolerance in [1e-2, 1e-4, 1e-7] {
@@ -90,9 +90,9 @@ fn a_limit_that_is_far_holds_nothing() {
     }
 }
 
-/// A speed that is far below its limit holds nothing, however long the rail is; one that is at it does.
+/// A velocity limit that is not reached is inactive, however long the rail is. One that is reached is active.
 #[test]
-fn a_speed_that_is_not_reached_holds_nothing() {
+fn unreached_velocity_limit_is_inactive() {
     let (model, tool) = rail(1e3);
     for (step, held) in [(0.05, false), (0.15, true)] {
         for tolerance in [1e-3, 1e-5, 1e-7] {
@@ -106,7 +106,7 @@ fn a_speed_that_is_not_reached_holds_nothing() {
             let motion = motion.build().unwrap();
             let solver = MotionSolver::default().with_tolerance(tolerance);
             let solved = solver.solve(&motion, &[0.0]).unwrap();
-            // The last may be slower, as nothing comes after it.
+            // The last velocity may be lower, because no frame follows.
             for frame in 1..11 {
                 let told: Vec<_> = solved.active_limits(frame).collect();
                 let speeds = told.iter().map(|limit| (limit.bound, limit.side));

@@ -1,4 +1,4 @@
-//! Promise: a free body turns smoothly through whole turns and more: no chart of rotations shows.
+//! Promise: a free joint rotates smoothly through one turn and more, without singularities.
 
 use kinopt::model::{Limits, Model};
 use kinopt::motion::clip::{MotionProblem, MotionSolver, RateCost};
@@ -6,7 +6,7 @@ use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use kinopt::task::Pose;
 
 #[test]
-fn a_body_that_spins_twice_follows_without_a_jump() {
+fn body_rotating_twice_follows_without_a_jump() {
     let mut builder = Model::builder("body");
     let base = builder.free("base", None, Placement::identity(), [Limits::UNBOUNDED; 3]);
     let frame = builder.frame("body", Some(base), Placement::identity());

@@ -1,4 +1,5 @@
-//! Promise: a ring of an arm with a joint to spare has no seam, also where a joint without limits goes round with it.
+//! Promise: a closed path of a redundant arm has the same length from any starting point, also where a joint without
+//! limits makes a full turn along it.
 
 use std::f64::consts::TAU;
 
@@ -8,7 +9,7 @@ use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::with_endless_joint;
 
 #[test]
-fn a_ring_on_which_a_joint_goes_round_is_as_long_from_any_of_its_points() {
+fn turning_joint_gives_equal_length_from_any_point() {
     let robot = with_endless_joint("franka_panda", "joint7");
     let arm = Arm::new(&robot, "base", "flange").unwrap();
     let down = rotation_exp(Vector3::new(std::f64::consts::PI, 0.0, 0.0));

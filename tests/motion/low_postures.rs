@@ -1,13 +1,13 @@
-//! Promise: a body that is led far down presses its feet onto the ground and not into it, and follows all the same, whether they
-//! stand or slide.
+//! Promise: a robot whose target is very low has its feet on the ground and not below it, and still follows, whether
+//! the feet are in contact or slide.
 
 use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting};
 
 use crate::retargeted_feet::{MAP, RATE, check_limits, legs, person};
 use crate::retargeted_soles::SOLE;
 
-/// A person who goes down by so much more, metres, and up again, and whose feet slide so far, if they do.
-fn led_down(by: f64, sliding: f64) -> Capture {
+/// A subject that moves down by `by` metres and up again, and whose feet slide by `sliding` metres.
+fn lowered(by: f64, sliding: f64) -> Capture {
     let mut numbers = person();
     for (k, frame) in numbers.chunks_mut(27).enumerate() {
         let down = 0.5 * by * (1.0 - (0.026 * k as f64).cos());
@@ -26,12 +26,13 @@ fn led_down(by: f64, sliding: f64) -> Capture {
     Capture::new(joints, &numbers, RATE).unwrap()
 }
 
-/// The hips are led to below the ground, where the legs fold no further: pressed against a spring, feet stood 1.4 mm deep.
+/// The target of the hips is below the ground, where the legs cannot fold further. With a spring, feet in contact were
+/// 1.4 mm deep.
 #[test]
-fn feet_that_stand_are_pressed_onto_the_ground() {
+fn feet_in_contact_are_not_pressed_into_the_ground() {
     let robot = legs(SOLE);
     let map = BodyMap::from_json(MAP, "legs").unwrap();
-    let capture = led_down(0.8, 0.0);
+    let capture = lowered(0.8, 0.0);
     let fitted = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
     for found in [fitted.per_frame().unwrap(), fitted.whole().unwrap()] {
         check_limits(&robot, &found);
@@ -41,14 +42,14 @@ fn feet_that_stand_are_pressed_onto_the_ground() {
     }
 }
 
-/// Every step that began with the feet on the ground's edge led into it, as nothing told of the ground there, and was refused: the
-/// body stood still from the first frame on, 155 mm off in the mean.
+/// Earlier a step that began with feet on the ground's surface led into the ground, because the ground was missing from
+/// it, and was rejected. The robot was motionless from the first frame on, with a mean error of 155 mm.
 #[test]
-fn feet_that_slide_over_the_ground_stop_no_body() {
+fn sliding_feet_do_not_stop_the_robot() {
     let robot = legs(SOLE);
     let map = BodyMap::from_json(MAP, "legs").unwrap();
     for by in [0.0, 0.4] {
-        let capture = led_down(by, 0.15);
+        let capture = lowered(by, 0.15);
         let fitted = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
         let found = fitted.per_frame().unwrap();
         check_limits(&robot, &found);
@@ -58,12 +59,13 @@ fn feet_that_slide_over_the_ground_stop_no_body() {
     }
 }
 
-/// A whole movement begins where frame by frame leads: from the body that stood still it came to feet 7.2 mm deep.
+/// A motion solved as a whole begins with the result frame by frame. From the motionless robot its feet became 7.2 mm
+/// deep.
 #[test]
-fn feet_that_slide_are_over_the_ground_in_a_whole_movement() {
+fn sliding_feet_stay_above_ground_solved_as_a_whole() {
     let robot = legs(SOLE);
     let map = BodyMap::from_json(MAP, "legs").unwrap();
-    let capture = led_down(0.8, 0.15);
+    let capture = lowered(0.8, 0.15);
     let fitted = Retargeting::new(&robot, &map, &capture, RetargetOptions::default()).unwrap();
     let found = fitted.whole().unwrap();
     check_limits(&robot, &found);

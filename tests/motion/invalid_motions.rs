@@ -1,4 +1,4 @@
-//! Promise: what is asked of a motion and cannot be is an error that names it, and limits hold at its fixed ends.
+//! Promise: an invalid motion problem is an error that names the fault, and limits hold at fixed ends.
 
 use kinopt::model::{Limits, Model};
 use kinopt::motion::clip::{
@@ -32,7 +32,7 @@ fn asked(
 }
 
 #[test]
-fn errors_name_what_is_wrong() {
+fn invalid_motions_are_named() {
     let model = arm();
     let tip = model.frame("tip").unwrap();
     let told = |frames, ask: &dyn Fn(&mut MotionProblemBuilder)| {
@@ -79,7 +79,7 @@ fn errors_name_what_is_wrong() {
         let told = told(3, ask);
         assert!(words.iter().all(|word| told.contains(word)), "{told}");
     }
-    // Of the first task as of any other.
+    // In the first task as in any other.
     let mut first = MotionProblem::builder(&model, 3, 0.01);
     first.add(below.clone().at_level(1));
     first.add(Point::new(tip, [1.0, 1.0, 0.0]));
@@ -96,7 +96,7 @@ fn errors_name_what_is_wrong() {
 }
 
 #[test]
-fn ends_that_are_too_far_apart_are_told_and_others_are_met() {
+fn fixed_ends_too_far_apart_are_an_error() {
     let model = arm();
     let fixed = |speed: f64| {
         let motion = asked(&model, 11, |motion| {
@@ -129,7 +129,7 @@ fn ends_that_are_too_far_apart_are_told_and_others_are_met() {
 }
 
 #[test]
-fn numbers_that_are_not_finite_are_told_with_their_frame() {
+fn targets_not_finite_are_reported_with_their_frame() {
     let model = arm();
     let tip = model.frame("tip").unwrap();
     let mut motion = MotionProblem::builder(&model, 5, 0.01);
@@ -143,7 +143,7 @@ fn numbers_that_are_not_finite_are_told_with_their_frame() {
 }
 
 #[test]
-fn one_frame_is_a_motion() {
+fn single_frame_is_a_motion() {
     let model = arm();
     let motion = asked(&model, 1, |motion| {
         motion.rate_cost(RateCost::jerk(1.0));
@@ -157,9 +157,9 @@ fn one_frame_is_a_motion() {
     );
 }
 
-/// A joint is no faster than the least that is said of it, in whatever order that is said.
+/// The lowest of several velocity limits of a joint counts, in any order.
 #[test]
-fn of_several_speeds_the_least_counts() {
+fn lowest_of_several_velocity_limits_counts() {
     let model = arm();
     for speeds in [
         vec![0.5],
@@ -184,9 +184,9 @@ fn of_several_speeds_the_least_counts() {
     }
 }
 
-/// A ball that is held beyond its cone, its whole angle or either end of its twist cannot be.
+/// A fixed end outside of a ball joint's cone, total angle or twist limits is an error.
 #[test]
-fn a_ball_is_held_within_all_its_limits() {
+fn fixed_ball_joint_beyond_any_limit_is_an_error() {
     use kinopt::model::BallLimits;
     let limits = BallLimits::cone(0.8, Limits::new(-0.5, 0.7)).with_angle(0.9);
     let mut builder = Model::builder("ball");

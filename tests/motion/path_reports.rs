@@ -1,4 +1,5 @@
-//! Promise: what is told of a path is so: why a point is missed, which joint leaps furthest, and a path is not begun where it misses.
+//! Promise: a path's report is correct: the reason why a point is unreached, and the joint that moves furthest in a
+//! jump. A path is not entered where more points are unreached.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::f64::consts::TAU;
@@ -10,7 +11,7 @@ use kinopt::robot::Robot;
 use kinopt::spatial::{Placement, Vector3, rotation_exp};
 use support::arms::robot;
 
-/// Two slides along one line and two hinges about one axis.
+/// Two prismatic joints along one line and two revolute joints about one axis.
 const TWICE: &str = r#"<robot name="twice">
 <link name="base"/><link name="a"/><link name="b"/><link name="c"/><link name="tool"/>
 <joint name="slide 1" type="prismatic"><parent link="base"/><child link="a"/><axis xyz="1 0 0"/>
@@ -23,11 +24,11 @@ const TWICE: &str = r#"<robot name="twice">
 <limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
 </robot>"#;
 
-/// The tool stays, and what it hangs on goes from one way to be there to another in a step.
+/// The tool does not move, while its joints change to another configuration in one step.
 #[test]
-fn the_joint_that_leaps_furthest_is_told_by_what_its_metres_weigh() {
+fn furthest_joint_of_a_jump_is_weighted_by_unit() {
     let robot = Robot::parse(TWICE, "twice.urdf").unwrap();
-    // The slides by 0.4 m, the hinges by 0.5 rad, each.
+    // Prismatic joints by 0.4 m and revolute ones by 0.5 rad, each.
     let (from, to) = ([0.1, 0.5, 0.0, 0.5], [0.5, 0.1, 0.5, 0.0]);
     for (metres_per_radian, is_slide, distance) in
         [(1.0, false, 0.5), (0.25, true, 1.6), (0.1, true, 4.0)]
@@ -52,10 +53,10 @@ fn the_joint_that_leaps_furthest_is_told_by_what_its_metres_weigh() {
     }
 }
 
-/// An arm of one joint that touches a ball wherever it turns: where its tool would come is missed for the ball's sake, and elsewhere
-/// it was not found, ball or not.
+/// An arm of one joint that always touches a ball. Points it could reach are unreached because of the contact; all
+/// others are reported as not found.
 #[test]
-fn what_touches_where_the_tool_does_not_come_is_not_found() {
+fn unreachable_points_in_contact_are_not_found() {
     let robot = robot("franka_panda");
     let mut whole = robot.model().neutral();
     whole[..7].copy_from_slice(&[0.3, -0.4, 0.5, -2.0, 0.2, 1.6, 0.8]);
@@ -72,7 +73,7 @@ fn what_touches_where_the_tool_does_not_come_is_not_found() {
     let arm = arm.with_checker(&checker, &whole).unwrap();
     let points = (0..10).map(|k| {
         let mut point = arm.base_from_tool(&[0.05 * f64::from(k)]).unwrap();
-        // A centimetre lower, where this joint alone never brings it.
+        // A centimetre lower, which this joint cannot reach.
         point.translation.z += if k < 5 { 0.0 } else { -0.01 };
         point
     });
@@ -90,9 +91,9 @@ fn what_touches_where_the_tool_does_not_come_is_not_found() {
     }
 }
 
-/// Round about the tool twice; where it is out of reach for a point, a branch is left, and there a path might be entered.
+/// Two full rotations about the tool. An unreachable point interrupts the branch, where the path could be entered.
 #[test]
-fn a_path_is_not_entered_where_more_of_it_is_missed() {
+fn path_is_not_entered_where_more_is_unreached() {
     let arm = Arm::new(&robot("universal_ur5e"), "base", "flange").unwrap();
     let begin = arm
         .base_from_tool(&[0.3, -1.2, 1.4, -1.6, -1.5, 0.0])
@@ -109,7 +110,7 @@ fn a_path_is_not_entered_where_more_of_it_is_missed() {
     let solver = PathSolver::new(&arm).with_max_step(0.5);
     let told = solver.solve(&path).unwrap();
     assert!(!far.contains(&told.entry), "entered at {}", told.entry);
-    // Each once: entered where one is, the path would end there as well.
+    // Each one once: entered at one of them, the path would end there as well.
     let missed = told
         .missed
         .iter()
@@ -119,10 +120,10 @@ fn a_path_is_not_entered_where_more_of_it_is_missed() {
     assert_eq!(missed, far);
 }
 
-/// The tool stays while what it hangs on is to come past a ball to the other side of it, which the steps around could share: they would
-/// come through the ball, so the leap is told, and no point is where it touches.
+/// The tool does not move while its joints have to pass a ball. Distributing this over neighbouring steps would lead
+/// through the ball, so the jump is reported, and no point is in contact.
 #[test]
-fn a_leap_over_an_obstacle_is_not_shared_by_steps_through_it() {
+fn jump_over_an_obstacle_is_not_distributed() {
     let body = r#"<link name="a"><collision><origin xyz="0 0.2 0"/><geometry><sphere radius="0.05"/></geometry></collision></link>"#;
     let robot = Robot::parse(&TWICE.replace(r#"<link name="a"/>"#, body), "twice.urdf").unwrap();
     let (from, to) = ([0.1, 0.5, 0.0, 0.5], [0.5, 0.1, 0.0, 0.5]);

@@ -1,4 +1,4 @@
-//! Promise: a joint that follows another is within its own limit of speed, which binds its leader by their ratio and no more.
+//! Promise: a mimic joint keeps its own velocity limit, which bounds its source joint by their ratio and no more.
 
 use kinopt::model::{Limits, Model};
 use kinopt::motion::clip::{MotionProblem, MotionSolver, RateCost};
@@ -6,9 +6,10 @@ use kinopt::robot::{Mimic, Robot};
 use kinopt::spatial::{Placement, Vector3};
 use kinopt::task::Point;
 
-/// A slide whose tool should leap by a metre, and one that goes along by a ratio, at half a metre a second.
+/// A prismatic joint whose tool should jump by a metre, and a mimic joint of it with a velocity limit of half a metre
+/// per second.
 #[test]
-fn a_leader_goes_as_fast_as_its_follower_may() {
+fn source_joint_is_as_fast_as_its_mimic_joint_allows() {
     let (at, room) = (Placement::identity(), Limits::new(-4.0, 4.0));
     let [x, y, _] = Vector3::UNITS;
     for ratio in [-2.5, 0.4] {

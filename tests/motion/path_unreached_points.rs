@@ -1,4 +1,4 @@
-//! Promise: a point that cannot be reached is told with the reason, and the others are reached all the same.
+//! Promise: a point that cannot be reached is reported with the reason, and all other points are reached.
 
 use kinopt::Arm;
 use kinopt::arm::Goal;
@@ -10,14 +10,14 @@ use support::sample::cases;
 use support::vector;
 
 #[test]
-fn a_path_that_leaves_the_workspace_says_where() {
+fn path_leaving_the_workspace_reports_where() {
     for (name, q) in [
         ("universal_ur5e", vec![0.3, -1.2, 1.4, -1.6, -1.5, 0.0]),
         ("franka_panda", vec![0.3, -0.4, 0.5, -2.0, 0.2, 1.6, 0.8]),
     ] {
         let arm = Arm::new(&robot(name), "base", "flange").unwrap();
         let begin = arm.base_from_tool(&q).unwrap();
-        // Out along x as far as two metres and back.
+        // Along x to a distance of two metres and back.
         let points: Vec<_> = (0..=80)
             .map(|k: i32| {
                 let out = 0.05 * f64::from(40 - (k - 40).abs());
@@ -30,7 +30,7 @@ fn a_path_that_leaves_the_workspace_says_where() {
         let path = CartesianPath::new(points.clone()).unwrap();
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
         assert_eq!(solution.rows().len(), 81);
-        // Between points that are missed the tool is not led.
+        // Between unreached points the tool does not follow the path, so no deviation counts.
         let off = solution.largest_deviation.metres;
         assert!(off < 5e-3, "{name}: {off}");
         let missed: Vec<usize> = solution.missed.iter().map(|missed| missed.index).collect();
@@ -58,7 +58,7 @@ fn a_path_that_leaves_the_workspace_says_where() {
 }
 
 #[test]
-fn one_point_and_points_all_the_same() {
+fn one_point_and_equal_points_are_solved() {
     let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
     let point = arm
         .base_from_tool(&[0.3, -0.4, 0.5, -2.0, 0.2, 1.6, 0.8])
@@ -72,9 +72,9 @@ fn one_point_and_points_all_the_same() {
     }
 }
 
-/// Where the position is left free no place is out of reach, however far it is: what is missed is the direction.
+/// With a free position no point is beyond reach, however far it is: the orientation is not reached.
 #[test]
-fn what_is_asked_for_no_place_is_not_beyond_reach() {
+fn free_position_is_never_beyond_reach() {
     let inf = f64::INFINITY;
     let robot = robot("franka_panda");
     let q = [0.3, -0.4, 0.5, -2.0, 0.2, 1.6, 0.8];
@@ -88,7 +88,7 @@ fn what_is_asked_for_no_place_is_not_beyond_reach() {
         .unwrap();
     let begin = arm.base_from_tool(&[0.3]).unwrap();
     let far = begin.translation + Vector3::new(30.0, 0.0, 0.0);
-    // Tilted ever further, which the first joint cannot follow.
+    // Tilted increasingly, which the first joint cannot follow.
     let points: Vec<_> = (0..8)
         .map(|k| {
             let tilt = rotation_exp(Vector3::new(0.1 * f64::from(k), 0.0, 0.0));
@@ -103,10 +103,10 @@ fn what_is_asked_for_no_place_is_not_beyond_reach() {
     }
 }
 
-/// Out of reach ends where it ends: a point that the arm comes to from where it is at a neighbour is not missed, and the others cost one
-/// reconfiguration at most.
+/// A point that the arm reaches from its configuration at a neighbouring point is not reported as unreached. Unreached
+/// points cost at most one reconfiguration.
 #[test]
-fn what_can_be_reached_from_a_neighbour_is_not_missed() {
+fn points_reachable_from_a_neighbour_are_reached() {
     let mut random = Random::new(7);
     let mut bordering = 0;
     for (name, tool) in [
@@ -130,7 +130,7 @@ fn what_can_be_reached_from_a_neighbour_is_not_missed() {
             let solution = PathSolver::new(&arm).solve(&path).unwrap();
             let missed = |row: usize| solution.missed.iter().any(|missed| missed.index == row);
             let rows: Vec<&[f64]> = solution.rows().collect();
-            // Where nothing is reached nothing leaps, but for once to where something is again.
+            // A stretch of unreached points has at most one reconfiguration.
             let leaps = |stretch: &[usize]| {
                 let (from, to) = (stretch[0], stretch[stretch.len() - 1] + 1);
                 let told = solution.reconfigurations.iter();
@@ -159,9 +159,10 @@ fn what_can_be_reached_from_a_neighbour_is_not_missed() {
     assert!(bordering > 20, "{bordering}");
 }
 
-/// Where joints have hardly any room, not every way between two places of a point is one of the arm's: what is told to be reached is.
+/// Where joints have narrow limits, not every segment between two configurations of a point is feasible. Points
+/// reported as reached are reached.
 #[test]
-fn a_way_that_is_shortened_stays_on_its_points() {
+fn shortened_path_still_reaches_its_points() {
     let whole = robot("franka_panda");
     for (q, low, high, way, turn) in [
         (

@@ -1,5 +1,5 @@
-//! Promise: a planted foot goes over the edge of a step as high as it must, by its lower place on the ground, and over nothing
-//! that is higher than a step.
+//! Promise: a planted foot clears the edge of a step as high as necessary, measured from the lower of its two contacts,
+//! and does not climb anything higher than a step.
 #![allow(clippy::unwrap_used)]
 
 use glam::{DVec3, Vec3};
@@ -7,14 +7,14 @@ use kinopt::animation::{Armature, Clip};
 
 use crate::clip_ik::{HIPS, at, bend, figure, planted, pose, walk};
 
-/// A pole is no step: a foot that would climb it goes where it went without, up to half as high again as the step itself.
+/// A pole is not a step: the foot moves as without it, up to one and a half times the height of the step.
 #[test]
-fn what_is_higher_than_the_steps_is_walked_through() {
+fn obstacle_higher_than_a_step_is_not_climbed() {
     let armature = figure();
     let walk = walk(&armature, true);
     let level = planted(&armature).solve(&walk).unwrap();
     for rise in [0.0, 0.1] {
-        // Three metres high, before a step.
+        // Three metres high, in front of a step.
         let ground = move |at: DVec3| match (0.1..0.3).contains(&at.z) {
             true => 3.0,
             false => rise * f64::from(at.z > 0.3),
@@ -45,7 +45,7 @@ fn what_is_higher_than_the_steps_is_walked_through() {
     }
 }
 
-/// The left foot goes ahead by a pace, from flat on the ground to on its toes.
+/// The left foot moves forward by a pace, from flat on the ground to on its toes.
 fn pace(armature: &Armature, raised: [f32; 2]) -> Clip {
     let id = |name: &str| armature.bone(name).unwrap();
     let limb = ["thigh.l", "shin.l", "foot.l"].map(id);
@@ -66,9 +66,9 @@ fn pace(armature: &Armature, raised: [f32; 2]) -> Clip {
     Clip::through_poses("pace", armature, &times, &poses).unwrap()
 }
 
-/// Where the edge is passed the foot is as high over it as where it stands lower, no less and no more.
+/// Over the edge the foot has the clearance of its lower contact, no less and no more.
 #[test]
-fn an_edge_is_cleared_by_the_lower_of_two_stances() {
+fn edge_is_cleared_from_the_lower_contact() {
     let armature = figure();
     let foot = armature.bone("foot.l").unwrap();
     for raised in [[0.0, 0.04], [0.04, 0.0]] {
@@ -79,11 +79,11 @@ fn an_edge_is_cleared_by_the_lower_of_two_stances() {
             .solve(&pace(&armature, raised))
             .unwrap();
         assert_eq!(edited.stances.len(), 2);
-        // As high as the sole is over the ground on which it stands flat.
+        // Height of the sole over the ground where it is flat.
         let lowest = 0.1;
         let places =
             (0..=90).map(|k| at(&armature, &edited.clip, "foot.l", f64::from(k) / 60.0).as_dvec3());
-        // Next to the edge: it begins and ends on the ground.
+        // Only near the edge: the motion starts and ends on the ground.
         let over = places
             .filter(|at| (-0.12..0.05).contains(&at.z))
             .map(|at| at.y - ground(at) - lowest);
@@ -92,9 +92,9 @@ fn an_edge_is_cleared_by_the_lower_of_two_stances() {
     }
 }
 
-/// Neither where a stance begins nor where it ends is nearer to the clip than the other.
+/// Neither the start nor the end of a contact is closer to the clip than the other.
 #[test]
-fn a_clip_backwards_is_planted_backwards() {
+fn reversed_clip_gives_the_reversed_result() {
     let armature = figure();
     let walk = walk(&armature, true);
     let moments: Vec<f64> = (0..=60).map(|k| f64::from(k) / 30.0).collect();
@@ -124,9 +124,9 @@ fn a_clip_backwards_is_planted_backwards() {
     }
 }
 
-/// A foot is led out of its stance and into the next over as long as is said, and goes as it went in between.
+/// A foot blends out of its contact and into the next over the configured time, and moves as in the clip in between.
 #[test]
-fn a_foot_is_led_for_as_long_as_is_said() {
+fn blend_of_a_contact_has_the_configured_duration() {
     use kinopt::motion::ContactDetection;
     let armature = figure();
     let walk = walk(&armature, true);
@@ -141,7 +141,7 @@ fn a_foot_is_led_for_as_long_as_is_said() {
             let own: Vec<_> = own.map(|stance| stance.span).collect();
             for pair in own.windows(2) {
                 let [end, next] = [pair[0][1], pair[1][0]];
-                // Just out of a stance, and in the middle of the swing.
+                // Just after a contact, and in the middle of the swing phase.
                 for (k, time) in [end + 0.015, 0.5 * (end + next)].into_iter().enumerate() {
                     let [old, new] =
                         [&walk, &edited.clip].map(|clip| at(&armature, clip, foot, time));

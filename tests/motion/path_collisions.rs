@@ -1,4 +1,5 @@
-//! Promise: a path of an arm that keeps clear touches nothing at its points, and what is not surely free between them is told.
+//! Promise: a path of an arm that avoids collisions is collision-free at its points, and reports steps that are not
+//! certainly free.
 
 use kinopt::Arm;
 use kinopt::arm::Goal;
@@ -27,7 +28,7 @@ fn sideways(arm: &Arm, steps: u32) -> Vec<Placement<f64>> {
     (0..=steps).map(point).collect()
 }
 
-/// No sample between two configurations touches.
+/// Whether none of 11 samples between two configurations is in collision.
 fn is_free_between(arm: &Arm, from: &[f64], to: &[f64]) -> bool {
     (0..=10).all(|k| {
         let share = f64::from(k) / 10.0;
@@ -38,13 +39,13 @@ fn is_free_between(arm: &Arm, from: &[f64], to: &[f64]) -> bool {
 }
 
 #[test]
-fn it_goes_round_what_is_in_its_elbows_way() {
+fn elbow_avoids_an_obstacle() {
     let alone = panda(&World::new());
     let points = sideways(&alone, 60);
     let path = CartesianPath::new(points).unwrap();
     let plain = PathSolver::new(&alone).solve(&path).unwrap();
     assert!(plain.is_whole());
-    // A ball where the elbow would be, for all of the path.
+    // A ball at the elbow's position, for the whole path.
     let mut world = World::new();
     world
         .add_sphere("ball", 0.08, Vector3::new(-0.25, 0.0, 0.65))
@@ -62,9 +63,9 @@ fn it_goes_round_what_is_in_its_elbows_way() {
     }
 }
 
-/// Where something stands in the way of a configuration that is given for an end, a path does not begin or end there.
+/// A path does not begin or end in a given configuration that is in collision.
 #[test]
-fn an_end_that_touches_is_refused() {
+fn end_in_collision_is_rejected() {
     let alone = panda(&World::new());
     let path = CartesianPath::new(sideways(&alone, 2)).unwrap();
     let rows = PathSolver::new(&alone).solve(&path).unwrap();
@@ -100,7 +101,7 @@ fn an_end_that_touches_is_refused() {
     ));
 }
 
-/// Three slides and a cube of 20 cm.
+/// Three prismatic joints and a cube of 20 cm.
 const GANTRY: &str = r#"<robot name="gantry"><link name="base"/><link name="bridge"/><link name="trolley"/>
     <link name="cube"><collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision></link>
     <joint name="x" type="prismatic"><parent link="base"/><child link="bridge"/><axis xyz="1 0 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
@@ -108,9 +109,10 @@ const GANTRY: &str = r#"<robot name="gantry"><link name="base"/><link name="brid
     <joint name="z" type="prismatic"><parent link="trolley"/><child link="cube"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
     </robot>"#;
 
-/// Of two ways to bend an elbow the one that is nearer to the middle of its limits touches, and the other is free only by its shapes.
+/// Of two elbow branches, the one nearer to the middle of its limits is in collision. The other is free by its shapes,
+/// but not by its spheres.
 #[test]
-fn a_branch_that_is_free_by_its_shapes_is_found() {
+fn branch_free_by_its_shapes_is_found() {
     let link = |name: &str| {
         format!(
             r#"<link name="{name}"><collision><origin xyz="0.25 0 0"/><geometry><box size="0.4 0.04 0.04"/></geometry></collision></link>"#
@@ -141,7 +143,7 @@ fn a_branch_that_is_free_by_its_shapes_is_found() {
     });
     let path = CartesianPath::new(points.collect::<Vec<_>>()).unwrap();
     let mut world = World::new();
-    // Below the elbow that is bent to the left, and a millimetre off the one that is bent to the right.
+    // Below the elbow that is bent to the left, and one millimetre from the elbow bent to the right.
     world
         .add_box("below", [0.1, 0.05, 0.1], Vector3::new(0.4, -0.3, 0.0))
         .unwrap();
@@ -159,9 +161,9 @@ fn a_branch_that_is_free_by_its_shapes_is_found() {
     assert_eq!(clear, [false; 5]);
 }
 
-/// The spheres about a cube go into a wall that it passes by a millimetre.
+/// The spheres around a cube penetrate a wall that the cube passes at a distance of a millimetre.
 #[test]
-fn what_is_free_by_its_shapes_is_free() {
+fn shapes_decide_where_spheres_touch() {
     let robot = Robot::parse(GANTRY, "gantry.urdf").unwrap();
     let bodies = CollisionModel::of(&robot).unwrap();
     let spheres = SphereModel::of(&bodies, Fineness::Overhang(0.03)).unwrap();
@@ -188,7 +190,7 @@ fn what_is_free_by_its_shapes_is_free() {
 }
 
 #[test]
-fn what_cannot_be_free_is_told() {
+fn unavoidable_contact_is_reported() {
     let alone = panda(&World::new());
     let points = sideways(&alone, 60);
     let middle = points[30].translation;
@@ -215,10 +217,10 @@ fn what_cannot_be_free_is_told() {
     }
 }
 
-/// Small balls beside the links of an arm that follows a path in steps of a millimetre, of which the one or other touches only points
-/// between those at which branches are compared.
+/// Small balls next to the links of an arm that follows a path in steps of a millimetre. Some balls are touched only at
+/// points between those at which branches are compared.
 #[test]
-fn what_is_told_to_touch_has_no_free_answer_that_is_easily_found() {
+fn reported_contacts_have_no_easily_found_solution() {
     let alone = panda(&World::new());
     let points = sideways(&alone, 300);
     let path = CartesianPath::new(points.clone()).unwrap();
@@ -254,9 +256,9 @@ fn what_is_told_to_touch_has_no_free_answer_that_is_easily_found() {
     assert!(told > 0);
 }
 
-/// Walls between two points that nothing leads round: the first on the way is told, and the path is no whole one.
+/// Walls between two points that cannot be avoided: the first one is reported, and the path is not whole.
 #[test]
-fn a_wall_between_two_points_is_told() {
+fn wall_between_two_points_is_reported() {
     use kinopt::arm::Goal;
     use kinopt::model::{Limits, Model};
     use kinopt::robot::Robot;

@@ -1,5 +1,7 @@
-//! Promise: captures that are odd come through, and what is wrong is named: one frame, limbs without length, bodies that are turned or
-//! lie, joints that are missing or not finite; what comes out is finite and within limits.
+//! Promise: unusual captures are retargeted, and errors are named.
+//!
+//! Unusual are a single frame, limbs without length, and subjects that are rotated or lying. Errors are joints that are
+//! missing or not finite. Results are finite and within their limits.
 
 use kinopt::animation::Clip;
 use kinopt::kinematics::ForwardKinematics;
@@ -26,7 +28,7 @@ fn nao() -> Robot {
     nao.with_base_joint(BaseJoint::FREE).unwrap()
 }
 
-/// A person, legs apart, who sways.
+/// A swaying subject with legs apart.
 fn person(frame: usize) -> [Vector3<f64>; 9] {
     let sway = 0.03 * (frame as f64 * 0.1).sin();
     [
@@ -73,7 +75,7 @@ fn retargeted(robot: &Robot, capture: &Capture, up: UpAxis, whole: bool) -> Reta
 }
 
 #[test]
-fn one_frame_is_a_movement() {
+fn single_frame_is_retargeted() {
     let robot = nao();
     for whole in [false, true] {
         let found = retargeted(&robot, &capture(1, |_, at| at), UpAxis::Z, whole);
@@ -82,7 +84,7 @@ fn one_frame_is_a_movement() {
 }
 
 #[test]
-fn limbs_without_length_and_bodies_that_are_a_point_come_through() {
+fn limbs_and_subjects_without_length_are_retargeted() {
     let robot = nao();
     let shinless = capture(5, |joint, at| if joint == 3 { person(0)[2] } else { at });
     let told = BodyMap::guess(&shinless, robot.model())
@@ -99,9 +101,9 @@ fn limbs_without_length_and_bodies_that_are_a_point_come_through() {
     );
 }
 
-/// Hips that are one place do not tell which way they are turned: they stay level.
+/// Hips at a single point do not define an orientation: they stay level.
 #[test]
-fn hips_that_are_one_place_stay_level() {
+fn hips_at_a_single_point_stay_level() {
     let robot = nao();
     let model = robot.model();
     let narrow = capture(10, |joint, at| match joint {
@@ -117,9 +119,9 @@ fn hips_that_are_one_place_stay_level() {
     }
 }
 
-/// Without limbs to tell how large a person is a robot goes as far as the person does.
+/// Without limbs that show the subject's size, the robot moves by the same distance as the subject.
 #[test]
-fn what_is_driven_alone_goes_as_far_as_the_person() {
+fn single_driven_frame_moves_as_far_as_the_subject() {
     let robot = nao();
     let capture = capture(40, |_, at| at * 2.0);
     let map = BodyMap::from_json(r#"{"drives": {"Hips": "torso"}}"#, "").unwrap();
@@ -133,9 +135,9 @@ fn what_is_driven_alone_goes_as_far_as_the_person() {
     }
 }
 
-/// Two joints may drive two points of a frame, but not one.
+/// Two joints may drive two points of a frame, but not the same point.
 #[test]
-fn a_frame_is_driven_at_two_points_but_not_twice_at_one() {
+fn frame_may_be_driven_at_two_distinct_points() {
     let robot = nao();
     let capture = capture(3, |_, at| at);
     let made = |offset: &str| {
@@ -157,7 +159,7 @@ fn a_frame_is_driven_at_two_points_but_not_twice_at_one() {
 }
 
 #[test]
-fn a_person_turned_by_a_right_angle_is_the_same_robot_turned() {
+fn rotated_subject_gives_the_rotated_robot() {
     let robot = nao();
     let straight = retargeted(&robot, &capture(20, |_, at| at), UpAxis::Z, false);
     let turned = capture(20, |_, at| Vector3::new(-at.y, at.x, at.z));
@@ -169,27 +171,27 @@ fn a_person_turned_by_a_right_angle_is_the_same_robot_turned() {
         .zip(turned.q.chunks_exact(width))
     {
         let off = own[7..].iter().zip(&other[7..]).map(|(a, b)| (a - b).abs());
-        // As far as three steps a frame lead, which go other ways.
+        // The tolerance covers the three steps per frame, which differ between the two.
         assert!(off.fold(0.0, f64::max) < 1e-3);
         assert!((own[0] - other[1]).abs() < 1e-4 && (own[1] + other[0]).abs() < 1e-4);
     }
 }
 
 #[test]
-fn upward_is_told_by_how_a_body_stands() {
+fn up_axis_is_found_from_the_posture() {
     let robot = nao();
     let standing = capture(20, |_, at| at);
     let lying = capture(20, |_, at| Vector3::new(at.x, at.z, -at.y));
     for (capture, up) in [(&standing, UpAxis::Z), (&lying, UpAxis::Y)] {
         assert_eq!(BodyMap::guess(capture, robot.model()).unwrap().up, Some(up));
     }
-    // By the right axis both are one movement, to the bit.
+    // With the right axis both are exactly the same motion.
     let one = retargeted(&robot, &standing, UpAxis::Z, false);
     assert_eq!(retargeted(&robot, &lying, UpAxis::Y, false).q, one.q);
 }
 
 #[test]
-fn what_is_missing_is_named() {
+fn missing_joints_and_frames_are_named() {
     let robot = nao();
     let capture = capture(3, |_, at| at);
     let refused = |map: &str| {
@@ -225,7 +227,7 @@ fn what_is_missing_is_named() {
         joint: "LeftHand".to_owned(),
     };
     assert_eq!(lost.unwrap_err(), named);
-    // So far off no place is told to a tenth of a millimetre.
+    // At this distance positions are not resolved to a tenth of a millimetre.
     numbers[3 * 9 * 2 + 3 * 7 + 1] = -1e300;
     let far = Capture::new(JOINTS.map(str::to_owned).to_vec(), &numbers, 30.0);
     let named = RetargetError::TooFar {
@@ -235,9 +237,10 @@ fn what_is_missing_is_named() {
     assert_eq!(far.unwrap_err(), named);
 }
 
-/// A file of no frames was taken for one frame at rest; one that has a frame at rest is a movement.
+/// Earlier a file without frames was taken for one frame in the rest pose. A file with a frame in the rest pose is a
+/// motion.
 #[test]
-fn a_capture_of_no_frames_is_no_movement() {
+fn capture_without_frames_is_an_error() {
     let captured = |frames: &str| {
         let end = "End Site { OFFSET 0 1 0 }";
         let text = format!(
