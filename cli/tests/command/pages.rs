@@ -57,7 +57,7 @@ fn run(folder: &Folder, line: &str) -> String {
 }
 
 #[test]
-fn their_commands_succeed() {
+fn commands_of_all_pages_succeed() {
     let mut lines = 0;
     for (name, page) in pages() {
         let folder = Folder::new(&name);
@@ -73,7 +73,7 @@ fn their_commands_succeed() {
 }
 
 #[test]
-fn the_page_on_whole_bodies_reaches() {
+fn commands_of_whole_bodies_reach_their_targets() {
     let folder = Folder::new("whole-bodies");
     let (_, page) = pages()
         .into_iter()

@@ -4,7 +4,7 @@
 use crate::forked_rig::*;
 
 #[test]
-fn volumes_follow_theory() {
+fn volumes_equal_theory() {
     let report = answer!("skin-report");
     let rows = list(&report["twists"]);
     let degrees: Vec<f64> = rows.iter().map(|row| number(&row["degrees"])).collect();
@@ -22,7 +22,7 @@ fn volumes_follow_theory() {
 }
 
 #[test]
-fn the_table_has_a_row_per_twist() {
+fn table_has_a_row_per_twist() {
     let text = text!("skin-report --twists=-30,60");
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 3, "{text}");
@@ -31,7 +31,7 @@ fn the_table_has_a_row_per_twist() {
 
 #[cfg(feature = "charts")]
 #[test]
-fn the_picture_shows_both() {
+fn chart_shows_both_methods() {
     let folder = Folder::new("twist");
     let file = folder.file("twist.svg");
     text!("skin-report --out {file}");
@@ -40,7 +40,7 @@ fn the_picture_shows_both() {
 }
 
 #[test]
-fn wrong_usage_is_refused() {
+fn wrong_usage_is_rejected() {
     refused!("skin-report --twists 0,190" => 2, "190");
     refused!("skin-report --twists a" => 2, "`a`");
     refused!("skin-report --twists ," => 2, "at least one");
