@@ -357,7 +357,7 @@ fn rotation_hermite_about_one_axis_is_cubic() {
 
 /// A cubic leaves a key by that key's second tangent and arrives by the next one's first.
 #[test]
-fn rotation_cubic_uses_its_own_tangents() {
+fn cubic_rotation_uses_its_tangents() {
     let keys = [0.2, 0.9].map(Quat::from_rotation_y);
     let nonsense = Vec4::splat(1e3);
     let [leaving, arriving] = [

@@ -130,7 +130,7 @@ fn nearest_search_starts_from_seeds_too() {
 
 /// The winner reached and ended the search, so it is the last attempt.
 #[test]
-fn the_winner_is_the_last_attempt() {
+fn winner_is_the_last_attempt() {
     let mut later = 0;
     for number in 0..24 {
         let Some((arm, ..)) = follower_arm(number) else {

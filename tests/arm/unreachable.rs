@@ -150,7 +150,7 @@ fn scara_misses_are_stationary() {
 /// A position inside the workspace with an orientation beyond a limit: the Panda's last joint rotates by less than a
 /// full turn.
 #[test]
-fn orientation_beyond_a_limit_names_it() {
+fn orientation_beyond_a_limit_names_the_limit() {
     let robot = robot("franka_panda");
     let free = Arm::builder(&robot, "base", "flange");
     let free = free.with_atlas(false).build().unwrap();

@@ -142,7 +142,7 @@ fn half_a_turn_is_reported_as_pi() {
 
 /// At this distance floating point does not resolve a micrometre.
 #[test]
-fn unresolvable_long_slide_is_not_reached() {
+fn unresolvable_prismatic_joint_is_not_reached() {
     let solver = one_joint(JointKind::Prismatic, 0.0, 1e12);
     let far = |x: f64| Placement::translation(Vector3::new(x + 0.3, 0.0, 0.0));
     for (x, reached) in [(1.0, true), (9e11, false)] {

@@ -199,7 +199,7 @@ fn buffer_document(reference: &str) -> String {
 }
 
 #[test]
-fn gltf_buffers_outside_the_folder_are_refused() {
+fn gltf_buffers_outside_the_folder_are_rejected() {
     for_references("refs-buffers", |scenery, reference| {
         let path = scenery.inside().join("scene.gltf");
         std::fs::write(&path, buffer_document(reference)).unwrap();
@@ -293,7 +293,7 @@ fn scene_from_memory_opens_no_file_when_written() {
 }
 
 #[test]
-fn rig_files_outside_the_folder_are_refused() {
+fn rig_files_outside_the_folder_are_rejected() {
     for_references("refs-rigs", |scenery, reference| {
         let path = scenery.inside().join("rig.json");
         std::fs::write(scenery.inside().join("small.ply"), small_rig::PLY).unwrap();
@@ -310,7 +310,7 @@ fn rig_files_outside_the_folder_are_refused() {
 }
 
 #[test]
-fn world_meshes_outside_the_folder_are_refused() {
+fn world_meshes_outside_the_folder_are_rejected() {
     for_references("refs-worlds", |scenery, reference| {
         let path = scenery.inside().join("world.json");
         let text = format!(

@@ -179,7 +179,7 @@ fn well_conditioned_results_agree_to_nine_digits() {
 }
 
 #[test]
-fn a_rig_of_any_size_is_solved() {
+fn rig_of_any_size_is_solved() {
     for unit in [1e-6, 1e-3, 1e3, 1e6, 1e9] {
         let mut reached = 0;
         for seed in 0..10 {

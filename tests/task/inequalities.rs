@@ -133,7 +133,7 @@ fn bounded_centre_rows_match_their_slacks() {
 
 /// The slack of a rotation in its bounds uses the quaternion with w ≥ 0, for any rotation.
 #[test]
-fn slacks_of_large_rotations_use_the_short_way() {
+fn slacks_of_large_rotations_use_the_shorter_angle() {
     use kinopt::spatial::rotation_exp;
     use nalgebra as na;
     let mut builder = kinopt::Model::builder("frame");

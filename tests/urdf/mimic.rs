@@ -148,7 +148,7 @@ fn mimic_of_a_source_that_keeps_no_value_is_an_error() {
 }
 
 #[test]
-fn neutral_and_random_configurations_honour_mimic_joints() {
+fn random_configurations_honour_mimic_joints() {
     let robot = robot(
         [(0.2, 1.0), (-3.0, 3.0), (-9.0, 9.0)],
         (-2.0, 0.5),
