@@ -127,7 +127,7 @@ fn huge_locked_value_keeps_its_rounding() {
         let arm = arm.build().unwrap();
         let target = arm.base_from_tool(&[0.5]).unwrap();
         let solution = arm.solve(target, &[0.5]).unwrap();
-        let told = solution.explain();
-        assert_eq!(solution.reached, resolved, "{value}: {told}");
+        let explanation = solution.explain();
+        assert_eq!(solution.reached, resolved, "{value}: {explanation}");
     }
 }

@@ -81,7 +81,7 @@ fn jumps_are_short_and_leave_no_state() {
 #[test]
 fn reported_jumps_are_those_of_the_track() {
     let robot = robot("franka_panda");
-    let (mut told, mut tracks) = (0, 0);
+    let (mut reported, mut tracks) = (0, 0);
     for (goal, seed) in [(Goal::default(), 147), (Goal::free_about(Axis::Z), 178)] {
         let arm = Arm::builder(&robot, "base", "flange").with_goal(goal);
         let arm = arm.with_atlas(false).with_global_search_on_miss(true);
@@ -100,9 +100,12 @@ fn reported_jumps_are_those_of_the_track() {
         let jumps = track.jumps.iter().map(|jump| (jump.step, jump.distance));
         assert_eq!(jumps.collect::<Vec<_>>(), far, "{seed}");
         tracks += usize::from(!far.is_empty());
-        told += far.len();
+        reported += far.len();
     }
-    assert!(tracks == 2 && told > 10, "{told} jumps of {tracks} tracks");
+    assert!(
+        tracks == 2 && reported > 10,
+        "{reported} jumps of {tracks} tracks"
+    );
 }
 
 #[test]

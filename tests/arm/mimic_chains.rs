@@ -375,7 +375,7 @@ fn seed_determines_the_attempts() {
             Some((robot, "l0", tip))
         })
         .unwrap();
-    let told = |seed: u64| -> Vec<(usize, Vec<f64>)> {
+    let reported = |seed: u64| -> Vec<(usize, Vec<f64>)> {
         let builder = Arm::builder(&robot, base, tip.as_str()).with_seed(seed);
         let arm = builder.with_attempts(2).build().unwrap();
         let mut random = Random(5);
@@ -386,8 +386,8 @@ fn seed_determines_the_attempts() {
         };
         (0..30).map(|_| ask()).collect()
     };
-    assert_eq!(told(1), told(1));
-    assert_ne!(told(1), told(2));
+    assert_eq!(reported(1), reported(1));
+    assert_ne!(reported(1), reported(2));
 }
 
 /// A mimic joint in another branch restricts its source joint in the arm on request.

@@ -97,11 +97,11 @@ fn long_steps_do_not_pass_the_near_minimum() {
             let at = arm.base_from_tool(&solution.q).unwrap();
             let off = (at.translation - target.translation).norm();
             let turned = rotation_log(&(at.rotation * target.rotation.transpose())).norm();
-            let told = [solution.position_error(), solution.orientation_error()];
-            for (told, found) in told.into_iter().zip([off, turned]) {
+            let reported = [solution.position_error(), solution.orientation_error()];
+            for (reported, found) in reported.into_iter().zip([off, turned]) {
                 assert!(
-                    (told.unwrap() - found).abs() < 1e-9,
-                    "{name} {case}: {told:?} {found}"
+                    (reported.unwrap() - found).abs() < 1e-9,
+                    "{name} {case}: {reported:?} {found}"
                 );
             }
             let (end, left) = downhill(&arm, &target, &start);

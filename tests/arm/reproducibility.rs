@@ -191,15 +191,15 @@ fn reused_solution_keeps_nothing() {
     for arm in &arms {
         let (goals, starts) = questions(arm, 3);
         for (goal, start) in goals.into_iter().zip(starts.chunks(7)) {
-            let told = arm.solve(goal, start).unwrap();
-            asked.push((arm, goal, start.to_vec(), format!("{told:?}")));
+            let reported = arm.solve(goal, start).unwrap();
+            asked.push((arm, goal, start.to_vec(), format!("{reported:?}")));
         }
         // A target at the arm's base, blocked by limits.
         let start = vec![0.1; 7];
         let turned = arm.base_from_tool(&start).unwrap().rotation;
         let low = Placement::new(turned, [-0.1, 0.0, 0.1].into());
-        let told = arm.solve(low, &start).unwrap();
-        asked.push((arm, low, start, format!("{told:?}")));
+        let reported = arm.solve(low, &start).unwrap();
+        asked.push((arm, low, start, format!("{reported:?}")));
     }
     // A solver's solution whose soft task displaced its required task.
     let model = robot.model();

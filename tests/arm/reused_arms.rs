@@ -18,7 +18,7 @@ fn same(name: &str, builder: ArmBuilder<'_>) {
     let arm = builder.with_atlas(false).build().unwrap();
     let new = arm.clone();
     let mut random = Random(61);
-    let mut told = [0; 2];
+    let mut reported = [0; 2];
     for turn in 0..cases(60, 12) {
         let mut target = arm.base_from_tool(&random.configuration(&arm)).unwrap();
         let start = random.configuration(&arm);
@@ -27,7 +27,7 @@ fn same(name: &str, builder: ArmBuilder<'_>) {
         }
         let [own, fresh] = [&arm, &new.clone()].map(|arm| arm.solve(target, &start).unwrap());
         assert_eq!(format!("{own:?}"), format!("{fresh:?}"), "{name} {turn}");
-        told[usize::from(own.reached)] += 1;
+        reported[usize::from(own.reached)] += 1;
         let [own, fresh] = [&arm, &new.clone()].map(|arm| arm.solve_all(target, &start).unwrap());
         assert_eq!(format!("{own:?}"), format!("{fresh:?}"), "{name} {turn}");
         let [own, fresh] = [&arm, &new.clone()].map(|arm| {
@@ -42,7 +42,7 @@ fn same(name: &str, builder: ArmBuilder<'_>) {
         });
         assert_eq!(own, fresh, "{name} {turn}");
     }
-    assert!(told[0] > 0, "{name}: {told:?}");
+    assert!(reported[0] > 0, "{name}: {reported:?}");
 }
 
 /// Another tool or goal does not change the motors.

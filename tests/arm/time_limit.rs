@@ -119,7 +119,7 @@ fn interrupted_comparison_is_reported() {
         let hurried = builder().with_time_limit(Duration::ZERO).build().unwrap();
         let patient = builder().build().unwrap();
         let mut random = Random(63);
-        let (mut told, cases) = (0, cases(8, 4));
+        let (mut reported, cases) = (0, cases(8, 4));
         for _ in 0..cases {
             let goal = patient.base_from_tool(&random.configuration(&patient));
             let (goal, start) = (goal.unwrap(), random.configuration(&patient));
@@ -131,13 +131,13 @@ fn interrupted_comparison_is_reported() {
                     words.contains("search for others"),
                     "{words}"
                 );
-                told += usize::from(solution.reached);
+                reported += usize::from(solution.reached);
             }
             for solution in patient.solve_all(goal, &start).unwrap() {
                 assert!(solution.reached && solution.termination == Termination::Reached);
             }
         }
-        assert!(2 * told >= cases, "{told}");
+        assert!(2 * reported >= cases, "{reported}");
     }
 }
 

@@ -86,10 +86,10 @@ fn follow(name: &str, base: &str, tip: &str, margin: f64, count: usize) -> usize
             assert!(solution.reached && metres <= 1.01e-6 && radians <= 1.05e-6);
             assert!(within_limits(&arm, &solution.q));
         }
-        let told: Vec<usize> = track.jumps.iter().map(|jump| jump.step).collect();
+        let reported: Vec<usize> = track.jumps.iter().map(|jump| jump.step).collect();
         let flips = flips(&own, &track);
-        let hidden = flips.iter().find(|step| !told.contains(step));
-        assert_eq!(hidden, None, "{name}: {told:?}");
+        let hidden = flips.iter().find(|step| !reported.contains(step));
+        assert_eq!(hidden, None, "{name}: {reported:?}");
         all += usize::from(!flips.is_empty());
         for jump in &track.jumps {
             let (a, b) = (
@@ -195,8 +195,8 @@ fn end_of_a_branch_is_reported() {
     let leaping = Arm::builder(&robot, "base", "flange");
     let leaping = leaping.with_global_search_on_miss(true).build().unwrap();
     let track = leaping.track(&targets, &start).unwrap();
-    let told: Vec<_> = track.jumps.iter().map(|j| (j.step, j.continuous)).collect();
-    assert_eq!(told, [(31, false)], "{:?}", track.jumps);
+    let reported: Vec<_> = track.jumps.iter().map(|j| (j.step, j.continuous)).collect();
+    assert_eq!(reported, [(31, false)], "{:?}", track.jumps);
     assert!(track.solutions.iter().all(|solution| solution.reached));
 
     let bounded = Arm::builder(&robot, "base", "flange");
@@ -303,8 +303,8 @@ fn reported_jumps_match_the_returned_track() {
         let own: Vec<_> = own.into_iter().step_by(every).collect();
         let targets: Vec<_> = own.iter().map(|q| arm.base_from_tool(q).unwrap()).collect();
         let track = arm.track(&targets, &own[0]).unwrap();
-        let told: Vec<_> = track.jumps.iter().map(|j| (j.step, j.distance)).collect();
-        assert_eq!(told, far_steps(&track), "{seed}");
+        let reported: Vec<_> = track.jumps.iter().map(|j| (j.step, j.distance)).collect();
+        assert_eq!(reported, far_steps(&track), "{seed}");
     }
 }
 

@@ -65,7 +65,7 @@ impl Reach<'_> {
             "{} {cost}",
             solution.cost
         );
-        let told: Vec<(&str, Side)> = solution
+        let reported: Vec<(&str, Side)> = solution
             .active_limits()
             .map(|l| (l.joint, l.side))
             .collect();
@@ -73,8 +73,8 @@ impl Reach<'_> {
         for (joint, (name, limits)) in named {
             let slope = self.slope(&solution.q, joint) / (2.0 * cost).sqrt();
             let value = solution.q[joint];
-            let lower = value == limits.lower && told.contains(&(name, Side::Lower));
-            let upper = value == limits.upper && told.contains(&(name, Side::Upper));
+            let lower = value == limits.lower && reported.contains(&(name, Side::Lower));
+            let upper = value == limits.upper && reported.contains(&(name, Side::Upper));
             // Reported limits have an outward force; the others have none.
             let fine = match (lower, upper) {
                 (true, _) => slope > -1e-6,
@@ -95,7 +95,7 @@ impl Reach<'_> {
                     limits.upper
                 }
         };
-        assert!(told.iter().all(on_limit));
+        assert!(reported.iter().all(on_limit));
     }
 }
 
@@ -165,11 +165,14 @@ fn orientation_beyond_a_limit_names_the_limit() {
     let wanted = arm.base_from_tool(&[upper + 0.1]).unwrap();
     let solution = arm.solve(wanted, &[0.0]).unwrap();
     assert!(!solution.reached && solution.q == [upper]);
-    let told: Vec<_> = solution
+    let reported: Vec<_> = solution
         .active_limits()
         .map(|l| (l.joint, l.side, l.kind))
         .collect();
-    assert_eq!(told, [(names[6].as_str(), Side::Upper, BoundKind::Limit)]);
+    assert_eq!(
+        reported,
+        [(names[6].as_str(), Side::Upper, BoundKind::Limit)]
+    );
     let missed = solution
         .tasks()
         .next()
@@ -232,8 +235,8 @@ fn proven_out_of_reach_is_reported() {
                 "{}",
                 solution.explain()
             );
-            let told = solution.explain().to_string();
-            assert!(told.contains("Out of reach: "), "{told}");
+            let explanation = solution.explain().to_string();
+            assert!(explanation.contains("Out of reach: "), "{explanation}");
         }
     }
 }

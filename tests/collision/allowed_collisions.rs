@@ -201,14 +201,14 @@ fn attached_object_may_touch_its_container() {
     world.add_sphere("lid", 0.02, Vector3::zero()).unwrap();
     world.attach("lid", "link3", Vector3::zero()).unwrap();
     let checker = Checker::of(&robot).unwrap().with_world(&world).unwrap();
-    let told = |checker: &Checker| {
+    let reported = |checker: &Checker| {
         let found = checker.collisions(&q).unwrap();
         found
             .iter()
             .any(|pair| pair.first == "can" && pair.second == "bin")
     };
-    assert!(told(&checker));
-    let apart = |world: &World| told(&checker.clone().with_world(world).unwrap());
+    assert!(reported(&checker));
+    let apart = |world: &World| reported(&checker.clone().with_world(world).unwrap());
     // In either order.
     let mut other = world.clone();
     world.allow_touch("bin", "can").unwrap();
@@ -275,8 +275,12 @@ fn permissions_do_not_depend_on_insertion_order() {
         }
         checker = checker.with_world(&world).unwrap();
         let found = checker.collisions(&[0.0]).unwrap();
-        let told = found.iter().find(|pair| pair.first == "plate");
-        assert_eq!(told.map(|pair| &*pair.second), touched, "{names:?} {near}");
+        let reported = found.iter().find(|pair| pair.first == "plate");
+        assert_eq!(
+            reported.map(|pair| &*pair.second),
+            touched,
+            "{names:?} {near}"
+        );
     }
 }
 
@@ -330,40 +334,40 @@ fn robot_stands_in_a_floor_its_feet_may_touch() {
 fn unknown_names_are_reported() {
     let mut world = World::new();
     world.add_box("table", [0.1; 3], Vector3::zero()).unwrap();
-    let told = world.allow_touch("hand", "tabel").unwrap_err().to_string();
+    let message = world.allow_touch("hand", "tabel").unwrap_err().to_string();
     assert!(
         ["hand", "tabel", "table"]
             .iter()
-            .all(|name| told.contains(name)),
-        "{told}"
+            .all(|name| message.contains(name)),
+        "{message}"
     );
     assert!(world.forbid_touch("hand", "tabel").is_err());
-    let told = world.forbid_touch("hand", "table").unwrap_err();
+    let message = world.forbid_touch("hand", "table").unwrap_err();
     assert!(
-        matches!(&told, WorldError::KeptApart(names) if names[0] == "hand"),
-        "{told}"
+        matches!(&message, WorldError::KeptApart(names) if names[0] == "hand"),
+        "{message}"
     );
     world.allow_touch("haand", "table").unwrap();
     world.allow_touch("table", "haand").unwrap();
     assert_eq!(world.obstacle("table").unwrap().may_touch, ["haand"]);
-    let told = world.allow_touch("table", " ").unwrap_err().to_string();
-    assert!(told.contains("\" \""), "{told}");
+    let message = world.allow_touch("table", " ").unwrap_err().to_string();
+    assert!(message.contains("\" \""), "{message}");
     let robot = robot("franka_panda");
     let ignored = CollisionModel::of(&robot)
         .unwrap()
         .with_ignored("hand", "table");
-    let told = ignored.unwrap_err().to_string();
+    let message = ignored.unwrap_err().to_string();
     assert!(
-        told.contains("`table`") && told.contains("allow_touch"),
-        "{told}"
+        message.contains("`table`") && message.contains("allow_touch"),
+        "{message}"
     );
     let checker = Checker::of(&robot).unwrap();
     let error = checker.clone().with_world(&world).unwrap_err();
-    let told = error.to_string();
-    assert!(matches!(error, CheckerError::MayTouch { .. }), "{told}");
+    let message = error.to_string();
+    assert!(matches!(error, CheckerError::MayTouch { .. }), "{message}");
     assert!(
-        told.contains("`table`") && told.contains("did you mean `hand`?"),
-        "{told}"
+        message.contains("`table`") && message.contains("did you mean `hand`?"),
+        "{message}"
     );
     world.forbid_touch("table", "haand").unwrap();
     checker.with_world(&world).unwrap();

@@ -414,7 +414,7 @@ fn locked_joints_are_checked_at_locked_values() {
 fn attached_objects_are_kept_collision_free() {
     let mut random = Random::new(31);
     let [plain, empty] = [(); 2].map(|()| panda(Search::Start).among(&World::new(), 0.0));
-    let mut told = [0; 2];
+    let mut reported = [0; 2];
     for _ in 0..cases(60, 12) {
         let mut world = cluttered(&mut random);
         world
@@ -434,10 +434,13 @@ fn attached_objects_are_kept_collision_free() {
             let solution = arm.solve(target, &start).unwrap();
             let touched = arm.collisions(&solution.q).unwrap();
             assert_eq!(solution.reached, touched.is_empty(), "{touched:?}");
-            told[usize::from(solution.reached)] += 1;
+            reported[usize::from(solution.reached)] += 1;
         }
     }
-    assert!(told.iter().all(|told| *told > 5), "{told:?}");
+    assert!(
+        reported.iter().all(|reported| *reported > 5),
+        "{reported:?}"
+    );
 }
 
 /// The number of solutions with exact checks is limited per problem.

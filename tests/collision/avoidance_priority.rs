@@ -45,8 +45,8 @@ fn sphere_slides_around_an_obstacle() {
             tasks.keep_clear(&checker);
             let mut drag = Drag::new(tasks.build().unwrap(), &[-0.5, 0.02]).unwrap();
             let solution = drag.settle(100);
-            let (q, told) = (solution.q.clone(), solution.explain());
-            assert!(solution.reached, "{goal} {preference}: {q:?} {told}");
+            let (q, reported) = (solution.q.clone(), solution.explain());
+            assert!(solution.reached, "{goal} {preference}: {q:?} {reported}");
         }
     }
 }

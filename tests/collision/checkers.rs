@@ -51,18 +51,18 @@ fn pairs_are_sorted_by_depth() {
     // Stretched, the ends are at 1, 2 and 3; the wall starts at 1.95.
     let checker = Checker::new(balls()).with_world(&wall(2.05)).unwrap();
     let found = checker.collisions(&[0.0; 3]).unwrap();
-    let told: Vec<_> = found
+    let reported: Vec<_> = found
         .iter()
         .map(|c| (c.first.as_str(), c.second.as_str()))
         .collect();
-    assert_eq!(told, [("b", "wall")]);
+    assert_eq!(reported, [("b", "wall")]);
     // The shorter exit of a wall of 0.2 about 2.05 is backward, by 0.05 and the sphere's radius.
     assert!((found[0].distance + 0.15).abs() < 1e-9, "{found:?}");
     assert!((found[0].depth() - 0.15).abs() < 1e-9);
     let wide = checker.with_margin(0.9).unwrap();
     let found = wide.collisions(&[0.0; 3]).unwrap();
-    let told: Vec<_> = found.iter().map(|c| c.first.as_str()).collect();
-    assert_eq!(told, ["b", "c", "a"]);
+    let reported: Vec<_> = found.iter().map(|c| c.first.as_str()).collect();
+    assert_eq!(reported, ["b", "c", "a"]);
     // The end at 3 is 0.85 from the wall and its sphere 0.75; the end at 1 is 0.95 and its sphere 0.85.
     assert!((found[1].distance - 0.75).abs() < 1e-9);
     assert!((found[2].distance - 0.85).abs() < 1e-9);
@@ -152,13 +152,16 @@ fn link_and_obstacle_of_one_name_differ_by_kind() {
     world.attach("c", "a", Vector3::UNITS[0]).unwrap();
     let checker = Checker::new(balls()).with_world(&world).unwrap();
     let found = checker.collisions(&[0.0; 3]).unwrap();
-    let told: Vec<_> = found.iter().map(ToString::to_string).collect();
+    let messages: Vec<_> = found.iter().map(ToString::to_string).collect();
     for pair in [
         "link `b` and obstacle `wall`",
         "link `c` and obstacle `b`",
         "obstacle `c` and obstacle `wall`",
     ] {
-        assert!(told.iter().any(|told| told == pair), "{pair}: {told:?}");
+        assert!(
+            messages.iter().any(|messages| messages == pair),
+            "{pair}: {messages:?}"
+        );
     }
     let bent = checker.collisions(&[0.0, 0.0, 3.0]).unwrap();
     assert!(
@@ -386,15 +389,15 @@ fn workspace_serves_different_checkers() {
         for checker in &checkers {
             let joints = checker.model().model().configuration_len();
             let (from, to) = (vec![-0.9; joints], vec![0.3; joints]);
-            let told = |workspace: &mut CheckerWorkspace| {
+            let reported = |workspace: &mut CheckerWorkspace| {
                 let collisions = checker.collisions_with(workspace, &to).unwrap();
                 let nearest = checker.nearest(workspace, &to, 1.0).unwrap();
                 let way = checker.way(workspace, &from, &to).unwrap();
                 let free = checker.is_free(workspace, &from).unwrap();
                 (collisions, nearest, way, free)
             };
-            let expected = told(&mut checker.workspace());
-            assert_eq!(told(&mut workspace), expected);
+            let expected = reported(&mut checker.workspace());
+            assert_eq!(reported(&mut workspace), expected);
             found += expected.0.len();
         }
     }

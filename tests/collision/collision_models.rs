@@ -148,10 +148,10 @@ fn pairs_are_edited_by_name() {
         .with_checked("c", "b")
         .unwrap();
     assert!(!model.is_checked("a", "f").unwrap() && model.is_checked("b", "c").unwrap());
-    let told = model.with_ignored("a", "d").unwrap_err().to_string();
+    let message = model.with_ignored("a", "d").unwrap_err().to_string();
     assert!(
-        told.contains("`d`") && told.contains("a, b, c, e, f, g"),
-        "{told}"
+        message.contains("`d`") && message.contains("a, b, c, e, f, g"),
+        "{message}"
     );
 }
 
@@ -213,8 +213,11 @@ fn shipped_world_leaves_the_panda_free() {
     ];
     assert_eq!(checker.collisions(&ready).unwrap(), []);
     let leaning = [0.0, 1.4, 0.0, -0.8, 0.0, pi / 2.0, pi / 4.0, 0.04, 0.04];
-    let told = checker.collisions(&leaning).unwrap();
-    assert!(told.iter().any(|pair| pair.second == "table"), "{told:?}");
+    let reported = checker.collisions(&leaning).unwrap();
+    assert!(
+        reported.iter().any(|pair| pair.second == "table"),
+        "{reported:?}"
+    );
 }
 
 #[test]
@@ -248,11 +251,13 @@ fn meshes_are_found_in_packages_and_folders() {
     let robot = Robot::read(&urdf).unwrap();
     let error = CollisionModel::of(&robot).unwrap_err();
     assert!(matches!(error, CollisionModelError::MeshNotFound { .. }));
-    let told = error.to_string();
-    assert!(told.contains("link `arm`") && told.contains("package://stand_description/foot.obj"));
+    let message = error.to_string();
     assert!(
-        told.contains("lamp_description/urdf/stand_description/foot.obj"),
-        "{told}"
+        message.contains("link `arm`") && message.contains("package://stand_description/foot.obj")
+    );
+    assert!(
+        message.contains("lamp_description/urdf/stand_description/foot.obj"),
+        "{message}"
     );
 
     let left_out = CollisionModel::builder(&robot)

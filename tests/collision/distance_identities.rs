@@ -78,7 +78,7 @@ fn distances_are_unit_invariant() {
         if case % 3 == 0 {
             at[1].translation = at[0].translation;
         }
-        let told = |unit: f64| {
+        let reported = |unit: f64| {
             let [a, b] = [0, 1].map(|k| {
                 let at = Placement::new(at[k].rotation, at[k].translation * unit);
                 (times(&solids[k], unit).shape(), at)
@@ -86,9 +86,9 @@ fn distances_are_unit_invariant() {
             let found = separation(&a.0, &a.1, &b.0, &b.1);
             (found.distance / unit, found.normal)
         };
-        let (distance, normal) = told(1.0);
+        let (distance, normal) = reported(1.0);
         for unit in [1.0 / 1024.0, 1024.0, 1_048_576.0] {
-            let (other, along) = told(unit);
+            let (other, along) = reported(unit);
             assert!(
                 (other - distance).abs() < 1e-13,
                 "{solids:?}: {other} {distance}"
@@ -258,15 +258,15 @@ fn cloud_above_floor_includes_its_radius() {
         let heights = points.iter().map(|&point| floor_from_cloud.apply(point).z);
         let expected = heights.fold(f64::INFINITY, f64::min) - radius;
         let floor = Shape::half_space();
-        let told = separation(&floor, &world_from_floor, &cloud, &world_from_cloud);
+        let reported = separation(&floor, &world_from_floor, &cloud, &world_from_cloud);
         assert!(
-            (told.distance - expected).abs() < 1e-12,
-            "{told:?} {expected}"
+            (reported.distance - expected).abs() < 1e-12,
+            "{reported:?} {expected}"
         );
-        let told = separation(&cloud, &world_from_cloud, &floor, &world_from_floor);
+        let reported = separation(&cloud, &world_from_cloud, &floor, &world_from_floor);
         assert!(
-            (told.distance - expected).abs() < 1e-12,
-            "{told:?} {expected}"
+            (reported.distance - expected).abs() < 1e-12,
+            "{reported:?} {expected}"
         );
     }
 }

@@ -44,8 +44,8 @@ impl Panda {
     fn lowest(&self) -> f64 {
         let under = self.checker.clone().with_world(&floor(10.0)).unwrap();
         let model = under.model().model();
-        let told = under.collisions(&self.rest).unwrap();
-        let standing = told.iter().filter(|pair| {
+        let reported = under.collisions(&self.rest).unwrap();
+        let standing = reported.iter().filter(|pair| {
             let link = model.frame(&pair.first).unwrap();
             model.frames()[link.index()].joint.is_none()
         });
@@ -96,8 +96,9 @@ fn base_in_its_floor_starts_no_search() {
             (&alone.q[..], alone.attempts)
         );
         assert_eq!(solution.goals_reached(), alone.reached);
-        let told = solution.collisions().iter();
-        let base = told.filter(|pair| pair.second == "floor" && (pair.depth() - 0.02).abs() < 1e-9);
+        let reported = solution.collisions().iter();
+        let base =
+            reported.filter(|pair| pair.second == "floor" && (pair.depth() - 0.02).abs() < 1e-9);
         assert_eq!(base.count(), 1, "{:?}", solution.collisions());
         let mut clear = [true];
         arm.clear_by_spheres(&start, &mut clear).unwrap();

@@ -168,8 +168,11 @@ fn placements_beyond_1e9_are_rejected() {
         let error = world
             .add_sphere("moon", 0.1, Vector3::new(far, 0.0, 0.0))
             .unwrap_err();
-        let told = error.to_string();
-        assert!(told.contains("moon") && told.contains("1e9"), "{told}");
+        let message = error.to_string();
+        assert!(
+            message.contains("moon") && message.contains("1e9"),
+            "{message}"
+        );
     }
     world
         .add_sphere("moon", 0.1, Vector3::new(1e9, 0.0, 0.0))
@@ -185,10 +188,13 @@ fn placements_beyond_1e9_are_rejected() {
             .is_err()
     );
     let text = r#"{"boxes": [{"name": "far", "size": [1, 1, 1], "position": [1e300, 0, 0]}]}"#;
-    let told = World::from_json(text.as_bytes(), "w.json")
+    let message = World::from_json(text.as_bytes(), "w.json")
         .unwrap_err()
         .to_string();
-    assert!(told.contains("boxes[0]") && told.contains("far"), "{told}");
+    assert!(
+        message.contains("boxes[0]") && message.contains("far"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -197,12 +203,15 @@ fn invalid_coordinates_are_named() {
     let far = Vector3::new(0.0, 1e300, 0.0);
     for bad in [nan, far] {
         let points = vec![Vector3::zero(), bad, Vector3::zero(), Vector3::zero()];
-        for told in [
+        for reported in [
             Shape::convex(&points).unwrap_err(),
             Shape::mesh(points.clone(), vec![[0, 1, 2]]).unwrap_err(),
             Shape::points(points.clone(), 0.1).unwrap_err(),
         ] {
-            assert!(told.to_string().contains(" 1 has a coordinate"), "{told}");
+            assert!(
+                reported.to_string().contains(" 1 has a coordinate"),
+                "{reported}"
+            );
         }
     }
     assert!(Shape::height_field(vec![0.0, 1.0, f64::INFINITY, 0.0], 2, [1.0, 1.0]).is_err());

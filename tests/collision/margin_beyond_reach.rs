@@ -56,8 +56,8 @@ fn obstacles_beyond_reach_keep_the_margin() {
                     let mut clear = [false];
                     arm.clear_by_spheres(&[turned, 0.0], &mut clear).unwrap();
                     let touched = arm.collisions(&[turned, 0.0]).unwrap();
-                    let told = (clear[0], touched.is_empty());
-                    assert_eq!(told, (gap > margin, gap > margin), "{shape:?} {gap}");
+                    let reported = (clear[0], touched.is_empty());
+                    assert_eq!(reported, (gap > margin, gap > margin), "{shape:?} {gap}");
                 }
             }
         }

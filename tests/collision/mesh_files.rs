@@ -216,21 +216,23 @@ fn connected_parts_are_separated() {
 
 #[test]
 fn errors_name_the_file() {
-    let told = |bytes: &[u8], file: &str| MeshFile::parse(bytes, file).unwrap_err().to_string();
-    assert!(told(b"", "hand.fbx").contains("hand.fbx: is of no format that is read"));
-    assert!(told(b"v 0 0 0\nf 1 2 3\n", "a.obj").contains("line 2: `2` is none of the 1 points"));
-    assert!(told(b"v 0 0 nan\n", "a.obj").contains("line 1"));
-    assert!(told(b"v 0 0 0\n", "a.obj").contains("has no triangles"));
-    assert!(told(&binary_stl()[..300], "a.stl").contains("at least"));
+    let message = |bytes: &[u8], file: &str| MeshFile::parse(bytes, file).unwrap_err().to_string();
+    assert!(message(b"", "hand.fbx").contains("hand.fbx: is of no format that is read"));
+    assert!(
+        message(b"v 0 0 0\nf 1 2 3\n", "a.obj").contains("line 2: `2` is none of the 1 points")
+    );
+    assert!(message(b"v 0 0 nan\n", "a.obj").contains("line 1"));
+    assert!(message(b"v 0 0 0\n", "a.obj").contains("has no triangles"));
+    assert!(message(&binary_stl()[..300], "a.stl").contains("at least"));
     let dangling = dae().replace("url=\"#box\"", "url=\"#ball\"");
-    assert!(told(dangling.as_bytes(), "a.dae").contains("`#ball` is no id"));
+    assert!(message(dangling.as_bytes(), "a.dae").contains("`#ball` is no id"));
     let endless = dae().replace(
         "<node><translate>0 5 0</translate>",
         "<node id=\"n\"><instance_node url=\"#n\"/>",
     );
-    assert!(told(endless.as_bytes(), "a.dae").contains("nodes within nodes"));
+    assert!(message(endless.as_bytes(), "a.dae").contains("nodes within nodes"));
     let beyond = dae().replace("0 0 2 0 3 0 1 0", "0 0 2 0 3 0 8 0");
-    assert!(told(beyond.as_bytes(), "a.dae").contains("beyond the 8"));
+    assert!(message(beyond.as_bytes(), "a.dae").contains("beyond the 8"));
 }
 
 /// Each of 18 nodes instantiates the next twice.
@@ -247,8 +249,8 @@ fn exponential_node_instances_are_rejected() {
             "<instance_geometry url=\"#box\"/></node></node></visual_scene>",
             "<instance_node url=\"#n0\"/></node></node></visual_scene>",
         );
-        let told = MeshFile::parse(file.as_bytes(), "a.dae").unwrap_err();
-        assert!(told.to_string().contains("nodes within nodes"), "{told}");
+        let error = MeshFile::parse(file.as_bytes(), "a.dae").unwrap_err();
+        assert!(error.to_string().contains("nodes within nodes"), "{error}");
     }
 }
 

@@ -55,8 +55,8 @@ fn elbow_fits_between_two_spheres() {
                 let middle = 0.5 * (near + far);
                 let among = checker.clone().with_world(&ball(middle)).unwrap();
                 let among = among.with_margin(ROOM).unwrap();
-                let told = among.collisions(&q).unwrap();
-                match told.iter().any(|pair| pair.second == "ball") {
+                let reported = among.collisions(&q).unwrap();
+                match reported.iter().any(|pair| pair.second == "ball") {
                     true => near = middle,
                     false => far = middle,
                 }

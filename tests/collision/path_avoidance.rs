@@ -140,7 +140,7 @@ fn initial_contact_is_left_and_never_deepened() {
     ] {
         let (arm, path) = in_a_table(deep - margin, margin);
         let begins = nearest(&arm, &Q).min(margin);
-        let told = format!("{deep} m deep");
+        let message = format!("{deep} m deep");
         let (mut q, mut reached) = (Q.to_vec(), 0);
         let mut last = begins;
         let track = arm.track(&path, &Q).unwrap();
@@ -149,7 +149,7 @@ fn initial_contact_is_left_and_never_deepened() {
             // Contacts below 1 µm count as grazing.
             assert!(
                 now >= last.min(margin - 1e-6) - 2e-9,
-                "{told}: {now} after {last}"
+                "{message}: {now} after {last}"
             );
             assert_eq!(solution.reached, now >= margin && solution.goals_reached());
             assert_eq!(solution.collisions().is_empty(), now >= margin);
@@ -157,7 +157,7 @@ fn initial_contact_is_left_and_never_deepened() {
             (q, last) = (solution.q.clone(), now);
             reached += usize::from(solution.reached);
         }
-        assert!(reached > 80, "{told}: {reached} of 101");
+        assert!(reached > 80, "{message}: {reached} of 101");
         let mut servo = arm.servo(&Q, 0.01).unwrap();
         let mut last = begins;
         for (k, target) in path.iter().enumerate() {
@@ -165,17 +165,17 @@ fn initial_contact_is_left_and_never_deepened() {
             let now = nearest(&arm, step.q);
             assert!(
                 now >= last.min(margin - 1e-6) - 2e-9,
-                "{told}: {now} after {last}"
+                "{message}: {now} after {last}"
             );
-            assert_eq!(step.collisions.is_empty(), now >= margin, "{told}, {k}");
-            assert!(!step.reached() || now >= margin, "{told}, {k}");
+            assert_eq!(step.collisions.is_empty(), now >= margin, "{message}, {k}");
+            assert!(!step.reached() || now >= margin, "{message}, {k}");
             last = now;
         }
         let mut step = servo.step(path[100]).unwrap();
         for _ in 0..40 {
             step = servo.step(path[100]).unwrap();
         }
-        assert!(step.reached(), "{told}: {:?}", step.status);
+        assert!(step.reached(), "{message}: {:?}", step.status);
         // In contact no target is reached, and targets farther inside cause no motion.
         if deep > 1e-6 {
             let (arm, path) = in_a_table(deep - margin, margin);
@@ -187,8 +187,8 @@ fn initial_contact_is_left_and_never_deepened() {
                 let mut down = path[0];
                 down.translation.z -= 0.001 * f64::from(k);
                 let step = servo.step(down).unwrap();
-                assert_eq!(step.status, ServoStatus::Touching, "{told}, {k}");
-                assert!(nearest(&arm, step.q) > begins - 1e-7, "{told}, {k}");
+                assert_eq!(step.status, ServoStatus::Touching, "{message}, {k}");
+                assert!(nearest(&arm, step.q) > begins - 1e-7, "{message}, {k}");
             }
         }
     }

@@ -138,8 +138,8 @@ fn invalid_obstacles_are_rejected_by_name() {
             match added {
                 Err(error) => {
                     refused += 1;
-                    let told = error.to_string();
-                    assert!(told.contains(&format!("{name:?}")), "{told}");
+                    let message = error.to_string();
+                    assert!(message.contains(&format!("{name:?}")), "{message}");
                     assert_eq!((world.len(), world.revision()), before);
                 }
                 Ok(()) => taken += 1,
@@ -233,6 +233,6 @@ fn slender_boxes_are_measured_or_rejected() {
         }
     }
     let error = Shape::cuboid([0.05, 1e9, 1e-9]).unwrap_err();
-    let told = "the length of the box along y is 1e9 and the length of the box along z 1e-9: more than 1e12 times";
-    assert_eq!(error.to_string(), told);
+    let reported = "the length of the box along y is 1e9 and the length of the box along z 1e-9: more than 1e12 times";
+    assert_eq!(error.to_string(), reported);
 }

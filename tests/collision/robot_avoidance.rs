@@ -592,14 +592,18 @@ fn earlier_contacts_leave_no_state() {
     let start = [0.6, 0.2, 0.1, 0.1];
     let fresh = asked().map(|question| solver.solve_once(question, &start).unwrap());
     let fresh: Vec<_> = fresh.collect();
-    assert!(fresh.iter().filter(|told| told.reached).count() > 4);
-    assert!(fresh.iter().any(|told| !told.collisions().is_empty()));
+    assert!(fresh.iter().filter(|reported| reported.reached).count() > 4);
+    assert!(
+        fresh
+            .iter()
+            .any(|reported| !reported.collisions().is_empty())
+    );
     for question in asked() {
         for (other, expected) in asked().zip(&fresh) {
             let mut workspace = Workspace::new();
             solver.solve(question, &start, &mut workspace).unwrap();
-            let told = solver.solve(other, &start, &mut workspace).unwrap();
-            assert_eq!(format!("{told:?}"), format!("{expected:?}"));
+            let reported = solver.solve(other, &start, &mut workspace).unwrap();
+            assert_eq!(format!("{reported:?}"), format!("{expected:?}"));
         }
     }
 }
@@ -623,9 +627,9 @@ fn jump_is_reported_only_if_made() {
             drag.advance();
             let moved = drag.q().iter().zip(&before).map(|(a, b)| (a - b).abs());
             let moved = moved.fold(0.0, f64::max);
-            let told = drag.leap().map_or(0.0, |leap| leap.distance);
-            match told > 0.0 {
-                true => assert!((moved - told).abs() < 1e-12, "{moved} {told}"),
+            let reported = drag.leap().map_or(0.0, |leap| leap.distance);
+            match reported > 0.0 {
+                true => assert!((moved - reported).abs() < 1e-12, "{moved} {reported}"),
                 false => assert!(moved <= 0.15 + 1e-12, "{moved}"),
             }
         }

@@ -76,10 +76,10 @@ fn attachment_is_kept_and_bad_scales_rejected() {
     let off = board.placement.translation - at(0.2, 0.0).translation * 2.0;
     assert!(off.norm() < 1e-15);
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let told = world.scaled(bad).unwrap_err().to_string();
+        let message = world.scaled(bad).unwrap_err().to_string();
         assert!(
-            told.contains("times") && told.contains("positive"),
-            "{told}"
+            message.contains("times") && message.contains("positive"),
+            "{message}"
         );
     }
     let far = world.scaled(1e-320).unwrap_err();

@@ -9,8 +9,8 @@ use support::random::Random;
 #[test]
 fn lengths_are_positive_and_finite() {
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e300, 1e-300] {
-        let told = Shape::sphere(bad).unwrap_err().to_string();
-        assert!(told.contains("radius of the sphere"), "{told}");
+        let message = Shape::sphere(bad).unwrap_err().to_string();
+        assert!(message.contains("radius of the sphere"), "{message}");
         assert!(Shape::capsule(1.0, bad).is_err() && Shape::capsule(bad, 1.0).is_err());
         assert!(Shape::cylinder(1.0, bad).is_err() && Shape::cylinder(bad, 1.0).is_err());
         assert!(Shape::cuboid([1.0, bad, 1.0]).is_err());
@@ -206,8 +206,8 @@ fn vertex_of_many_triangles_has_the_right_side() {
             for k in 0..3 {
                 let way = normals[k] + (normals[(k + 1) % 3] + normals[(k + 2) % 3]) * 0.1;
                 let far = 0.01 / way.norm();
-                let told = mesh.signed_distance(corner + way * far);
-                assert!((told - 0.01).abs() < 1e-12, "{parts} {k}: {told}");
+                let reported = mesh.signed_distance(corner + way * far);
+                assert!((reported - 0.01).abs() < 1e-12, "{parts} {k}: {reported}");
                 assert!(mesh.signed_distance(corner - corner * 0.01) < 0.0);
             }
         }

@@ -87,7 +87,7 @@ fn hand_in_the_belly_is_detected() {
         assert!(solution.reached, "{solution:?}");
         checker.collisions(&solution.q).unwrap()
     };
-    let told = reach(belly);
+    let reported = reach(belly);
     let trunk = ["spine", "pelvis", "chest", "upper_chest"];
     let through = |pairs: &[kinopt::collision::Collision]| {
         let pair = |pair: &&kinopt::collision::Collision| {
@@ -96,7 +96,7 @@ fn hand_in_the_belly_is_detected() {
         };
         pairs.iter().find(pair).map(|pair| pair.depth())
     };
-    assert!(through(&told).unwrap() > 0.02, "{told:?}");
+    assert!(through(&reported).unwrap() > 0.02, "{reported:?}");
     // 35 cm from the belly, on one side at least, the hand does not touch the trunk.
     let free = [-1.0, 1.0].map(|side| {
         let across = [Vector3::UNITS[1], Vector3::UNITS[2]];

@@ -327,12 +327,12 @@ fn clear_by_spheres_keeps_a_wide_margin() {
 fn arm_without_checker_reports_an_error() {
     let plain = kinopt::Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
     let q = [0.0; 7];
-    let told = plain.collisions(&q).unwrap_err().to_string();
-    assert!(told.contains("not known"), "{told}");
+    let message = plain.collisions(&q).unwrap_err().to_string();
+    assert!(message.contains("not known"), "{message}");
     assert!(plain.clear_by_spheres(&q, &mut [true]).is_err());
-    let told = plain
+    let message = plain
         .with_world(&World::new(), None)
         .unwrap_err()
         .to_string();
-    assert!(!told.contains("with_checker"), "{told}");
+    assert!(!message.contains("with_checker"), "{message}");
 }

@@ -35,7 +35,7 @@ fn same_answers(search: Search) {
     let alone = Checker::new(bodies);
     let covered = alone.clone().with_spheres(spheres);
     let mut random = Random::new(9);
-    let (mut told, mut unclear) = (0, 0);
+    let (mut reported, mut unclear) = (0, 0);
     for _ in 0..cases(60, 24) {
         let mut world = World::new();
         add_boxes(&mut world, &mut random);
@@ -58,11 +58,11 @@ fn same_answers(search: Search) {
         for solution in &by_both {
             let mut clear = [false];
             arms[1].clear_by_spheres(&solution.q, &mut clear).unwrap();
-            told += 1;
+            reported += 1;
             unclear += usize::from(!clear[0]);
         }
     }
-    assert!(told > 5 && unclear > 2, "{unclear} of {told}");
+    assert!(reported > 5 && unclear > 2, "{unclear} of {reported}");
 }
 
 #[test]

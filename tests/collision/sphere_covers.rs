@@ -230,8 +230,8 @@ fn protrusion_of_capsules_is_the_maximum() {
     ] {
         let model = one_link(capsules);
         let spheres = SphereModel::of(&model, Fineness::Overhang(0.02)).unwrap();
-        let told = spheres.overhang();
-        assert!((told - expected).abs() < 1e-9, "{told} {expected}");
+        let reported = spheres.overhang();
+        assert!((reported - expected).abs() < 1e-9, "{reported} {expected}");
     }
 }
 
@@ -246,10 +246,10 @@ fn cover_is_reproducible() {
 fn invalid_resolution_is_rejected() {
     let model = one_link([(Shape::cuboid([1.0; 3]).unwrap(), Placement::identity())]);
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9] {
-        let told = SphereModel::of(&model, Fineness::Overhang(bad))
+        let message = SphereModel::of(&model, Fineness::Overhang(bad))
             .unwrap_err()
             .to_string();
-        assert!(told.contains("overhang"), "{told}");
+        assert!(message.contains("overhang"), "{message}");
     }
     assert!(SphereModel::of(&model, Fineness::PerLink(0)).is_err());
 }
@@ -263,7 +263,7 @@ fn sphere_links_are_checked_exactly() {
     use kinopt::model::Limits;
     use kinopt::spatial::rotation_exp;
     let mut random = Random::new(83);
-    let mut told = [0; 2];
+    let mut reported = [0; 2];
     for case in 0..cases(60, 24) {
         let three = |random: &mut Random, size: f64| {
             let v = random.vector(size);
@@ -334,8 +334,8 @@ fn sphere_links_are_checked_exactly() {
             arm.clear_by_spheres(&q, &mut clear).unwrap();
             let is_free = alone.collisions(&q).unwrap().is_empty();
             assert_eq!(clear[0], is_free, "{case}: {q:?}");
-            told[usize::from(is_free)] += 1;
+            reported[usize::from(is_free)] += 1;
         }
     }
-    assert!(told.iter().all(|count| *count > 40), "{told:?}");
+    assert!(reported.iter().all(|count| *count > 40), "{reported:?}");
 }

@@ -60,43 +60,45 @@ fn curobo_spheres_are_read() {
 #[test]
 fn errors_name_the_line() {
     let shapes = CollisionModel::of(&robot("franka_panda")).unwrap();
-    let told = |text: &str, file: &str| {
+    let reported = |text: &str, file: &str| {
         let read = SphereModel::parse(text.as_bytes(), file, &shapes);
         read.unwrap_err().to_string()
     };
     let head = "collision_spheres:\n";
-    assert!(told("a: 1\n", "s.yml").contains("s.yml: has no `collision_spheres`"));
+    assert!(reported("a: 1\n", "s.yml").contains("s.yml: has no `collision_spheres`"));
     assert!(
-        told(
+        reported(
             &format!("{head}  palm:\n    - {{center: [0, 0, 0], radius: 1}}\n"),
             "s.yml"
         )
         .contains("`palm`")
     );
     assert!(
-        told(
+        reported(
             &format!("{head}  hand:\n    - center: [0, 0]\n      radius: 1\n"),
             "s.yml"
         )
         .contains("line 3")
     );
     assert!(
-        told(
+        reported(
             &format!("{head}  hand:\n    - center: [0, 0, .nan]\n      radius: 1\n"),
             "s.yml"
         )
         .contains("three finite")
     );
     assert!(
-        told(
+        reported(
             &format!("{head}  hand:\n    - center: [0, 0, 0]\n"),
             "s.yml"
         )
         .contains("needs a `radius`")
     );
-    assert!(told("", "s.txt").contains(".yaml or .urdf"));
+    assert!(reported("", "s.txt").contains(".yaml or .urdf"));
     let cylinder = r#"<robot name="r"><link name="hand"><collision><geometry><box size="1 1 1"/></geometry></collision></link></robot>"#;
-    assert!(told(cylinder, "s.urdf").contains("`hand` has a collision shape that is no sphere"));
+    assert!(
+        reported(cylinder, "s.urdf").contains("`hand` has a collision shape that is no sphere")
+    );
 }
 
 #[test]
@@ -357,8 +359,11 @@ fn capsule_with_an_uncovered_cap_has_a_gap() {
         }
         let spheres = SphereModel::parse(text.as_bytes(), "rod.yml", &shapes).unwrap();
         let gap = if ends.len() == 2 { 0.0 } else { 0.3 - middle };
-        let told = spheres.gap();
-        assert!(told >= gap && told < gap + 2e-3, "{ends:?}: {told} {gap}");
+        let reported = spheres.gap();
+        assert!(
+            reported >= gap && reported < gap + 2e-3,
+            "{ends:?}: {reported} {gap}"
+        );
     }
 }
 

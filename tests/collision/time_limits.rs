@@ -135,8 +135,13 @@ fn cancelled_depenetration_stops_at_once() {
             }
         };
         let (start, mut workspace) = (model.neutral(), Workspace::new());
-        let told = Solver::default().solve_observed(&problem, &start, &mut workspace, &mut watch);
-        assert_eq!(told.unwrap().termination, Termination::Cancelled, "{stop}");
+        let reported =
+            Solver::default().solve_observed(&problem, &start, &mut workspace, &mut watch);
+        assert_eq!(
+            reported.unwrap().termination,
+            Termination::Cancelled,
+            "{stop}"
+        );
         // One search ends and the next starts when required tasks are reached.
         assert!(seen <= stop + 1, "{seen} after {stop}");
     }

@@ -122,7 +122,7 @@ fn json_round_trip_is_exact() {
 
 #[test]
 fn json_errors_name_the_location() {
-    let told = |text: &str| {
+    let reported = |text: &str| {
         World::from_json(text.as_bytes(), "w.json")
             .unwrap_err()
             .to_string()
@@ -201,27 +201,27 @@ fn json_errors_name_the_location() {
             "one plane",
         ),
     ] {
-        let told = told(text);
+        let reported = reported(text);
         assert!(
-            told.starts_with("w.json: ") && told.contains(place) && told.contains(what),
-            "{text}: {told}"
+            reported.starts_with("w.json: ") && reported.contains(place) && reported.contains(what),
+            "{text}: {reported}"
         );
     }
 }
 
 #[test]
 fn scene_errors_name_the_line() {
-    let told = |text: &str| {
+    let message = |text: &str| {
         World::from_moveit(text.as_bytes(), "s.yaml")
             .unwrap_err()
             .to_string()
     };
-    let scene = |from: &str, to: &str| told(&SCENE.replacen(from, to, 1));
-    for (told, what) in [
-        (told("a: 1"), "no `world`"),
-        (told("a: [1"), "line "),
-        (told(""), "no YAML"),
-        (told("a: &b [1]\nworld: *b"), "line 2: aliases"),
+    let scene = |from: &str, to: &str| message(&SCENE.replacen(from, to, 1));
+    for (message, what) in [
+        (message("a: 1"), "no `world`"),
+        (message("a: [1"), "line "),
+        (message(""), "no YAML"),
+        (message("a: &b [1]\nworld: *b"), "line 2: aliases"),
         (scene("type: box", "type: cone"), "\"cone\" is not box"),
         (
             scene("[0.14, 0.03]", "[0.14]"),
@@ -246,8 +246,8 @@ fn scene_errors_name_the_line() {
         (scene("id: Can1", "name: Can1"), "no `id`"),
     ] {
         assert!(
-            told.starts_with("s.yaml: ") && told.contains(what),
-            "{told} ({what})"
+            message.starts_with("s.yaml: ") && message.contains(what),
+            "{message} ({what})"
         );
     }
 }
@@ -319,26 +319,30 @@ fn scene_objects_are_placed_in_their_frame() {
         world.obstacle("pen").unwrap().attached.as_deref(),
         Some("hand")
     );
-    let told = |from: &str, to: &str| read(&FRAMES.replacen(from, to, 1)).unwrap_err().to_string();
-    for (told, what) in [
+    let message =
+        |from: &str, to: &str| read(&FRAMES.replacen(from, to, 1)).unwrap_err().to_string();
+    for (message, what) in [
         (
-            told("frame_id: /camera", "frame_id: shelf"),
+            message("frame_id: /camera", "frame_id: shelf"),
             "\"ball\" stands in frame \"shelf\"",
         ),
         (
-            told("{frame_id: camera}", "{frame_id: other}"),
+            message("{frame_id: camera}", "{frame_id: other}"),
             "\"camera\"",
         ),
         (
-            told("{frame_id: hand}", "{frame_id: world}"),
+            message("{frame_id: hand}", "{frame_id: world}"),
             "in \"hand\" is not known",
         ),
-        (told("data: []", "data: [0, 1]"), "`octomap` holds cells"),
-        (told("translation: {x: 1", "translation: {u: 1"), "no `x`"),
+        (message("data: []", "data: [0, 1]"), "`octomap` holds cells"),
+        (
+            message("translation: {x: 1", "translation: {u: 1"),
+            "no `x`",
+        ),
     ] {
         assert!(
-            told.starts_with("s.yaml: ") && told.contains(what),
-            "{told} ({what})"
+            message.starts_with("s.yaml: ") && message.contains(what),
+            "{message} ({what})"
         );
     }
     // A scene without frames is in world coordinates.
@@ -353,10 +357,10 @@ fn scene_objects_are_placed_in_their_frame() {
         "- header: {frame_id: panda_link0}\n      id: Can1",
         1,
     );
-    let told = read(&elsewhere).unwrap_err().to_string();
+    let message = read(&elsewhere).unwrap_err().to_string();
     assert!(
-        told.contains("panda_link0") && told.contains("\"world\""),
-        "{told}"
+        message.contains("panda_link0") && message.contains("\"world\""),
+        "{message}"
     );
 }
 
@@ -369,10 +373,10 @@ fn scene_matrix_allows_collisions_of_objects() {
     };
     let links = "{entry_names: [a, b], entry_values: [[0, 1], [1, 0]]}";
     let world = read(links).unwrap();
-    let told = world.notes().join("\n");
+    let message = world.notes().join("\n");
     assert!(
-        told.contains("pairs of links") && told.contains("allowed_collision_matrix"),
-        "{told}"
+        message.contains("pairs of links") && message.contains("allowed_collision_matrix"),
+        "{message}"
     );
     assert_eq!(world.scaled(2.0).unwrap().notes(), world.notes());
     // As lists, and as ROS messages.
@@ -401,8 +405,11 @@ fn scene_matrix_allows_collisions_of_objects() {
             checker.clone().with_world(&world).unwrap();
             // Names in other permissions have to exist.
             world.allow_touch("Can1", "hnad").unwrap();
-            let told = checker.with_world(&world).unwrap_err().to_string();
-            assert!(told.contains("`hnad`") && told.contains("`hand`"), "{told}");
+            let message = checker.with_world(&world).unwrap_err().to_string();
+            assert!(
+                message.contains("`hnad`") && message.contains("`hand`"),
+                "{message}"
+            );
         }
     }
     let held = SCENE.replace(
@@ -419,11 +426,11 @@ fn scene_matrix_allows_collisions_of_objects() {
         "{entry_names: [a, b], entry_values: [[0, maybe], [1, 0]]}",
         "{entry_names: [a, a], entry_values: [[0, 1], [1, 0]]}",
     ] {
-        let told = read(wrong).unwrap_err().to_string();
+        let message = read(wrong).unwrap_err().to_string();
         assert!(
-            told.contains("line 1") && told.contains("entry_")
-                || told.contains("allowed_collision_matrix"),
-            "{told}"
+            message.contains("line 1") && message.contains("entry_")
+                || message.contains("allowed_collision_matrix"),
+            "{message}"
         );
     }
 }
@@ -450,8 +457,8 @@ fn written_file_needs_json_extension() {
         assert_eq!(again.to_json(), world.to_json());
     }
     for name in ["world", "world.yaml"] {
-        let told = world.write(folder.join(name)).unwrap_err().to_string();
-        assert!(told.contains("must end in .json"), "{name}: {told}");
+        let message = world.write(folder.join(name)).unwrap_err().to_string();
+        assert!(message.contains("must end in .json"), "{name}: {message}");
         assert!(!folder.join(name).exists(), "{name}");
     }
     std::fs::remove_dir_all(folder).unwrap();

@@ -160,8 +160,8 @@ fn tips_of_shipped_rigs_are_reached() {
                 .unwrap()
                 - target)
                 .norm();
-            let told = solution.tasks().next().unwrap().position_error().unwrap();
-            assert!((told - missed).abs() < 1e-12);
+            let reported = solution.tasks().next().unwrap().position_error().unwrap();
+            assert!((reported - missed).abs() < 1e-12);
             assert_eq!(solution.reached, missed <= 1e-6);
             assert!(within_limits(model, &solution));
             (reached, asked) = (reached + usize::from(solution.reached), asked + 1);

@@ -33,9 +33,12 @@ fn check(name: &str, model: &Model, solution: &Solution, missed: &[f64]) {
     for (&value, limits) in solution.q.iter().zip(model.limits()) {
         assert!(limits.contains(value), "{name}");
     }
-    let told = solution.tasks().map(|task| task.position_error().unwrap());
-    for (told, missed) in told.zip(missed) {
-        assert!((told - missed).abs() < 1e-12, "{name}: {told} is {missed}");
+    let reported = solution.tasks().map(|task| task.position_error().unwrap());
+    for (reported, missed) in reported.zip(missed) {
+        assert!(
+            (reported - missed).abs() < 1e-12,
+            "{name}: {reported} is {missed}"
+        );
     }
     let cost = 0.5 * missed.iter().map(|m| m * m).sum::<f64>();
     assert!(

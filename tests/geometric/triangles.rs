@@ -30,13 +30,16 @@ fn triangle_matches_plane_geometry() {
             _ => 0.0,
         };
         assert!((missed - expected).abs() < 1e-12);
-        let told = match found.span {
+        let reported = match found.span {
             Span::TooFar(by) => (0, by),
             Span::TooNear(by) => (1, by),
             Span::Within => (2, 0.0),
         };
-        seen[told.0] += 1;
-        assert!((told.1 - expected).abs() < 1e-12, "{told:?} {expected}");
+        seen[reported.0] += 1;
+        assert!(
+            (reported.1 - expected).abs() < 1e-12,
+            "{reported:?} {expected}"
+        );
         let (first, second) = (found.mid - root, found.tip - found.mid);
         assert!((first.norm() - upper).abs() < 1e-9 && (second.norm() - lower).abs() < 1e-9);
         let angle = |a: Vector3<f64>, b: Vector3<f64>| a.cross(b).norm().atan2(a.dot(b));

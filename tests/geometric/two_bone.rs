@@ -94,8 +94,8 @@ fn unreachable_target_stretches_or_folds() {
                 assert!(!solution.reached);
                 let tip = planar_tip(&links, &solution.q);
                 assert!(((tip - along * distance).norm() - miss).abs() < 1e-9);
-                let told = solution.tasks().next().unwrap().position_error().unwrap();
-                assert!((told - miss).abs() < 1e-9);
+                let reported = solution.tasks().next().unwrap().position_error().unwrap();
+                assert!((reported - miss).abs() < 1e-9);
                 assert!(solution.explain().starts_with("Not reached"));
             }
         }

@@ -178,9 +178,9 @@ fn invalid_configurations_are_rejected() {
     let wrong: [&[f64]; 4] = [&[], &[0.1, 0.2], &[0.1; 4], &[0.1, f64::NAN, 0.3]];
     for q in wrong {
         for (name, refused) in of_a_configuration(q) {
-            let told = refused.expect_err(name).to_string();
+            let message = refused.expect_err(name).to_string();
             let said = if q.len() == 3 { "finite" } else { "3" };
-            assert!(told.contains(said), "{name}: {told}");
+            assert!(message.contains(said), "{name}: {message}");
         }
     }
     let mut odd = [0.1; 6];
@@ -188,9 +188,9 @@ fn invalid_configurations_are_rejected() {
     let wrong: [&[f64]; 4] = [&[], &[0.1; 5], &[0.1; 7], &odd];
     for q in wrong {
         for (name, refused) in of_angles(q) {
-            let told = refused.expect_err(name).to_string();
+            let message = refused.expect_err(name).to_string();
             let said = if q.len() == 6 { "finite" } else { "6" };
-            assert!(told.contains(said), "{name}: {told}");
+            assert!(message.contains(said), "{name}: {message}");
         }
     }
 }
@@ -288,12 +288,12 @@ fn invalid_targets_are_rejected() {
 #[test]
 fn zero_counts_are_rejected() {
     let keys = vec![Placement::identity(); 2];
-    let told = CartesianPath::spline(keys, None, 0).unwrap_err();
-    assert!(told.to_string().contains("steps"), "{told}");
+    let error = CartesianPath::spline(keys, None, 0).unwrap_err();
+    assert!(error.to_string().contains("steps"), "{error}");
     let robot = Robot::read("../models/franka_panda.urdf").unwrap();
     let builder = CollisionModel::builder(&robot).with_meshes(MeshUse::Pieces(0));
-    let told = builder.build().unwrap_err();
-    assert!(told.to_string().contains("pieces"), "{told}");
+    let error = builder.build().unwrap_err();
+    assert!(error.to_string().contains("pieces"), "{error}");
 }
 
 #[test]

@@ -405,8 +405,8 @@ fn invalid_serialised_values_are_rejected() {
         let mut parts: serde_json::Value = serde_json::from_str(&text).unwrap();
         parts["scales"][bone][1] = 1e39.into();
         let error = serde_json::from_value::<Pose>(parts).unwrap_err();
-        let told = format!("bone {bone}:");
-        assert!(error.to_string().contains(&told), "{error}");
+        let message = format!("bone {bone}:");
+        assert!(error.to_string().contains(&message), "{error}");
     }
 
     let turns = vec![Quat::IDENTITY; 3];
@@ -417,8 +417,8 @@ fn invalid_serialised_values_are_rejected() {
             let mut parts = serde_json::to_value(&curve).unwrap();
             parts["between"][kind][key][0] = 1e39.into();
             let error = serde_json::from_value::<RotationCurve>(parts).unwrap_err();
-            let told = format!("key {key}: the tangent");
-            assert!(error.to_string().contains(&told), "{error}");
+            let message = format!("key {key}: the tangent");
+            assert!(error.to_string().contains(&message), "{error}");
         }
     }
 

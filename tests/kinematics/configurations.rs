@@ -262,18 +262,18 @@ fn non_finite_numbers_are_reported_by_index() {
     for ball in 0..3 {
         let mut q = model.neutral();
         q[4 * ball..4 * ball + 4].fill(0.0);
-        let told = kinematics.place(&q).unwrap_err();
+        let error = kinematics.place(&q).unwrap_err();
         let expected = 4 * ball;
         assert!(
-            matches!(told, KinematicsError::NoRotation { index, .. } if index == expected),
-            "{told}"
+            matches!(error, KinematicsError::NoRotation { index, .. } if index == expected),
+            "{error}"
         );
         q[4 * ball + 2] = f64::NAN;
-        let told = kinematics.place(&q).unwrap_err();
+        let error = kinematics.place(&q).unwrap_err();
         let expected = 4 * ball + 2;
         assert!(
-            matches!(told, KinematicsError::NotFinite { index, .. } if index == expected),
-            "{told}"
+            matches!(error, KinematicsError::NotFinite { index, .. } if index == expected),
+            "{error}"
         );
     }
 }

@@ -115,7 +115,7 @@ fn ball_limits_match_their_parts() {
     use std::f64::consts::PI;
     use support::random::Random;
     let mut random = Random::new(31);
-    let mut told = [0; 2];
+    let mut reported = [0; 2];
     for case in 0..600 {
         let [x, y, z] = Vector3::UNITS;
         let (axis, first, second) = [(x, y, z), (y, z, x), (z, x, y)][case % 3];
@@ -151,7 +151,7 @@ fn ball_limits_match_their_parts() {
             if a.hypot(b) < 3.1 {
                 let q = [w, v.x, v.y, v.z];
                 assert_eq!(model.is_within_limits(&q), inside, "{limits:?} {q:?}");
-                told[usize::from(inside)] += 1;
+                reported[usize::from(inside)] += 1;
             }
         }
         for seed in 0..4 {
@@ -159,7 +159,7 @@ fn ball_limits_match_their_parts() {
             assert!(model.is_within_limits(&q), "{limits:?} {q:?}");
         }
     }
-    assert!(told.iter().all(|count| *count > 500), "{told:?}");
+    assert!(reported.iter().all(|count| *count > 500), "{reported:?}");
 }
 
 /// A free joint is identified by its first translation. The intersection of two limits is what both allow.

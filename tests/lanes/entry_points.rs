@@ -37,8 +37,8 @@ fn path_equals_consecutive_solves() {
         let (mut from, mut own_way) = (start, 0);
         for ((goal, q), outcome) in goals.iter().zip(q.chunks(n)).zip(&outcomes) {
             let mut alone = vec![0.0; n];
-            let told = own.solve(goal, &from, Prefer::Start, None, &mut alone);
-            if told.unwrap().winner == Some(0) {
+            let reported = own.solve(goal, &from, Prefer::Start, None, &mut alone);
+            if reported.unwrap().winner == Some(0) {
                 own_way += 1;
                 assert_eq!(outcome.winner, Some(0));
                 assert!(q.iter().zip(&alone).all(|(a, b)| (a - b).abs() < 1e-9));
@@ -59,7 +59,7 @@ fn total_iterations_are_bounded() {
         let options = NO_ATLAS().with_total_iterations(most).with_iterations(40);
         let own = solver(&chain, options);
         let mut alone = vec![0.0; n];
-        let told = own.solve(&far_away(), &start, Prefer::Start, None, &mut alone);
+        let reported = own.solve(&far_away(), &start, Prefer::Start, None, &mut alone);
         let mut outcomes = vec![PoseOutcome::default(); 3];
         let (goals, starts) = ([far_away(); 3], start.repeat(3));
         own.solve_batch(
@@ -70,7 +70,7 @@ fn total_iterations_are_bounded() {
             &mut outcomes,
         )
         .unwrap();
-        outcomes.push(told.unwrap());
+        outcomes.push(reported.unwrap());
         for outcome in &outcomes {
             // Eight attempts may already be running at that point.
             assert!(outcome.iterations < most + 8 * 40, "{most}: {outcome:?}");
@@ -97,8 +97,8 @@ fn option_out_of_range_is_named() {
     for (name, set) in options {
         for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             let refused = PoseSolver::new(&ur5(), set(NO_ATLAS(), bad));
-            let told = refused.unwrap_err().to_string();
-            assert!(told.contains(name), "{name} = {bad}: {told}");
+            let message = refused.unwrap_err().to_string();
+            assert!(message.contains(name), "{name} = {bad}: {message}");
         }
     }
 }
@@ -177,8 +177,8 @@ fn weightless_components_do_not_count_as_errors() {
         let mut goal = target(&chain, &random.configuration(&chain));
         goal.translation += Vector3::new(0.05, -0.2, 0.3) * f64::from(case as u32 % 3);
         let (start, mut q) = (random.configuration(&chain), vec![0.0; own.joints()]);
-        let told = own.solve(&goal, &start, Prefer::Start, None, &mut q);
-        let told = told.unwrap();
+        let reported = own.solve(&goal, &start, Prefer::Start, None, &mut q);
+        let reported = reported.unwrap();
         let goal = nalgebra::Isometry3::from(&goal);
         let off = goal.inverse() * tip(&chain, &q);
         let counted = |part: [f64; 3], weights: [f64; 3]| {
@@ -190,14 +190,14 @@ fn weightless_components_do_not_count_as_errors() {
         let chord = counted([half.x, half.y, half.z], axes.orientation_weights);
         let angle = 2.0 * chord.min(1.0).asin();
         assert!(
-            (told.position_error - position).abs() < 1e-12,
-            "{case}: {told:?} {position}"
+            (reported.position_error - position).abs() < 1e-12,
+            "{case}: {reported:?} {position}"
         );
         assert!(
-            (told.orientation_error - angle).abs() < 1e-7,
-            "{case}: {told:?} {angle}"
+            (reported.orientation_error - angle).abs() < 1e-7,
+            "{case}: {reported:?} {angle}"
         );
-        missed += u32::from(!told.reached);
+        missed += u32::from(!reported.reached);
     }
     assert!((4..24).contains(&missed), "{missed}");
 }
@@ -224,9 +224,9 @@ fn very_wide_tolerance_equals_a_free_component() {
         let answers = [roomy, free].map(|axes| {
             let own = solver(&chain, NO_ATLAS().with_axes(axes));
             let mut q = vec![0.0; own.joints()];
-            let told = own.solve(&goal, &start, Prefer::Start, None, &mut q);
-            let told = told.unwrap();
-            (q, told.iterations, told.winner)
+            let reported = own.solve(&goal, &start, Prefer::Start, None, &mut q);
+            let reported = reported.unwrap();
+            (q, reported.iterations, reported.winner)
         });
         assert_eq!(answers[0], answers[1], "{case}");
     }
@@ -245,16 +245,16 @@ fn overflowing_error_is_infinite() {
     ] {
         let goal = Placement::new(turned, far.into());
         let mut q = vec![0.0; 6];
-        let told = own.solve(&goal, &[0.2; 6], Prefer::Start, None, &mut q);
-        let told = told.unwrap();
-        assert!(!told.reached);
-        assert_eq!(told.position_error, f64::INFINITY, "{far:?}");
+        let reported = own.solve(&goal, &[0.2; 6], Prefer::Start, None, &mut q);
+        let reported = reported.unwrap();
+        assert!(!reported.reached);
+        assert_eq!(reported.position_error, f64::INFINITY, "{far:?}");
     }
 }
 
 #[test]
 fn default_options_are_as_documented() {
-    let told = LaneOptions::default()
+    let reported = LaneOptions::default()
         .with_position_tolerance(1e-6)
         .with_orientation_tolerance(1e-6)
         .with_metres_per_radian(0.3)
@@ -267,5 +267,5 @@ fn default_options_are_as_documented() {
         .with_seed(0)
         .with_atlas(true)
         .with_portable(false);
-    assert_eq!(LaneOptions::default(), told);
+    assert_eq!(LaneOptions::default(), reported);
 }

@@ -118,9 +118,9 @@ fn invalid_chain_joints_are_named() {
         (false, false, (-inf, -inf)),
     ] {
         for (kind, fits) in [(JointKind::Revolute, turns), (JointKind::Prismatic, slides)] {
-            let told = last(joint(kind, up, bounds));
-            assert_eq!(told.is_ok(), fits, "{kind:?} {bounds:?}");
-            assert!(fits || matches!(told, Err(ChainError::Bounds { joint: 1, .. })));
+            let reported = last(joint(kind, up, bounds));
+            assert_eq!(reported.is_ok(), fits, "{kind:?} {bounds:?}");
+            assert!(fits || matches!(reported, Err(ChainError::Bounds { joint: 1, .. })));
         }
     }
 }

@@ -106,18 +106,18 @@ fn invalid_names_frames_and_points_are_named() {
     assert!(built(&[own]).contains("loop `other` joins a frame that is not in this model"));
     for bad in [f64::NAN, f64::INFINITY] {
         let places = [along_x(0.0), along_x(bad)];
-        let told = built(&[Loop::connect("nowhere", ends).at(places)]);
+        let reported = built(&[Loop::connect("nowhere", ends).at(places)]);
         assert!(
-            told.contains("loop `nowhere`") && told.contains("not finite"),
-            "{told}"
+            reported.contains("loop `nowhere`") && reported.contains("not finite"),
+            "{reported}"
         );
     }
     let mirrored = Placement::new(
         Matrix3::from_columns(Z * -1.0, Vector3::UNITS[1], Vector3::UNITS[0] * -1.0),
         Vector3::zero(),
     );
-    let told = built(&[Loop::weld("mirror", ends).at([mirrored, along_x(0.0)])]);
-    assert!(told.contains("loop `mirror`"), "{told}");
+    let reported = built(&[Loop::weld("mirror", ends).at([mirrored, along_x(0.0)])]);
+    assert!(reported.contains("loop `mirror`"), "{reported}");
 }
 
 #[test]
@@ -209,14 +209,14 @@ fn unclosable_loops_are_named() {
 
     let dependent = [joint("coupler"), joint("rocker")];
     let closure = LoopClosure::new(parameters(), &dependent).unwrap();
-    for (q, told) in [
+    for (q, reported) in [
         (vec![0.1, f64::NAN, 0.0], "not a finite number"),
         (vec![0.1, 0.0], "has 3 numbers, 2 were given"),
         (vec![4.1, 0.0, 0.0], "joint `crank` cannot be locked at 4.1"),
     ] {
         let mut given = q.clone();
         let error = closure.close(&mut given).unwrap_err().to_string();
-        assert!(error.contains(told), "{error}");
+        assert!(error.contains(reported), "{error}");
         assert_eq!(format!("{given:?}"), format!("{q:?}"));
     }
     assert!(closure.gaps(&[0.0; 2]).is_err() && closure.gaps(&[f64::NAN; 3]).is_err());
@@ -247,8 +247,8 @@ fn prismatic_joint_bridges_a_gap() {
         let built = between_hinges(5.0, limits).build();
         match built {
             Ok(_) => assert_eq!(gap, 0.0, "{limits:?}"),
-            Err(ModelError::LoopCannotClose { gap: told, .. }) => {
-                assert!((told - gap).abs() < 1e-12, "{limits:?}: {told}");
+            Err(ModelError::LoopCannotClose { gap: reported, .. }) => {
+                assert!((reported - gap).abs() < 1e-12, "{limits:?}: {reported}");
             }
             Err(other) => panic!("{other}"),
         }
@@ -284,8 +284,8 @@ fn always_extended_prismatic_joint_is_a_link() {
     ] {
         match between_hinges(1.0, limits).build() {
             Ok(_) => assert_eq!(gap, 0.0, "{limits:?}"),
-            Err(ModelError::LoopCannotClose { gap: told, .. }) => {
-                assert!((told - gap).abs() < 1e-12, "{limits:?}: {told}");
+            Err(ModelError::LoopCannotClose { gap: reported, .. }) => {
+                assert!((reported - gap).abs() < 1e-12, "{limits:?}: {reported}");
             }
             Err(other) => panic!("{other}"),
         }

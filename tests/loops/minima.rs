@@ -145,8 +145,12 @@ fn misses_with_closed_loops_are_minimal() {
     let (mut best, mut others) = (0, Vec::new());
     for (number, own) in reference.problems.iter().enumerate() {
         let solution = solve(own);
-        let told = || format!("{number} ({}): {}", own.mechanism, solution.explain());
-        assert!(!solution.reached && solution.loops_closed(), "{}", told());
+        let explanation = || format!("{number} ({}): {}", own.mechanism, solution.explain());
+        assert!(
+            !solution.reached && solution.loops_closed(),
+            "{}",
+            explanation()
+        );
         for task in solution.tasks().filter(|task| task.is_loop) {
             assert!(task.position_error().unwrap() <= Loop::TOLERANCE);
         }
@@ -155,7 +159,7 @@ fn misses_with_closed_loops_are_minimal() {
         match found {
             Some(0) => best += 1,
             Some(_) => others.push(number),
-            None => panic!("{} is none of them: {}", solution.cost, told()),
+            None => panic!("{} is none of them: {}", solution.cost, explanation()),
         }
     }
     assert_eq!(reference.problems.len(), 50);

@@ -33,8 +33,11 @@ fn open_loop_is_reported_by_name_and_gap() {
     let gap = (length * cos - end).hypot(length * sin);
     assert_eq!((open.len(), open[0].name, open[0].angle), (1, "pin", 0.0));
     assert!((open[0].gap - gap).abs() < 1e-12, "{} {gap}", open[0].gap);
-    let told = solution.explain();
-    assert!(told.contains("loop `pin` is open by"), "{told}");
+    let explanation = solution.explain();
+    assert!(
+        explanation.contains("loop `pin` is open by"),
+        "{explanation}"
+    );
     let last = solution.tasks().last().unwrap();
     assert!(last.is_loop && last.name == "loop `pin`");
     assert!(!solution.tasks().next().unwrap().is_loop);
@@ -91,6 +94,6 @@ fn open_weld_reports_gap_and_angle() {
     );
     let limit = solution.active_limits().next().unwrap();
     assert_eq!((limit.joint, limit.value), ("hinge", 1.0));
-    let told = solution.explain();
-    assert!(told.contains(" m and 0.5000 rad"), "{told}");
+    let explanation = solution.explain();
+    assert!(explanation.contains(" m and 0.5000 rad"), "{explanation}");
 }

@@ -69,11 +69,11 @@ fn locked_value_outside_its_range_is_named() {
     let text = r#"<mujoco><compiler angle="radian"/><worldbody>
         <body name="b"><joint name="a" range="-1 1"/></body></worldbody>
         <equality><joint name="held" joint1="a" polycoef="1.5"/></equality></mujoco>"#;
-    let told = Robot::parse_mjcf(text, "held.xml").unwrap_err().to_string();
-    assert!(told.starts_with("held.xml:3: joint `held`"), "{told}");
+    let message = Robot::parse_mjcf(text, "held.xml").unwrap_err().to_string();
+    assert!(message.starts_with("held.xml:3: joint `held`"), "{message}");
     assert!(
-        told.contains("`a` should stand at 1.5") && told.contains("from -1 to 1"),
-        "{told}"
+        message.contains("`a` should stand at 1.5") && message.contains("from -1 to 1"),
+        "{message}"
     );
 }
 

@@ -138,11 +138,14 @@ fn largest_joint_force_is_kept() {
         <body><joint name="ankle" actuatorfrcrange="-7 7"/></body></body></body></body></worldbody></mujoco>"#;
     let robot = Robot::parse_mjcf(text, "joint.xml").unwrap();
     let ids = robot.model().joint_ids();
-    let told = ids.filter_map(|id| {
+    let reported = ids.filter_map(|id| {
         let name = robot.model().joints()[id.index()].name.as_str();
         Some((name, robot.effort_limit(id)?))
     });
-    assert_eq!(told.collect::<Vec<_>>(), [("hip", 88.0), ("ankle", 7.0)]);
+    assert_eq!(
+        reported.collect::<Vec<_>>(),
+        [("hip", 88.0), ("ankle", 7.0)]
+    );
 }
 
 /// Of repeated class defaults the later one applies, attribute by attribute; an inner class precedes an outer one.

@@ -63,13 +63,13 @@ fn masses_follow_groups_and_compiler_options() {
     }
     for wrong in [r#"settotalmass="x""#, r#"inertiagrouprange="3""#] {
         let text = format!(r#"<mujoco><compiler {wrong}/><worldbody/></mujoco>"#);
-        let told = Robot::parse_mjcf(&text, "wrong.xml")
+        let message = Robot::parse_mjcf(&text, "wrong.xml")
             .unwrap_err()
             .to_string();
         let attribute = wrong.split('=').next().unwrap();
         assert!(
-            told.starts_with("wrong.xml:1:") && told.contains(attribute),
-            "{told}"
+            message.starts_with("wrong.xml:1:") && message.contains(attribute),
+            "{message}"
         );
     }
 }
@@ -169,9 +169,15 @@ fn unknown_mesh_masses_are_noted() {
             }
             (own, expected) => assert_eq!(own, expected, "{geoms}"),
         }
-        let told: Vec<String> = robot.repairs().iter().map(ToString::to_string).collect();
-        let told = told.iter().find(|told| told.contains("body `a`")).unwrap();
-        assert!(told.starts_with("2: ") && told.contains(note), "{told}");
+        let reported: Vec<String> = robot.repairs().iter().map(ToString::to_string).collect();
+        let reported = reported
+            .iter()
+            .find(|reported| reported.contains("body `a`"))
+            .unwrap();
+        assert!(
+            reported.starts_with("2: ") && reported.contains(note),
+            "{reported}"
+        );
         let refused = robot.masses().unwrap_err();
         assert!(matches!(&refused, MassError::LeftToMeshes { frame, .. } if frame == "a"));
         assert!(refused.to_string().contains("`a`"), "{refused}");

@@ -58,8 +58,8 @@ fn outcome(text: &str, seed: u64) -> String {
                         line > 0 && line as usize <= text.lines().count(),
                         "{message}"
                     );
-                    let told = format!("{fault:?}");
-                    told.split([' ', '(']).next().unwrap().to_owned()
+                    let reported = format!("{fault:?}");
+                    reported.split([' ', '(']).next().unwrap().to_owned()
                 }
                 RobotFileError::Model { .. } => "Model".to_owned(),
                 other => panic!("{other}"),
@@ -131,8 +131,11 @@ fn zero_and_negative_masses_are_handled() {
         .replace("mass=\"0.7\"", "mass=\"0\"")
         .replace("density=\"500\"", "density=\"0\"");
     let nothing = Robot::parse_mjcf(&nothing, "small.xml").unwrap();
-    let told = nothing.masses().unwrap_err().to_string();
-    assert!(told.contains("`small` has no centre of mass"), "{told}");
+    let message = nothing.masses().unwrap_err().to_string();
+    assert!(
+        message.contains("`small` has no centre of mass"),
+        "{message}"
+    );
     let q = nothing.model().neutral();
     assert!(nothing.centre_of_mass(&q).is_err() && nothing.centre_of_mass_jacobian(&q).is_err());
     let less = small("mass=\"3\"", "mass=\"-3\"")
@@ -146,10 +149,10 @@ fn zero_and_negative_masses_are_handled() {
         ("density=\"500\"", "density=\"-1\""),
     ] {
         let lacks = small(from, to).unwrap();
-        let told = lacks.repairs()[0].to_string();
+        let message = lacks.repairs()[0].to_string();
         assert!(
-            told.contains("<geom>") && told.contains("at least 0"),
-            "{told}"
+            message.contains("<geom>") && message.contains("at least 0"),
+            "{message}"
         );
         assert!(lacks.masses().unwrap().total() < all);
     }

@@ -81,8 +81,11 @@ fn geoms_become_shapes_by_group_and_contact() {
         collisions,
         [&Geometry::Box { size }, &Geometry::Sphere { radius: 0.5 }]
     );
-    let told: Vec<String> = robot.repairs().iter().map(ToString::to_string).collect();
-    assert!(told.iter().any(|told| told.contains("hill")), "{told:?}");
+    let messages: Vec<String> = robot.repairs().iter().map(ToString::to_string).collect();
+    assert!(
+        messages.iter().any(|messages| messages.contains("hill")),
+        "{messages:?}"
+    );
     // The mass of a mesh needs its file.
     assert_eq!(link.inertial, None);
     assert_eq!(link.left_to_meshes, Some(LeftToMeshes::Mass));

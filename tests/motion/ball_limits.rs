@@ -203,10 +203,12 @@ fn free_joint_keeps_velocity_limits_in_any_direction() {
         assert!(held("base/x") && held("base/rotation"));
         // Each limit once, although windows overlap.
         for frame in 0..FRAMES {
-            let told = solved.active_limits(frame);
-            let told: Vec<_> = told.map(|own| (own.joint, own.bound, own.side)).collect();
-            for (k, own) in told.iter().enumerate() {
-                assert!(!told[..k].contains(own), "frame {frame}: {told:?}");
+            let reported = solved.active_limits(frame);
+            let reported: Vec<_> = reported
+                .map(|own| (own.joint, own.bound, own.side))
+                .collect();
+            for (k, own) in reported.iter().enumerate() {
+                assert!(!reported[..k].contains(own), "frame {frame}: {reported:?}");
             }
         }
     }
@@ -376,17 +378,17 @@ fn fixed_ends_are_met_or_reported_as_too_far() {
     let edge = [turned([1.0, 0.0, 0.0]), turned([0.0, 1.0, 0.0])];
     let solved = between(6.0, &edge).unwrap();
     assert!(solved.q().chunks(4).all(|q| ball.0.is_within_limits(q)));
-    let told = |q: [f64; 3]| {
+    let reported = |q: [f64; 3]| {
         between(6.0, &[turned(q), ends[1].clone()])
             .unwrap_err()
             .to_string()
     };
-    let swung = told([0.0, 1.2, 0.0]);
+    let swung = reported([0.0, 1.2, 0.0]);
     assert!(
         swung.contains("hip swing") && swung.contains("1.2"),
         "{swung}"
     );
-    let twisted = told([-1.3, 0.0, 0.0]);
+    let twisted = reported([-1.3, 0.0, 0.0]);
     assert!(
         twisted.contains("hip twist") && twisted.contains("[-1, 1]"),
         "{twisted}"
@@ -426,18 +428,18 @@ fn free_joint_speed_errors_name_the_joint() {
     let base = builder.free("base", None, Placement::identity(), [Limits::UNBOUNDED; 3]);
     builder.frame("body", Some(base), Placement::identity());
     let model = builder.build().unwrap();
-    let told = |name: &str, linear: f64, angular: f64| {
+    let reported = |name: &str, linear: f64, angular: f64| {
         let mut motion = MotionProblem::builder(&model, 3, STEP);
         motion.max_free_speed(name, linear, angular);
         motion.build().unwrap_err().to_string()
     };
-    let unknown = told("bose", 1.0, 1.0);
+    let unknown = reported("bose", 1.0, 1.0);
     assert!(
         unknown.contains("bose") && unknown.contains("base"),
         "{unknown}"
     );
     for (linear, angular) in [(0.0, 1.0), (1.0, -1.0), (f64::NAN, 1.0)] {
-        assert!(told("base", linear, angular).contains("max_free_speed"));
+        assert!(reported("base", linear, angular).contains("max_free_speed"));
     }
 }
 

@@ -192,12 +192,12 @@ fn planted_feet_stay_put_between_sparse_keys() {
             };
             let moments = (0..=2000).map(|k| from + (to - from) * f64::from(k) / 2000.0);
             let measured = moments.map(off).fold(0.0, f64::max);
-            let told = stance.slide.max(stance.stray);
+            let reported = stance.slide.max(stance.stray);
             assert!(measured < 1.2e-3 * leg, "{rate} a second: {measured}");
             // The solver checks three times between keys.
             assert!(
-                (0.7 * measured - 1e-6..measured + 1e-6).contains(&told),
-                "{rate} a second: {told} told, {measured} measured"
+                (0.7 * measured - 1e-6..measured + 1e-6).contains(&reported),
+                "{rate} a second: {reported} told, {measured} measured"
             );
         }
         let shin = armature.bone("shin.l").unwrap();

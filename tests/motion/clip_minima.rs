@@ -98,7 +98,7 @@ fn short_clips_reach_the_costs_of_ipopt() {
         let near: Vec<f64> = near.flat_map(|x| clip.configuration(&robot, x)).collect();
         let solved = solver.solve_near(&motion, &near).unwrap();
         let off = solved.cost() / clip.cost - 1.0;
-        let told = || {
+        let message = || {
             format!(
                 "clip {number}: {} for {}, {off:e}",
                 solved.cost(),
@@ -109,9 +109,9 @@ fn short_clips_reach_the_costs_of_ipopt() {
             solved.termination(),
             MotionTermination::Stationary,
             "{}",
-            told()
+            message()
         );
-        assert!(off.abs() <= SAME, "{}", told());
+        assert!(off.abs() <= SAME, "{}", message());
         bound += usize::from(clip.moves_at_their_limit > 0);
         check_limits(&robot, clip, solved.q());
     }

@@ -23,16 +23,16 @@ fn turning_joint_gives_equal_length_from_any_point() {
         let points: Vec<_> = (begin..begin + 50).map(point).collect();
         let path = CartesianPath::new(points).unwrap();
         let path = path.with_traversal(Traversal::Cyclic);
-        let told = PathSolver::new(&arm)
+        let reported = PathSolver::new(&arm)
             .with_max_step(0.4)
             .solve(&path)
             .unwrap();
-        assert!(told.is_whole(), "{:?}", told.reconfigurations);
-        let rows: Vec<&[f64]> = told.rows().collect();
+        assert!(reported.is_whole(), "{:?}", reported.reconfigurations);
+        let rows: Vec<&[f64]> = reported.rows().collect();
         let back = rows[49].iter().zip(rows[0]).map(|(a, b)| (a - b).abs());
         let back: Vec<f64> = back.collect();
         assert!((back[6] - TAU).abs() < 0.3 && back[..6].iter().all(|by| *by < 0.2));
-        told.length
+        reported.length
     });
     let (least, most) = (lengths.iter()).fold((f64::MAX, 0.0_f64), |(least, most), length| {
         (least.min(*length), most.max(*length))

@@ -44,8 +44,8 @@ fn arm_on_a_table_rests_near_its_nominal_posture() {
         let way = beyond.map(|angle| if axis == 0 { -angle.sin() } else { angle.cos() });
         0.3 * way.sum::<f64>()
     });
-    let told = slopes.transpose() * slopes.clone().pseudo_inverse(1e-9).unwrap().transpose();
-    let free = &q - told * &q;
+    let reported = slopes.transpose() * slopes.clone().pseudo_inverse(1e-9).unwrap().transpose();
+    let free = &q - reported * &q;
     assert!(
         free.norm() < 0.01 * q.norm(),
         "{} of {}",

@@ -108,8 +108,8 @@ fn unreached_velocity_limit_is_inactive() {
             let solved = solver.solve(&motion, &[0.0]).unwrap();
             // The last velocity may be lower, because no frame follows.
             for frame in 1..11 {
-                let told: Vec<_> = solved.active_limits(frame).collect();
-                let speeds = told.iter().map(|limit| (limit.bound, limit.side));
+                let reported: Vec<_> = solved.active_limits(frame).collect();
+                let speeds = reported.iter().map(|limit| (limit.bound, limit.side));
                 let speeds: Vec<_> = speeds.collect();
                 match held {
                     true => assert_eq!(speeds, [(MotionBound::Speed, Side::Upper)]),

@@ -275,9 +275,9 @@ fn naming_conventions_are_recognised() {
     for names in kinds {
         let joints = names.map(str::to_owned);
         let guess = BodyMap::guess(&capture(&joints), &humanoid).unwrap();
-        let told = drives(&guess.map);
+        let reported = drives(&guess.map);
         for (joint, frame) in names.iter().zip(driven) {
-            let found = told.iter().find(|(own, _)| own == joint);
+            let found = reported.iter().find(|(own, _)| own == joint);
             assert_eq!(
                 found.map(|(_, frame)| frame.as_str()),
                 Some(frame),
@@ -309,7 +309,7 @@ fn links_of_an_unknown_robot_are_recognised() {
     let known = KnownSkeleton::named("lafan1").unwrap();
     let guess = BodyMap::guess(&capture(known.joints()), &model(&links)).unwrap();
     assert_eq!(guess.body, None);
-    let told = drives(&guess.map);
+    let reported = drives(&guess.map);
     for (joint, frame) in [
         ("Hips", "base_link"),
         ("LeftUpLeg", "left_hip_roll_link"),
@@ -321,8 +321,8 @@ fn links_of_an_unknown_robot_are_recognised() {
         ("Head", "head_link"),
     ] {
         assert!(
-            told.contains(&(joint.to_owned(), frame.to_owned())),
-            "{joint}: {told:?}"
+            reported.contains(&(joint.to_owned(), frame.to_owned())),
+            "{joint}: {reported:?}"
         );
     }
     assert_eq!(guess.map.contacts, Some(vec!["LeftFoot".to_owned()]));
@@ -365,13 +365,13 @@ fn limbs_of_implausible_length_are_noted() {
     second[5][2] = 0.8;
     numbers.extend(second.concat());
     let guess = BodyMap::guess(&legs(&numbers), &model(&HUMANOID)).unwrap();
-    let told = guess.notes.join("\n");
+    let message = guess.notes.join("\n");
     for words in [
         "the left shin has no length",
         "the right thigh is between 0.100 and 0.200",
         "the left thigh is 0.400 long",
     ] {
-        assert!(told.contains(words), "{words}: {told}");
+        assert!(message.contains(words), "{words}: {message}");
     }
 }
 
@@ -388,7 +388,7 @@ fn short_limb_is_noted_with_its_side() {
     }
     let humanoid = model(&HUMANOID);
     // Each chain extends downwards next to the hips, with the lengths of its two limbs.
-    let told = |lengths: &[[f64; 2]; 4]| {
+    let reported = |lengths: &[[f64; 2]; 4]| {
         let mut places = vec![[0.0, 0.0, 1.0]];
         for (chain, [upper, lower]) in lengths.iter().enumerate() {
             let y = [0.1, 0.3, -0.1, -0.3][chain];
@@ -401,7 +401,7 @@ fn short_limb_is_noted_with_its_side() {
         let limbs = notes.into_iter().filter(|note| note.starts_with("the "));
         limbs.collect()
     };
-    assert_eq!(of_limbs(told(&[[0.4, 0.3]; 4])), [""; 0]);
+    assert_eq!(of_limbs(reported(&[[0.4, 0.3]; 4])), [""; 0]);
     for (chain, side) in ["left", "left", "right", "right"].into_iter().enumerate() {
         for (limb, name) in [["thigh", "shin"], ["upper arm", "forearm"]][chain % 2]
             .into_iter()
@@ -410,14 +410,14 @@ fn short_limb_is_noted_with_its_side() {
             let mut lengths = [[0.4, 0.3]; 4];
             lengths[chain][limb] = 0.0;
             let none = format!("the {side} {name} has no length: its ends are one place");
-            assert_eq!(of_limbs(told(&lengths)), [none]);
+            assert_eq!(of_limbs(reported(&lengths)), [none]);
             let whole = [0.4, 0.3][limb];
             lengths[chain][limb] = 0.5 * whole;
             let mut by_side = [whole; 2];
             by_side[chain / 2] = 0.5 * whole;
             let [left, right] = by_side;
             let short = format!("the left {name} is {left:.3} long and the right one {right:.3}");
-            assert_eq!(of_limbs(told(&lengths)), [short]);
+            assert_eq!(of_limbs(reported(&lengths)), [short]);
         }
     }
 }

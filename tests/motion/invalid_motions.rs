@@ -35,7 +35,7 @@ fn asked(
 fn invalid_motions_are_named() {
     let model = arm();
     let tip = model.frame("tip").unwrap();
-    let told = |frames, ask: &dyn Fn(&mut MotionProblemBuilder)| {
+    let reported = |frames, ask: &dyn Fn(&mut MotionProblemBuilder)| {
         asked(&model, frames, ask).unwrap_err().to_string()
     };
     let jerk = RateCost::jerk(1.0).times("wrist", 2.0);
@@ -76,8 +76,11 @@ fn invalid_motions_are_named() {
         ),
     ];
     for (ask, words) in wrong {
-        let told = told(3, ask);
-        assert!(words.iter().all(|word| told.contains(word)), "{told}");
+        let reported = reported(3, ask);
+        assert!(
+            words.iter().all(|word| reported.contains(word)),
+            "{reported}"
+        );
     }
     // In the first task as in any other.
     let mut first = MotionProblem::builder(&model, 3, 0.01);
@@ -85,13 +88,13 @@ fn invalid_motions_are_named() {
     first.add(Point::new(tip, [1.0, 1.0, 0.0]));
     let told_of_first = first.build().unwrap_err().to_string();
     assert!(told_of_first.contains("gaze"), "{told_of_first}");
-    assert_eq!(told(0, &|_| {}), "a motion of no frames");
+    assert_eq!(reported(0, &|_| {}), "a motion of no frames");
     for (weights, words) in [(&[1.0][..], "instead of 2"), (&[1.0, f64::NAN], "frame 1")] {
-        let told = told(2, &|motion| {
+        let reported = reported(2, &|motion| {
             let point = motion.add(Point::new(tip, [0.0; 3]));
             motion.weights(point, weights);
         });
-        assert!(told.contains(words), "{told}");
+        assert!(reported.contains(words), "{reported}");
     }
 }
 
@@ -217,7 +220,7 @@ fn fixed_ball_joint_beyond_any_limit_is_an_error() {
         [0.0, 0.0, -0.81],
         [0.6, 0.5, 0.5],
     ] {
-        let told = held(beyond).unwrap_err();
-        assert!(matches!(told, MotionError::FixedBeyond { .. }), "{told}");
+        let error = held(beyond).unwrap_err();
+        assert!(matches!(error, MotionError::FixedBeyond { .. }), "{error}");
     }
 }

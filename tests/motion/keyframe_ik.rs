@@ -349,17 +349,17 @@ fn track_beyond_its_limit_is_moved_within_it() {
         let bend = angles(skeleton, &edited.clip, time)[3 * forearm.index() + 1];
         assert!(bend <= limits.upper + 1e-9, "{bend} at {time} s");
     }
-    let [told] = &edited.beyond[..] else {
+    let [reported] = &edited.beyond[..] else {
         panic!("{:?}", edited.beyond)
     };
-    assert_eq!((told.bone, told.angle), (forearm, 1));
-    assert!(told.at < SPAN[0], "{told:?}");
+    assert_eq!((reported.bone, reported.angle), (forearm, 1));
+    assert!(reported.at < SPAN[0], "{reported:?}");
     let worst =
         all_times().map(|time| angles(skeleton, &edited.clip, time)[3 * forearm.index() + 1]);
     let worst = worst.fold(0.0, f64::max) - limits.upper;
     assert!(
-        (told.by - worst).abs() < 0.01 && told.by >= worst - 1e-9,
-        "{told:?} {worst}"
+        (reported.by - worst).abs() < 0.01 && reported.by >= worst - 1e-9,
+        "{reported:?} {worst}"
     );
     let off = apart(&rig, &edited.clip, &wanted, SPAN);
     assert!(
@@ -465,8 +465,11 @@ fn locked_angle_keeps_its_value_in_the_clip() {
     let times = (0..=108).map(|k| SPAN[0] + (SPAN[1] - SPAN[0]) * f64::from(k) / 108.0);
     let off = times.map(|time| tip(skeleton, &edited.clip, hand, time).distance(curve.at(time)));
     let off = off.fold(0.0, f64::max);
-    let told = edited.led[0].miss;
-    assert!(off < 0.02 && (told - off).abs() < 1e-9, "{told} {off}");
+    let reported = edited.led[0].miss;
+    assert!(
+        off < 0.02 && (reported - off).abs() < 1e-9,
+        "{reported} {off}"
+    );
 }
 
 /// A last key that is clamped to its limit is taken into account: the other keys compensate.

@@ -37,10 +37,10 @@ fn prismatic_joint_stops_at_its_single_limit() {
                 let at = side * solved.frame(frame).unwrap()[0];
                 let expected = (side * wanted(frame)).min(0.5);
                 assert!(at <= 0.5 && (at - expected).abs() < 1e-3, "{frame}: {at}");
-                let told = solved.active_limits(frame).count();
+                let reported = solved.active_limits(frame).count();
                 // Where the limit is just reached, either report is accepted.
                 if (side * wanted(frame) - 0.5).abs() > 0.06 {
-                    assert_eq!(told, usize::from(side * wanted(frame) > 0.5), "{frame}");
+                    assert_eq!(reported, usize::from(side * wanted(frame) > 0.5), "{frame}");
                 }
             }
         }

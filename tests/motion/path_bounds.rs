@@ -94,14 +94,14 @@ fn deviation_between_points_is_tightly_bounded() {
                 continue;
             }
             let found = sampled(name, (base, tip), &arm, &path, &solution);
-            let told = solution.largest_deviation;
-            let text = format!("{name}, {points} points: {found:?}, {told:?}");
+            let reported = solution.largest_deviation;
+            let text = format!("{name}, {points} points: {found:?}, {reported:?}");
             assert!(
-                found.0 <= told.metres + 1e-9 && found.1 <= told.radians + 1e-7,
+                found.0 <= reported.metres + 1e-9 && found.1 <= reported.radians + 1e-7,
                 "{text}"
             );
-            assert!(told.metres <= 1.3 * found.0 + 1e-8, "{text}");
-            assert!(told.radians <= 1.6 * found.1 + 1e-6, "{text}");
+            assert!(reported.metres <= 1.3 * found.0 + 1e-8, "{text}");
+            assert!(reported.radians <= 1.6 * found.1 + 1e-6, "{text}");
         }
     }
 }
@@ -168,10 +168,10 @@ fn spline_deviation_is_bounded_from_its_curve() {
         let at = arm.base_from_tool(&q).unwrap();
         farthest = farthest.max((at.translation - point.translation).norm());
     }
-    let told = solution.largest_deviation.metres;
+    let reported = solution.largest_deviation.metres;
     assert!(
-        farthest <= told + 1e-9 && told <= 4.0 * farthest,
-        "{farthest} {told}"
+        farthest <= reported + 1e-9 && reported <= 4.0 * farthest,
+        "{farthest} {reported}"
     );
 }
 
@@ -235,11 +235,11 @@ fn check_coriolis_deviation(first: f64) {
             farthest = farthest.max((tool_of_polar(&q).translation - wanted).norm());
         }
     }
-    let told = solution.largest_deviation;
-    assert_eq!(told.metres_at, 2);
+    let reported = solution.largest_deviation;
+    assert_eq!(reported.metres_at, 2);
     assert!(
-        farthest > 2e-3 && farthest <= told.metres && told.metres < 1.2 * farthest,
-        "{farthest} {told:?}"
+        farthest > 2e-3 && farthest <= reported.metres && reported.metres < 1.2 * farthest,
+        "{farthest} {reported:?}"
     );
 }
 
@@ -278,10 +278,10 @@ fn rotating_goal_bounds_are_exceeded_between_points() {
         };
         let most = (0..=1000).map(|k| off(f64::from(k) / 1000.0));
         let most = most.fold(0.0, f64::max);
-        let told = solution.largest_deviation.metres;
+        let reported = solution.largest_deviation.metres;
         assert!(
-            most > 0.01 && most <= told && told < 1.05 * most + 1e-6,
-            "{most} {told}"
+            most > 0.01 && most <= reported && reported < 1.05 * most + 1e-6,
+            "{most} {reported}"
         );
     }
 }

@@ -58,7 +58,7 @@ fn elbow_avoids_an_obstacle() {
         let jumps = solution
             .reconfigurations
             .iter()
-            .any(|told| told.index == row + 1);
+            .any(|reported| reported.index == row + 1);
         assert!(jumps || is_free_between(&arm, pair[0], pair[1]), "{row}");
     }
 }
@@ -212,8 +212,8 @@ fn unavoidable_contact_is_reported() {
             .all(|missed| missed.index.abs_diff(30) < 25)
     );
     for (row, q) in solution.rows().enumerate() {
-        let told = solution.missed.iter().any(|missed| missed.index == row);
-        assert_eq!(arm.collisions(q).unwrap().is_empty(), !told, "{row}");
+        let reported = solution.missed.iter().any(|missed| missed.index == row);
+        assert_eq!(arm.collisions(q).unwrap().is_empty(), !reported, "{row}");
     }
 }
 
@@ -228,7 +228,7 @@ fn reported_contacts_have_no_easily_found_solution() {
     let model = robot("franka_panda").model().clone();
     let mut kinematics = kinopt::kinematics::ForwardKinematics::new(&model);
     let mut random = support::random::Random::new(15);
-    let mut told = 0;
+    let mut reported = 0;
     for _ in 0..12 {
         let row = random.below(300);
         let q = plain.rows().nth(row).unwrap();
@@ -244,7 +244,7 @@ fn reported_contacts_have_no_easily_found_solution() {
         let arm = panda(&world);
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
         for missed in &solution.missed {
-            told += 1;
+            reported += 1;
             let free = arm.solve(points[missed.index], &Q).unwrap();
             assert!(
                 !free.reached,
@@ -253,7 +253,7 @@ fn reported_contacts_have_no_easily_found_solution() {
             );
         }
     }
-    assert!(told > 0);
+    assert!(reported > 0);
 }
 
 /// Walls between two points that cannot be avoided: the first one is reported, and the path is not whole.

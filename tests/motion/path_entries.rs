@@ -35,7 +35,7 @@ fn step_back_to_the_entry_reports_its_deviation() {
         solver.solve(&path).unwrap()
     });
     assert_eq!(curved.entry, entry);
-    let told = curved.largest_deviation;
-    assert_eq!(told.metres_at, 30);
-    assert!(told.metres > straight.largest_deviation.metres + 0.02);
+    let reported = curved.largest_deviation;
+    assert_eq!(reported.metres_at, 30);
+    assert!(reported.metres > straight.largest_deviation.metres + 0.02);
 }

@@ -40,8 +40,8 @@ fn headers_name_the_columns() {
 fn tool_column_assigns_points_to_tools() {
     let (path, columns) = read("x,y,z,tool\n1,2,3,0\n1,2,4,2").unwrap();
     assert_eq!((columns.tool, path.tools()), (Some(3), Some(&[0, 2][..])));
-    let told = columns.to_string();
-    assert!(told.contains("tools from column 4"), "{told}");
+    let message = columns.to_string();
+    assert!(message.contains("tools from column 4"), "{message}");
     let (path, columns) = read("x,y,z\n1,2,3").unwrap();
     assert_eq!((columns.tool, path.tools()), (None, None));
 }

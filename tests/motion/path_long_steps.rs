@@ -89,10 +89,13 @@ fn count_left_by_few_steps(name: &str, steps: u32, cases: &Range<usize>) -> usiz
         let (points, rows) = (way.points(steps), few.rows().collect::<Vec<_>>());
         for row in 1..rows.len() {
             let steps = [rows[row - 1], rows[row]];
-            let told = few.reconfigurations.iter().any(|told| told.index == row);
+            let reported = few
+                .reconfigurations
+                .iter()
+                .any(|reported| reported.index == row);
             let short = longest(steps[0], steps[1]) <= 0.2 + 1e-9;
             assert!(
-                told || short || is_led(&arm, [points[row - 1], points[row]], steps),
+                reported || short || is_led(&arm, [points[row - 1], points[row]], steps),
                 "{name} {case}: {row}"
             );
         }

@@ -33,8 +33,8 @@ fn wound_joint_rewinds_as_rarely_as_possible() {
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
         assert!(solution.missed.is_empty());
         assert_eq!(solution.reconfigurations.len(), breaks, "{turns} turns");
-        for told in &solution.reconfigurations {
-            assert!(told.distance > 0.2);
+        for reported in &solution.reconfigurations {
+            assert!(reported.distance > 0.2);
         }
     }
 }
@@ -54,9 +54,9 @@ fn reported_length_and_jumps_equal_the_rows() {
         length += squares.sum::<f64>().sqrt();
         let moves = rows[row].iter().zip(rows[row - 1]);
         let longest = moves.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        let told = solution.reconfigurations.iter().find(|r| r.index == row);
-        match told {
-            Some(told) => assert_eq!(told.distance, longest),
+        let reported = solution.reconfigurations.iter().find(|r| r.index == row);
+        match reported {
+            Some(reported) => assert_eq!(reported.distance, longest),
             None => assert!(longest <= 0.2 + 1e-9),
         }
     }
@@ -251,7 +251,10 @@ fn fewer_reconfigurations_precede_shorter_length() {
     let solver = solver.with_joint_weights(&[1.0, 1.0, 0.01]);
     let solution = solver.solve(&path).unwrap();
     assert!(solution.missed.is_empty());
-    let breaks = solution.reconfigurations.iter().map(|told| told.index);
+    let breaks = solution
+        .reconfigurations
+        .iter()
+        .map(|reported| reported.index);
     assert_eq!(breaks.collect::<Vec<_>>(), [1]);
     // The other choice has about a hundredth of the length of two turns of the hand.
     assert!(solution.length > 2.0);
@@ -266,7 +269,7 @@ fn change_of_tools_is_not_interpolated() {
     let tool = Placement::new(turned, Vector3::new(0.1, 0.05, 0.0));
     let other = arm.with_tool(tool).unwrap();
     let mut random = Random(5);
-    let mut told = 0;
+    let mut reported = 0;
     for case in 0..30 {
         let ends = [(); 2].map(|()| random.configuration(&arm));
         let count = 12;
@@ -293,7 +296,10 @@ fn change_of_tools_is_not_interpolated() {
             let missed = solution.missed.iter().any(|missed| missed.index == point);
             assert!(missed || off < 1e-5, "{case}, {point}: {off} m");
         }
-        let breaks = solution.reconfigurations.iter().map(|told| told.index);
+        let breaks = solution
+            .reconfigurations
+            .iter()
+            .map(|reported| reported.index);
         let breaks: Vec<usize> = breaks.collect();
         let goes_far = |row: &usize| {
             let moves = rows[*row].iter().zip(rows[row - 1]);
@@ -304,9 +310,9 @@ fn change_of_tools_is_not_interpolated() {
             !solution.missed.is_empty() || far == breaks,
             "{case}: {far:?} {breaks:?}"
         );
-        told += usize::from(breaks.contains(&6));
+        reported += usize::from(breaks.contains(&6));
     }
-    assert!(told > 5, "{told}");
+    assert!(reported > 5, "{reported}");
 }
 
 /// Near an unreachable point two branches almost coincide. Where intermediate points do not connect them, the branch is

@@ -41,14 +41,14 @@ fn furthest_joint_of_a_jump_is_weighted_by_unit() {
         let path = CartesianPath::new(vec![stand; 2]).unwrap();
         let solver = PathSolver::new(&arm).with_start(&from).with_end(&to);
         let solution = solver.solve(&path).unwrap();
-        let [told] = &solution.reconfigurations[..] else {
+        let [reported] = &solution.reconfigurations[..] else {
             panic!("{:?}", solution.reconfigurations)
         };
-        assert_eq!(told.joint < 2, is_slide, "{told:?}");
+        assert_eq!(reported.joint < 2, is_slide, "{reported:?}");
         assert!(
-            (told.distance - distance).abs() < 1e-12,
+            (reported.distance - distance).abs() < 1e-12,
             "{}",
-            told.distance
+            reported.distance
         );
     }
 }
@@ -108,13 +108,17 @@ fn path_is_not_entered_where_more_is_unreached() {
     let path = CartesianPath::new(points.collect::<Vec<_>>()).unwrap();
     let path = path.with_traversal(Traversal::AnyStart);
     let solver = PathSolver::new(&arm).with_max_step(0.5);
-    let told = solver.solve(&path).unwrap();
-    assert!(!far.contains(&told.entry), "entered at {}", told.entry);
+    let reported = solver.solve(&path).unwrap();
+    assert!(
+        !far.contains(&reported.entry),
+        "entered at {}",
+        reported.entry
+    );
     // Each one once: entered at one of them, the path would end there as well.
-    let missed = told
+    let missed = reported
         .missed
         .iter()
-        .map(|missed| (told.entry + missed.index) % 40);
+        .map(|missed| (reported.entry + missed.index) % 40);
     let mut missed: Vec<usize> = missed.collect();
     missed.sort_unstable();
     assert_eq!(missed, far);

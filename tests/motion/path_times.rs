@@ -98,12 +98,12 @@ fn step_too_fast_for_its_time_is_reported() {
         };
         assert!(solve(false).is_whole());
         let solution = solve(true);
-        let told: Vec<usize> = solution
+        let reported: Vec<usize> = solution
             .reconfigurations
             .iter()
-            .map(|told| told.index)
+            .map(|reported| reported.index)
             .collect();
-        assert_eq!(told, [hasty]);
+        assert_eq!(reported, [hasty]);
         let rows: Vec<&[f64]> = solution.rows().collect();
         for (step, pair) in rows
             .windows(2)
@@ -164,8 +164,8 @@ fn too_fast_step_between_distant_points_is_reported() {
         let path = path.with_times(times).unwrap();
         let solver = PathSolver::new(&arm).with_times_kept(true);
         let solution = solver.solve(&path).unwrap();
-        let told: Vec<usize> = (solution.reconfigurations.iter())
-            .map(|told| told.index)
+        let reported: Vec<usize> = (solution.reconfigurations.iter())
+            .map(|reported| reported.index)
             .collect();
         let rows: Vec<&[f64]> = solution.rows().collect();
         let too_fast = (1..15).filter(|&row| {
@@ -173,7 +173,7 @@ fn too_fast_step_between_distant_points_is_reported() {
             let mut moves = moves.zip(arm.velocity_limits());
             moves.any(|((a, b), speed)| (a - b).abs() > step * speed * (1.0 + 1e-6))
         });
-        assert_eq!(told, too_fast.collect::<Vec<_>>(), "{step} s");
+        assert_eq!(reported, too_fast.collect::<Vec<_>>(), "{step} s");
         assert_eq!(solution.is_whole(), whole, "{step} s");
     }
 }

@@ -145,14 +145,14 @@ fn shortest_of_equally_good_entries_is_taken() {
         solver.solve(&path).unwrap()
     };
     let first = from(0);
-    let rank = |told: &PathSolution| {
-        assert!(told.missed.is_empty());
-        (told.reconfigurations.len(), told.length)
+    let rank = |reported: &PathSolution| {
+        assert!(reported.missed.is_empty());
+        (reported.reconfigurations.len(), reported.length)
     };
     let others = first
         .reconfigurations
         .iter()
-        .map(|told| rank(&from(told.index)));
+        .map(|reported| rank(&from(reported.index)));
     let (fewest, shortest) = others
         .chain([rank(&first)])
         .min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)))
@@ -184,12 +184,12 @@ fn curve_deviation_belongs_to_its_own_step() {
         let path = CartesianPath::spline(keys, None, 1).unwrap();
         let path = path.with_traversal(Traversal::AnyStart);
         let solver = PathSolver::new(&arm).with_samples(24).with_max_step(0.5);
-        let told = solver.solve(&path).unwrap();
-        assert_ne!(told.entry, 0);
-        let at = (told.entry + told.largest_deviation.metres_at) % 30;
+        let reported = solver.solve(&path).unwrap();
+        assert_ne!(reported.entry, 0);
+        let at = (reported.entry + reported.largest_deviation.metres_at) % 30;
         let near = at.abs_diff(key as usize);
-        assert!(near < 3, "entered at {}, {at} of {key}", told.entry);
-        assert!(told.largest_deviation.metres > 0.01);
+        assert!(near < 3, "entered at {}, {at} of {key}", reported.entry);
+        assert!(reported.largest_deviation.metres > 0.01);
     }
 }
 
@@ -286,7 +286,7 @@ fn points_for_two_tools_are_reached() {
         solution
             .reconfigurations
             .iter()
-            .all(|told| told.index == 20)
+            .all(|reported| reported.index == 20)
     );
 }
 

@@ -50,7 +50,7 @@ fn path_leaving_the_workspace_reports_where() {
             assert!(within_limits(&arm, q));
             let away = (arm.base_from_tool(q).unwrap().translation - point.translation).norm();
             match solution.missed.iter().find(|missed| missed.index == row) {
-                Some(told) => assert!((told.position_error - away).abs() < 1e-9),
+                Some(reported) => assert!((reported.position_error - away).abs() < 1e-9),
                 None => assert!(away < 1.1e-6),
             }
         }
@@ -133,8 +133,9 @@ fn points_reachable_from_a_neighbour_are_reached() {
             // A stretch of unreached points has at most one reconfiguration.
             let leaps = |stretch: &[usize]| {
                 let (from, to) = (stretch[0], stretch[stretch.len() - 1] + 1);
-                let told = solution.reconfigurations.iter();
-                told.filter(|leap| (from..=to).contains(&leap.index))
+                let reported = solution.reconfigurations.iter();
+                reported
+                    .filter(|leap| (from..=to).contains(&leap.index))
                     .count()
             };
             let all_missed: Vec<usize> = (0..rows.len()).filter(|&row| missed(row)).collect();
@@ -212,9 +213,9 @@ fn shortened_path_still_reaches_its_points() {
         });
         let points: Vec<_> = points.collect();
         let path = CartesianPath::new(points.clone()).unwrap();
-        let told = PathSolver::new(&arm).with_samples(24).solve(&path).unwrap();
-        let missed: Vec<usize> = told.missed.iter().map(|missed| missed.index).collect();
-        for (k, (q, point)) in told.rows().zip(&points).enumerate() {
+        let reported = PathSolver::new(&arm).with_samples(24).solve(&path).unwrap();
+        let missed: Vec<usize> = reported.missed.iter().map(|missed| missed.index).collect();
+        for (k, (q, point)) in reported.rows().zip(&points).enumerate() {
             let at = arm.base_from_tool(q).unwrap();
             let off = (at.translation - point.translation).norm();
             assert!(missed.contains(&k) || off < 1.1e-6, "point {k}: {off}");

@@ -64,20 +64,20 @@ fn jumps([name, base, tip]: [&str; 3], cases: Range<usize>, atlas: bool) -> usiz
             let (metres, radians) = apart(&Isometry3::from(at), &Isometry3::from(wanted));
             assert!(metres <= 1.1e-6 && radians <= 1.1e-6);
         }
-        let told: Vec<usize> = solution.reconfigurations.iter().map(|r| r.index).collect();
+        let reported: Vec<usize> = solution.reconfigurations.iter().map(|r| r.index).collect();
         let untold = (1..rows.len()).find(|&row| {
             let (from, to) = (rows[row - 1], rows[row]);
-            let far = longest(from, to) > 0.2 + 1e-9 && !told.contains(&row);
+            let far = longest(from, to) > 0.2 + 1e-9 && !reported.contains(&row);
             far && !is_led(&arm, [points[row - 1], points[row]], [from, to])
         });
-        assert_eq!(untold, None, "{name} {case}: {told:?}");
+        assert_eq!(untold, None, "{name} {case}: {reported:?}");
         // A reported step exceeds the maximum step of a branch.
         let short = solution
             .reconfigurations
             .iter()
-            .find(|told| told.distance <= 0.2);
+            .find(|reported| reported.distance <= 0.2);
         assert_eq!(short, None, "{name} {case}");
-        jumps += usize::from(!told.is_empty());
+        jumps += usize::from(!reported.is_empty());
     }
     jumps
 }
@@ -164,7 +164,7 @@ fn jump_within_a_self_motion_is_distributed() {
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
         assert!(solution.missed.is_empty());
         let left: Vec<_> = (solution.reconfigurations.iter())
-            .map(|told| (told.index, told.distance))
+            .map(|reported| (reported.index, reported.distance))
             .collect();
         assert_eq!(left, [], "{ends:?}");
         let rows: Vec<&[f64]> = solution.rows().collect();
@@ -195,15 +195,15 @@ fn chains_with_mimic_joints_are_solved() {
         let points = (0..=12).map(|k| arm.base_from_tool(&between(f64::from(k) / 12.0)).unwrap());
         let points: Vec<_> = points.collect();
         let path = CartesianPath::new(points.clone()).unwrap();
-        let told = PathSolver::new(&arm)
+        let reported = PathSolver::new(&arm)
             .with_start(&from)
             .solve(&path)
             .unwrap();
         tried += 1;
-        whole += usize::from(told.is_whole() && told.missed.is_empty());
-        for (row, (q, point)) in told.rows().zip(&points).enumerate() {
+        whole += usize::from(reported.is_whole() && reported.missed.is_empty());
+        for (row, (q, point)) in reported.rows().zip(&points).enumerate() {
             assert!(within_limits(&arm, q), "{number}");
-            let missed = told.missed.iter().any(|missed| missed.index == row);
+            let missed = reported.missed.iter().any(|missed| missed.index == row);
             let off = (arm.base_from_tool(q).unwrap().translation - point.translation).norm();
             assert!(missed || off < 1.1e-6, "chain {number}, row {row}: {off} m");
         }

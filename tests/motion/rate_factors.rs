@@ -70,7 +70,7 @@ fn factor_affects_only_its_joint() {
             assert!(own < 1e-6 && other < 1e-6, "{name}: {own} {other}");
         }
         let both = make(weight).times("hinge", 3.0).times("ball", 3.0);
-        let (_, told) = followed(both);
-        assert!((told - cost).abs() < 1e-6 * cost, "{told} {cost}");
+        let (_, reported) = followed(both);
+        assert!((reported - cost).abs() < 1e-6 * cost, "{reported} {cost}");
     }
 }

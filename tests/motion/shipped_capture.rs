@@ -23,11 +23,11 @@ fn capture_of_steps_is_retargeted_to_the_nao() {
         .with_up(UpAxis::Y)
         .with_contacts(ContactDetection::default().with_speed(STANDS));
     let retargeting = Retargeting::new(&robot, &guess.map, &capture, options).unwrap();
-    let mut told = Vec::new();
+    let mut reported = Vec::new();
     let whole = retargeting
-        .whole_with_progress(&mut |done| told.push(done))
+        .whole_with_progress(&mut |done| reported.push(done))
         .unwrap();
-    assert!(told.len() > 1 && told.is_sorted() && told.last() == Some(&181));
+    assert!(reported.len() > 1 && reported.is_sorted() && reported.last() == Some(&181));
     let model = robot.model();
     let feet = ["left_foot", "right_foot"].map(|foot| model.frame(foot).unwrap());
     let mut kinematics = ForwardKinematics::of_frames(model, &feet).unwrap();

@@ -87,11 +87,11 @@ fn single_frame_is_retargeted() {
 fn limbs_and_subjects_without_length_are_retargeted() {
     let robot = nao();
     let shinless = capture(5, |joint, at| if joint == 3 { person(0)[2] } else { at });
-    let told = BodyMap::guess(&shinless, robot.model())
+    let message = BodyMap::guess(&shinless, robot.model())
         .unwrap()
         .notes
         .join("\n");
-    assert!(told.contains("the left shin"), "{told}");
+    assert!(message.contains("the left shin"), "{message}");
     retargeted(&robot, &shinless, UpAxis::Z, false);
     retargeted(
         &robot,
@@ -216,8 +216,8 @@ fn missing_joints_and_frames_are_named() {
         (options.contacts.speed, options.contacts.height) = (speed, height);
         let map = BodyMap::from_json(r#"{"drives": {"Hips": "torso"}}"#, "").unwrap();
         let made = Retargeting::new(&robot, &map, &capture, options);
-        let told = made.unwrap_err().to_string();
-        assert!(told.contains("of what stands"), "{told}");
+        let message = made.unwrap_err().to_string();
+        assert!(message.contains("of what stands"), "{message}");
     }
     let mut numbers = vec![0.0; 3 * 9 * 4];
     numbers[3 * 9 * 2 + 3 * 7 + 1] = f64::INFINITY;

@@ -75,10 +75,10 @@ fn unconverged_window_is_reported() {
         let solver = MotionSolver::default().with_max_iterations(most);
         let alone = solver.solve(&first, &[0.0]).unwrap().termination();
         let solver = solver.with_windows(Some(windows));
-        let told = solver.solve(&all, &[0.0]).unwrap().termination();
+        let reported = solver.solve(&all, &[0.0]).unwrap().termination();
         if alone == MotionTermination::IterationLimit {
             cut += 1;
-            assert_eq!(told, MotionTermination::IterationLimit, "{most}");
+            assert_eq!(reported, MotionTermination::IterationLimit, "{most}");
         }
     }
     assert!(cut > 5, "{cut}");

@@ -146,8 +146,8 @@ fn judge<'a>(statement: &'a Statement, loaded: &Loaded) -> Verdict<'a> {
     let solution = solve(statement, &problem);
     let here = measure(&problem, &variables(&problem, &solution.q));
     let best = statement.minima[statement.best].cost;
-    let told = (solution.cost - here.cost).abs() <= 1e-12 * here.cost.max(NOTHING);
-    assert!(told, "{}: {} told", statement.name, solution.cost);
+    let reported = (solution.cost - here.cost).abs() <= 1e-12 * here.cost.max(NOTHING);
+    assert!(reported, "{}: {} told", statement.name, solution.cost);
     let moving = !solution.reached && here.cosine > STATIONARY;
     let above = here.cost > best * (1.0 + NO_WORSE) + NOTHING;
     Verdict {
@@ -178,15 +178,15 @@ fn default_solver_matches_the_best_known_minimum() {
     });
     assert_eq!(verdicts.len(), looked_at.len());
     let moving = verdicts.iter().filter_map(|verdict| {
-        let told = verdict.not_stationary.as_ref()?;
-        Some(format!("{}: {told}", verdict.name))
+        let reported = verdict.not_stationary.as_ref()?;
+        Some(format!("{}: {reported}", verdict.name))
     });
     assert_eq!(moving.collect::<Vec<_>>(), [""; 0]);
     let unexpected = verdicts.iter().filter_map(|verdict| {
-        let told = verdict.above_the_best.as_ref()?;
+        let reported = verdict.above_the_best.as_ref()?;
         let known = IN_ANOTHER_MINIMUM.contains(&verdict.name);
-        println!("{}: ends in another minimum: {told}", verdict.name);
-        (!known).then(|| format!("{}: {told}", verdict.name))
+        println!("{}: ends in another minimum: {reported}", verdict.name);
+        (!known).then(|| format!("{}: {reported}", verdict.name))
     });
     assert_eq!(unexpected.collect::<Vec<_>>(), [""; 0]);
 }

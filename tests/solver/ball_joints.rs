@@ -240,8 +240,8 @@ fn active_limit_names_the_right_ball_joint() {
         tasks.add(Orientation::new(hand, turned));
         let solution = Solver::default().solve_once(&tasks.build().unwrap(), &model.neutral());
         let solution = solution.unwrap();
-        let told = solution.active_limits().map(|limit| limit.joint.to_owned());
-        assert_eq!(told.collect::<Vec<_>>(), [named]);
+        let reported = solution.active_limits().map(|limit| limit.joint.to_owned());
+        assert_eq!(reported.collect::<Vec<_>>(), [named]);
     }
 }
 
@@ -269,8 +269,8 @@ fn twist_and_total_angle_are_both_active() {
         let solution = solution.unwrap();
         assert!(!solution.reached);
         let limits = solution.active_limits();
-        let told: Vec<_> = limits.map(|limit| (limit.joint, limit.side)).collect();
-        assert!(told.contains(&("shoulder twist", side)), "{told:?}");
+        let reported: Vec<_> = limits.map(|limit| (limit.joint, limit.side)).collect();
+        assert!(reported.contains(&("shoulder twist", side)), "{reported:?}");
         let limits = solution.active_limits();
         let mut values: Vec<_> = limits.map(|limit| limit.value.abs()).collect();
         values.sort_by(f64::total_cmp);

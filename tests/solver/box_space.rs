@@ -7,7 +7,7 @@ use support::random::Random;
 #[test]
 fn box_space_steps_projects_and_holds() {
     let mut random = Random::new(19);
-    let mut told = [0; 3];
+    let mut reported = [0; 3];
     for _ in 0..300 {
         let n = 4;
         let lower: Vec<f64> = (0..n).map(|_| random.within(-1.0, 0.0)).collect();
@@ -58,7 +58,7 @@ fn box_space_steps_projects_and_holds() {
             };
             assert_eq!(space.held_at(&x, k, slope[k], 0.1), held);
             assert_eq!(space.holds(&x, k, slope[k], 0.1), held.is_some());
-            told[held.map_or(2, |side| usize::from(side == Side::Upper))] += 1;
+            reported[held.map_or(2, |side| usize::from(side == Side::Upper))] += 1;
             let there = (x[k] - slope[k] / 2.0).max(lower[k]).min(upper[k]);
             norm = norm.max((there - x[k]).abs());
         }
@@ -66,5 +66,5 @@ fn box_space_steps_projects_and_holds() {
         let lost = vec![f64::NAN; n];
         assert!(space.projected_gradient_norm(&x, &lost, 2.0).is_nan());
     }
-    assert!(told.iter().all(|count| *count > 30), "{told:?}");
+    assert!(reported.iter().all(|count| *count > 30), "{reported:?}");
 }

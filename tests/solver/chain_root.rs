@@ -27,9 +27,13 @@ fn fixed_links_are_not_part_of_the_chain() {
         let problem = tasks.build().unwrap();
         let solution = Solver::default().solve_once(&problem, &[0.3, 0.2]).unwrap();
         assert_eq!(solution.is_out_of_reach(), beyond, "{distance}");
-        let told = solution.explain();
+        let explanation = solution.explain();
         let verdict = format!("should be {distance:.3} m from `shoulder`");
-        assert_eq!(told.contains(&verdict), beyond, "{told}");
-        assert_eq!(told.contains("the chain reaches 1.400 m"), beyond, "{told}");
+        assert_eq!(explanation.contains(&verdict), beyond, "{explanation}");
+        assert_eq!(
+            explanation.contains("the chain reaches 1.400 m"),
+            beyond,
+            "{explanation}"
+        );
     }
 }

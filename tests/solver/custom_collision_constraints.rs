@@ -182,6 +182,6 @@ fn levels_reached_in_contact_are_not_relaxed() {
     assert!(one.goals_reached() && !one.reached);
     assert_eq!((&two.q, two.reached), (&one.q, one.reached));
     assert_ne!(two.termination, Termination::Reached);
-    let told = |solution: &Solution| (solution.termination, solution.iterations);
-    assert_eq!(told(&two), told(&one));
+    let reported = |solution: &Solution| (solution.termination, solution.iterations);
+    assert_eq!(reported(&two), reported(&one));
 }

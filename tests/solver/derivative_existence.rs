@@ -104,12 +104,12 @@ fn one_sided_limit_is_named() {
     let q = [0.3, 1.2];
     let mut tasks = Problem::builder(&model);
     tasks.add(Point::new(tip, tip_of(&model, &q)));
-    let told = existence(&tasks.build().unwrap(), &q);
+    let reported = existence(&tasks.build().unwrap(), &q);
     let on_limit = NoDerivative::OnLimit {
         joint: "joint 1".into(),
     };
-    assert_eq!(told, Existence::DoesNotExist(on_limit));
-    assert!(told.to_string().contains("`joint 1`"), "{told}");
+    assert_eq!(reported, Existence::DoesNotExist(on_limit));
+    assert!(reported.to_string().contains("`joint 1`"), "{reported}");
 }
 
 /// A posture exactly at a limit has a one-sided derivative. A posture beyond it presses the joint against the limit.
@@ -119,13 +119,13 @@ fn posture_exactly_at_a_limit_is_named() {
     for (wanted, is_pressed) in [(1.2, false), (1.3, true)] {
         let mut tasks = Problem::builder(&model);
         tasks.add(Posture::new(&model, &[0.3, wanted]));
-        let told = existence(&tasks.build().unwrap(), &[0.3, 1.2]);
+        let reported = existence(&tasks.build().unwrap(), &[0.3, 1.2]);
         let on_limit = NoDerivative::OnLimit {
             joint: "joint 1".into(),
         };
         match is_pressed {
-            true => assert_eq!(told, Existence::Unique),
-            false => assert_eq!(told, Existence::DoesNotExist(on_limit)),
+            true => assert_eq!(reported, Existence::Unique),
+            false => assert_eq!(reported, Existence::DoesNotExist(on_limit)),
         }
     }
 }
@@ -135,9 +135,9 @@ fn stretched_arm_at_target_has_no_derivative() {
     let (model, tip) = chain(2, Limits::new(-2.0, 2.0));
     let mut tasks = Problem::builder(&model);
     tasks.add(Point::new(tip, [2.0, 0.0, 0.0]));
-    let told = existence(&tasks.build().unwrap(), &[0.0, 0.0]);
+    let reported = existence(&tasks.build().unwrap(), &[0.0, 0.0]);
     let singular = NoDerivative::Singular { directions: 1 };
-    assert_eq!(told, Existence::DoesNotExist(singular));
+    assert_eq!(reported, Existence::DoesNotExist(singular));
 }
 
 #[test]
@@ -161,9 +161,9 @@ fn equidistant_target_has_no_derivative() {
     let (model, tip) = chain(1, Limits::new(-2.0, 2.0));
     let mut tasks = Problem::builder(&model);
     tasks.add(Point::new(tip, [0.0, 0.0, 0.0]));
-    let told = existence(&tasks.build().unwrap(), &[0.3]);
+    let reported = existence(&tasks.build().unwrap(), &[0.3]);
     let singular = NoDerivative::Singular { directions: 1 };
-    assert_eq!(told, Existence::DoesNotExist(singular));
+    assert_eq!(reported, Existence::DoesNotExist(singular));
 }
 
 /// The same next to a joint without influence, in either order.
@@ -184,9 +184,9 @@ fn equidistant_target_next_to_a_free_joint() {
         let model = builder.build().unwrap();
         let mut tasks = Problem::builder(&model);
         tasks.add(Point::new(tip, [0.0, 0.0, 0.0]));
-        let told = existence(&tasks.build().unwrap(), &[0.3, 0.4]);
+        let reported = existence(&tasks.build().unwrap(), &[0.3, 0.4]);
         let singular = NoDerivative::Singular { directions: 2 };
-        assert_eq!(told, Existence::DoesNotExist(singular), "{idle_first}");
+        assert_eq!(reported, Existence::DoesNotExist(singular), "{idle_first}");
     }
 }
 
@@ -195,8 +195,8 @@ fn non_stationary_configuration_is_reported() {
     let (model, tip) = chain(2, Limits::new(-2.0, 2.0));
     let mut tasks = Problem::builder(&model);
     tasks.add(Point::new(tip, [3.0, 0.0, 0.0]));
-    let told = existence(&tasks.build().unwrap(), &[0.5, 0.3]);
-    assert_eq!(told.name(), "not_stationary", "{told}");
+    let reported = existence(&tasks.build().unwrap(), &[0.5, 0.3]);
+    assert_eq!(reported.name(), "not_stationary", "{reported}");
 }
 
 /// Task that keeps the tip of two links above 1.5 m, and is active.
@@ -218,12 +218,12 @@ fn inactive_inequality_edge_has_no_derivative() {
     let start = [0.2, 0.4];
     let solution = Solver::default().solve_once(&problem, &start).unwrap();
     assert!(solution.reached);
-    let told = existence(&problem, &solution.q);
+    let reported = existence(&problem, &solution.q);
     let height = tip_of(&model, &solution.q).y;
     // Rounding decides whether it ended on the edge or inside.
     match height < 1.5 {
-        true => assert_eq!(told.name(), "at_kink", "{told}"),
-        false => assert_eq!(told.name(), "shortest_of_many", "{told}"),
+        true => assert_eq!(reported.name(), "at_kink", "{reported}"),
+        false => assert_eq!(reported.name(), "shortest_of_many", "{reported}"),
     }
 
     let (model, problem) = on_an_edge(true);
@@ -315,9 +315,9 @@ fn ball_at_its_total_angle_is_named() {
         let mut tasks = Problem::builder(&model);
         tasks.add(Point::new(hand, [turned.cos(), turned.sin(), 0.0]));
         let half = 0.5 * turned;
-        let told = existence(&tasks.build().unwrap(), &[half.cos(), 0.0, 0.0, half.sin()]);
-        assert_eq!(told.name(), expected, "{told}");
-        if let Existence::DoesNotExist(NoDerivative::OnLimit { joint }) = told {
+        let reported = existence(&tasks.build().unwrap(), &[half.cos(), 0.0, 0.0, half.sin()]);
+        assert_eq!(reported.name(), expected, "{reported}");
+        if let Existence::DoesNotExist(NoDerivative::OnLimit { joint }) = reported {
             assert_eq!(joint, "shoulder");
         }
     }
@@ -425,9 +425,9 @@ fn limit_at_the_balance_point_is_undecided() {
         for off in [-0.2, -0.1, 0.3] {
             tasks.add(Point::new(tip, [value + off, 0.0, 0.0]));
         }
-        let told = existence(&tasks.build().unwrap(), &[value]);
-        let Existence::DoesNotExist(NoDerivative::OnLimit { joint }) = told else {
-            panic!("{limits:?}: {told}");
+        let reported = existence(&tasks.build().unwrap(), &[value]);
+        let Existence::DoesNotExist(NoDerivative::OnLimit { joint }) = reported else {
+            panic!("{limits:?}: {reported}");
         };
         assert_eq!(joint, "slide");
     }

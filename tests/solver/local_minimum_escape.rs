@@ -126,16 +126,16 @@ fn hand_reaches_target_for_any_drag_course() {
         }
         scene.most = [0.0; 2];
         let frames = scene.settle(up);
-        let told = scene.drag.solution();
+        let reported = scene.drag.solution();
         let [moved, off] = scene.most;
         assert!(moved <= 0.15 + 1e-12 && off < 0.02, "{seed}: {moved} {off}");
         assert!(frames < 900, "{seed}");
         // The remaining misses need another branch, and are reported.
-        short += usize::from(!told.reached);
+        short += usize::from(!reported.reached);
         assert!(
-            told.reached || told.position_error() < Some(2e-4),
+            reported.reached || reported.position_error() < Some(2e-4),
             "{seed}: {}",
-            told.explain()
+            reported.explain()
         );
     }
     assert!(short * 20 <= courses, "{short} of {courses}");

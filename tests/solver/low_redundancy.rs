@@ -167,8 +167,8 @@ fn agreeing_attempts_start_independently() {
         };
         let problem = ends_as_at(&model, &ends, &there);
         let (start, mut workspace) = (model.neutral(), Workspace::new());
-        let told = solver.solve_observed(&problem, &start, &mut workspace, &mut watch);
-        assert_eq!(told.expect("a valid start").attempts, 16);
+        let reported = solver.solve_observed(&problem, &start, &mut workspace, &mut watch);
+        assert_eq!(reported.expect("a valid start").attempts, 16);
         seen
     };
     let [near, far] = [1e3, -2e3].map(starts);

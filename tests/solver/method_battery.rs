@@ -326,10 +326,10 @@ fn outcome_reports_the_projected_gradient() {
             let projected = (x - g).clamp(problem.lower[k], problem.upper[k]);
             most.max((projected - x).abs())
         });
-        let told = outcome.projected_gradient.unwrap();
+        let reported = outcome.projected_gradient.unwrap();
         assert!(
-            (told - norm).abs() <= 1e-12 + 1e-9 * norm,
-            "{told} is not {norm}"
+            (reported - norm).abs() <= 1e-12 + 1e-9 * norm,
+            "{reported} is not {norm}"
         );
     }
 }

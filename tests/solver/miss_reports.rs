@@ -65,11 +65,11 @@ fn agreeing_attempts_are_counted_and_reported() {
     // In the hole of the long link: nothing proves it unreachable, but attempts agree.
     let hole = solve([0.2, 0.1, 0.0], 32);
     assert!(!hole.reached && hole.agreeing >= 3 && !hole.is_out_of_reach());
-    let told = format!(
+    let message = format!(
         "{} of {} attempts ended at this same miss",
         hole.agreeing, hole.attempts
     );
-    assert!(hole.explain().contains(&told), "{}", hole.explain());
+    assert!(hole.explain().contains(&message), "{}", hole.explain());
     let mut others = hole.clone();
     (others.agreeing, others.attempts) = (3, 7);
     assert!(others.explain().contains("3 of 7 attempts"));
@@ -111,8 +111,8 @@ fn attempts_of_earlier_problems_do_not_agree() {
         let again = solver.solve(&problem, &[0.3, 0.2], &mut workspace).unwrap();
         assert!(!alone.reached && alone.agreeing >= 3, "{target:?}");
         assert!(again.agreeing <= again.attempts, "{target:?}: {again:?}");
-        let told = |solution: &Solution| (solution.agreeing, solution.attempts, solution.cost);
-        assert_eq!(told(again), told(&alone), "{target:?}");
+        let reported = |solution: &Solution| (solution.agreeing, solution.attempts, solution.cost);
+        assert_eq!(reported(again), reported(&alone), "{target:?}");
     }
 }
 
@@ -201,7 +201,7 @@ fn only_the_missed_part_of_a_pose_is_reported() {
     let tip = model.frame("tip").unwrap();
     let turned = nalgebra::Rotation3::from_euler_angles(0.5, 0.0, 0.0).into_inner();
     let target = Placement::new(turned.into(), [0.4, 0.3, 2.0].into());
-    for (within, told) in [
+    for (within, reported) in [
         (Quantity::Radians, [true, false]),
         (Quantity::Metres, [false, true]),
     ] {
@@ -213,7 +213,7 @@ fn only_the_missed_part_of_a_pose_is_reported() {
         let misses = words.lines().find(|line| line.contains("misses by"));
         let misses = misses.unwrap().trim_end_matches('.');
         let has = |unit: &str| misses.split(' ').any(|word| word == unit);
-        assert_eq!([has("m"), has("rad")], told, "{misses}");
+        assert_eq!([has("m"), has("rad")], reported, "{misses}");
     }
 }
 
@@ -272,7 +272,7 @@ fn prismatic_joint_reaches_its_farther_limit() {
 /// A miss agrees at least with itself, whichever attempt it continued.
 #[test]
 fn reported_miss_agrees_with_itself() {
-    let mut told = 0;
+    let mut reported = 0;
     for seed in 0..6 {
         let rig = support::bones::RandomRig::new(seed);
         let mut random = Random::new(seed);
@@ -281,10 +281,10 @@ fn reported_miss_agrees_with_itself() {
         let solution = Solver::default().solve_once(&problem, &start).unwrap();
         if solution.termination == Termination::Stationary {
             assert!(solution.agreeing >= 1, "{seed}: {}", solution.explain());
-            told += 1;
+            reported += 1;
         }
     }
-    assert!(told >= 3, "{told}");
+    assert!(reported >= 3, "{reported}");
 }
 
 #[test]
@@ -379,12 +379,16 @@ fn failed_drag_search_agrees_with_the_frame() {
             continue;
         }
         searched += 1;
-        let told = format!(
+        let message = format!(
             "{} of {} attempts ended at this same miss",
             solution.agreeing, solution.attempts
         );
         assert!(solution.agreeing > 2, "{}", solution.explain());
-        assert!(solution.explain().contains(&told), "{}", solution.explain());
+        assert!(
+            solution.explain().contains(&message),
+            "{}",
+            solution.explain()
+        );
     }
     assert!(searched > 0);
 }

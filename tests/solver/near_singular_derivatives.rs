@@ -43,8 +43,8 @@ fn derivative_near_full_stretch_is_accurate() {
             let slope = [0.3, -0.2, 0.9];
             let mut gradient = derivative.parameters();
             derivative.gradient(&slope, &mut gradient).unwrap();
-            let told = DVector::from_column_slice(gradient.target(0));
-            let off = (jacobian.transpose() * told - DVector::from_column_slice(&slope)).amax();
+            let reported = DVector::from_column_slice(gradient.target(0));
+            let off = (jacobian.transpose() * reported - DVector::from_column_slice(&slope)).amax();
             assert!(off < 1e-12, "bent by {bend}: {off:e}");
         }
     }

@@ -291,11 +291,15 @@ fn non_finite_start_error_reports_the_value() {
             let mut start = [0.1; 3];
             start[model.coordinate(bad).unwrap()] = value;
             let error = Solver::default().solve_once(&problem, &start).unwrap_err();
-            let SolveError::StartNotFinite { joint, value: told } = error else {
+            let SolveError::StartNotFinite {
+                joint,
+                value: reported,
+            } = error
+            else {
                 panic!("{error}")
             };
             assert_eq!(joint, model.joints()[bad.index()].name);
-            assert_eq!(told.to_bits(), value.to_bits());
+            assert_eq!(reported.to_bits(), value.to_bits());
         }
     }
 }

@@ -100,8 +100,8 @@ fn lower_level_is_stationary_within_the_first() {
             "{seed}: {left} of the slope is left\n{}",
             solution.explain()
         );
-        let told = solution.explain();
-        assert!(told.contains("Level 1 gives way"), "{told}");
+        let explanation = solution.explain();
+        assert!(explanation.contains("Level 1 gives way"), "{explanation}");
     }
     assert!(conflicts > 3, "hardly anything conflicts");
 }
@@ -159,8 +159,8 @@ fn lower_level_does_not_increase_a_miss() {
             (place - Vector3::from(asked.elbow)).norm()
         };
         gained += usize::from(elbow(&solution.q) < elbow(&by_itself.q) - 1e-6);
-        let told = solution.explain();
-        assert!(told.contains("Level 0 comes first"), "{told}");
+        let explanation = solution.explain();
+        assert!(explanation.contains("Level 0 comes first"), "{explanation}");
     }
     assert!(gained > 0, "nothing is ever gained");
 }
@@ -203,8 +203,11 @@ fn three_levels_do_not_disturb_each_other() {
         }
         let reached: Vec<bool> = solution.tasks().map(|task| task.reached).collect();
         if reached == [true, false, false] {
-            let told = solution.explain();
-            assert!(told.contains("Levels 1, 2 give way"), "{told}");
+            let explanation = solution.explain();
+            assert!(
+                explanation.contains("Levels 1, 2 give way"),
+                "{explanation}"
+            );
         }
         let levels: Vec<usize> = solution.tasks().map(|task| task.level).collect();
         assert_eq!(levels, [0, 1, 2]);
@@ -224,8 +227,8 @@ fn first_level_is_reached_despite_heavier_levels() {
     }
     let problem = tasks.build().unwrap();
     let solution = Solver::default().solve_once(&problem, &[0.0]).unwrap();
-    let told = solution.explain();
-    assert!(solution.tasks().next().unwrap().reached, "{told}");
+    let explanation = solution.explain();
+    assert!(solution.tasks().next().unwrap().reached, "{explanation}");
     assert!((solution.q[0] - 2.97).abs() < 1e-5, "{:?}", solution.q);
 }
 
@@ -432,13 +435,13 @@ fn relaxed_levels_leave_no_state() {
     for solver in cut.chain([Solver::default()]) {
         let fresh = asked().map(|question| solver.solve_once(question, &start).unwrap());
         let fresh: Vec<_> = fresh.collect();
-        assert!(fresh.iter().filter(|told| told.reached).count() <= 1);
+        assert!(fresh.iter().filter(|reported| reported.reached).count() <= 1);
         for question in asked() {
             for (other, expected) in asked().zip(&fresh) {
                 let mut workspace = Workspace::new();
                 solver.solve(question, &start, &mut workspace).unwrap();
-                let told = solver.solve(other, &start, &mut workspace).unwrap();
-                assert_eq!(format!("{told:?}"), format!("{expected:?}"));
+                let reported = solver.solve(other, &start, &mut workspace).unwrap();
+                assert_eq!(format!("{reported:?}"), format!("{expected:?}"));
             }
         }
     }

@@ -203,9 +203,9 @@ fn previous_problem_has_no_influence() {
         for ((second, other, solver_of_other), expected) in endings.iter().zip(&fresh) {
             let mut workspace = Workspace::new();
             solver.solve(problem, &start, &mut workspace).unwrap();
-            let told = solver_of_other.solve(other, &start, &mut workspace);
+            let reported = solver_of_other.solve(other, &start, &mut workspace);
             assert_eq!(
-                bits(told.unwrap()),
+                bits(reported.unwrap()),
                 bits(expected),
                 "{second} after {first}"
             );

@@ -33,7 +33,7 @@ fn same(seed: u64, (problem, pose): (Problem, TaskId<Pose>)) {
     let (robot, _, tool) = panda();
     let model = robot.model();
     let (mut random, solver) = (Random::new(seed), Solver::default());
-    let (mut kept, mut told) = (Workspace::new(), [0; 2]);
+    let (mut kept, mut reported) = (Workspace::new(), [0; 2]);
     for turn in 0..cases(60, 12) {
         let [there, start] = [(); 2].map(|()| configuration_of(model, &mut random));
         let mut target = placement_of(model, tool, &there);
@@ -46,9 +46,9 @@ fn same(seed: u64, (problem, pose): (Problem, TaskId<Pose>)) {
         let fresh = solver.solve_once(asked(), &start).unwrap();
         let again = solver.solve(asked(), &start, &mut kept).unwrap();
         assert_eq!(format!("{again:?}"), format!("{fresh:?}"), "{turn}");
-        told[usize::from(fresh.reached)] += 1;
+        reported[usize::from(fresh.reached)] += 1;
     }
-    assert!(told[0] > 0, "{told:?}");
+    assert!(reported[0] > 0, "{reported:?}");
 }
 
 fn frame(name: &str) -> FrameId {
@@ -139,11 +139,11 @@ fn relocated_drag_equals_a_new_drag() {
                 drag.target_mut(pose).unwrap().set_target(there);
             }
             for step in 0..12 {
-                let told = [&mut used, &mut fresh].map(|drag| match step {
+                let message = [&mut used, &mut fresh].map(|drag| match step {
                     11 => format!("{:?}", drag.settle(60)),
                     _ => format!("{:?}", drag.advance()),
                 });
-                assert_eq!(told[0], told[1], "{k}, {turn}: frame {step}");
+                assert_eq!(message[0], message[1], "{k}, {turn}: frame {step}");
                 assert_eq!(used.leap(), fresh.leap());
             }
         }
@@ -176,12 +176,12 @@ fn reused_derivative_workspace() {
         let asked = problem.with_targets(&targets).unwrap();
         let solution = Solver::default().solve_once(asked, &q).unwrap();
         let mut new = DerivativeWorkspace::default();
-        let told = [&mut kept, &mut new].map(|memory| {
+        let reported = [&mut kept, &mut new].map(|memory| {
             let mut derivative = SolutionDerivative::new(asked, &solution.q, memory).unwrap();
             let by_target = derivative.by_target(0).unwrap();
             (derivative.existence().clone(), by_target)
         });
-        assert_eq!(told[0], told[1], "{turn}");
+        assert_eq!(reported[0], reported[1], "{turn}");
     }
 }
 

@@ -90,12 +90,12 @@ fn targets_of_another_count_are_rejected() {
     for (problem, targets, counts) in [(&two, one.targets(), (1, 2)), (&one, two.targets(), (2, 1))]
     {
         let error = problem.with_targets(&targets).err();
-        let told = match &error {
+        let reported = match &error {
             Some(ProblemError::ForeignTargets {
                 given, expected, ..
             }) => Some((*given, *expected)),
             _ => None,
         };
-        assert_eq!(told, Some(counts), "{error:?}");
+        assert_eq!(reported, Some(counts), "{error:?}");
     }
 }

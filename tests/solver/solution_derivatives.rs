@@ -113,25 +113,25 @@ fn look(seed: u64, seen: &mut Seen) {
         Change::Origin(1.0),
     ] {
         let rates = case(seed, &change.times(0.0)).rates;
-        let mut told = vec![0.0; here.model.degrees_of_freedom()];
-        derivative.velocity(&rates, &mut told).unwrap();
-        let told = na::DVector::from_vec(told);
+        let mut reported = vec![0.0; here.model.degrees_of_freedom()];
+        derivative.velocity(&rates, &mut reported).unwrap();
+        let reported = na::DVector::from_vec(reported);
 
         // Reverse mode is the transpose of forward mode.
         let mut random = Random::new(seed);
-        let slope: Vec<f64> = told.iter().map(|_| random.within(-1.0, 1.0)).collect();
+        let slope: Vec<f64> = reported.iter().map(|_| random.within(-1.0, 1.0)).collect();
         let mut gradient = derivative.parameters();
         derivative.gradient(&slope, &mut gradient).unwrap();
-        let forward: f64 = told.iter().zip(&slope).map(|(v, s)| v * s).sum();
+        let forward: f64 = reported.iter().zip(&slope).map(|(v, s)| v * s).sum();
         let backward = product(&gradient, &rates);
-        let size = 1.0 + told.amax();
+        let size = 1.0 + reported.amax();
         assert!(
             (forward - backward).abs() < 1e-7 * size,
             "seed {seed} {change:?}: {forward} {backward}"
         );
 
         let step = 1e-4 / size;
-        let mut shown = na::DVector::zeros(told.len());
+        let mut shown = na::DVector::zeros(reported.len());
         for (share, weight) in [(1.0, 8.0), (-1.0, -8.0), (2.0, -1.0), (-2.0, 1.0)] {
             let there = case(seed, &change.times(share * step));
             let conditions = Conditions {
@@ -152,11 +152,11 @@ fn look(seed: u64, seen: &mut Seen) {
             }
             shown.axpy(weight / (12.0 * step), &velocity(&here.model, &q, &to), 1.0);
         }
-        let off = (&told - &shown).amax() / size;
+        let off = (&reported - &shown).amax() / size;
         seen.worst = seen.worst.max(off);
         assert!(
             off < 1e-6,
-            "seed {seed} {change:?}: off by {off:e}\n{told}{shown}"
+            "seed {seed} {change:?}: off by {off:e}\n{reported}{shown}"
         );
     }
 }

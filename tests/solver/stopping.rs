@@ -253,7 +253,7 @@ fn small_step_to_the_target_is_reached() {
     let target = [0.2, 0.7, 0.0];
     let there = Solver::default().solve_once(&problem(target), &START);
     let beside: Vec<f64> = there.unwrap().q.iter().map(|q| q + 1e-5).collect();
-    let mut told = 0;
+    let mut reported = 0;
     for solver in solvers() {
         let ended = |tolerance: f64| {
             let stopping = Stopping::default().with_step_tolerance(tolerance);
@@ -263,12 +263,12 @@ fn small_step_to_the_target_is_reached() {
         };
         let exact = ended(1e-15);
         if exact.reached && exact.iterations == 1 {
-            told += 1;
+            reported += 1;
             let rough = ended(1.0).termination;
             assert_eq!(rough, Termination::Reached, "{}", solver.method());
         }
     }
-    assert!(told > 2, "{told}");
+    assert!(reported > 2, "{reported}");
 }
 
 /// Cosine between the residual and the most effective joint's column, with columns normalised by the longest.
@@ -374,11 +374,11 @@ fn interrupted_search_reports_limits_so_far() {
             ),
         ] {
             let solution = solver.solve_once(&problem(target), &start).unwrap();
-            let told = solution.explain();
-            assert_eq!(solution.termination, ended, "{told}");
-            assert_eq!(told.contains(words), cut, "{told}");
-            let more = told.contains("More time or iterations may help");
-            assert_eq!(more, cut, "{told}");
+            let explanation = solution.explain();
+            assert_eq!(solution.termination, ended, "{explanation}");
+            assert_eq!(explanation.contains(words), cut, "{explanation}");
+            let more = explanation.contains("More time or iterations may help");
+            assert_eq!(more, cut, "{explanation}");
         }
     }
 }

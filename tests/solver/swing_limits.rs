@@ -31,20 +31,24 @@ fn swing_projects_to_the_closest_ellipse_point() {
             let mut x = [from[0], from[1], 0.3];
             space.project(&mut x);
             let put = [x[0], x[1]];
-            let told = || format!("{half:?}, case {case}: {from:?} to {put:?}");
+            let message = || format!("{half:?}, case {case}: {from:?} to {put:?}");
             assert_eq!(x[2], 0.3);
             if share(from) < 1.0 {
-                assert_eq!(put, from, "{}", told());
+                assert_eq!(put, from, "{}", message());
                 continue;
             }
-            assert!((share(put) - 1.0).abs() < 1e-12, "{}", told());
+            assert!((share(put) - 1.0).abs() < 1e-12, "{}", message());
             // The displacement is along the edge's inward normal.
             let way = [from[0] - put[0], from[1] - put[1]];
             let normal = [put[0] / (half[0] * half[0]), put[1] / (half[1] * half[1])];
             let lengths = way[0].hypot(way[1]) * normal[0].hypot(normal[1]);
             let aside = (way[0] * normal[1] - way[1] * normal[0]) / lengths;
-            assert!(aside.abs() < 1e-9, "{}: {aside:e}", told());
-            assert!(way[0] * normal[0] + way[1] * normal[1] > 0.0, "{}", told());
+            assert!(aside.abs() < 1e-9, "{}: {aside:e}", message());
+            assert!(
+                way[0] * normal[0] + way[1] * normal[1] > 0.0,
+                "{}",
+                message()
+            );
         }
     }
 }

@@ -47,8 +47,8 @@ fn target_beyond_a_stretched_arm() {
                 (missed - (distance - length)).abs() < 1e-9,
                 "{name}: {missed}"
             );
-            let told = solution.tasks().next().unwrap().position_error().unwrap();
-            assert!((told - missed).abs() < 1e-12);
+            let reported = solution.tasks().next().unwrap().position_error().unwrap();
+            assert!((reported - missed).abs() < 1e-12);
             let explanation = solution.explain();
             assert!(explanation.starts_with("Not reached"), "{explanation}");
             assert!(
@@ -128,8 +128,8 @@ fn prismatic_joint_ends_at_its_limit() {
             let solution = solve(&solver, &model, target, &[0.2]);
             assert_eq!(solution.q, [expected]);
             let missed = f64::hypot(0.5, z - expected);
-            let told = solution.tasks().next().unwrap().position_error().unwrap();
-            assert!((told - missed).abs() < 1e-12);
+            let reported = solution.tasks().next().unwrap().position_error().unwrap();
+            assert!((reported - missed).abs() < 1e-12);
             assert_eq!(solution.active_limits().count(), 1);
         }
     }

@@ -116,8 +116,8 @@ fn modified_file_is_an_error_or_fits_the_robot() {
                     }
                     Err(error) => assert_eq!(fault, Fault::NotARobot, "{error}"),
                 }
-                let told = format!("{fault:?}");
-                told.split([' ', '(']).next().unwrap().to_owned()
+                let reported = format!("{fault:?}");
+                reported.split([' ', '(']).next().unwrap().to_owned()
             }
         };
         *outcomes.entry(outcome).or_default() += 1;

@@ -180,10 +180,10 @@ fn state_of_several_groups_combines_or_selects_one() {
     assert_eq!(of("arm/home").unwrap(), [0.3, -1.0, q[7]]);
     assert_eq!(of("hand/home").unwrap(), [q[1], q[3], 0.02]);
     for unknown in ["leg/home", "/home", "armhome", "hand/ready"] {
-        let told = of(unknown).unwrap_err().to_string();
+        let message = of(unknown).unwrap_err().to_string();
         assert!(
-            told.contains(unknown) && told.contains("ready, home"),
-            "{told}"
+            message.contains(unknown) && message.contains("ready, home"),
+            "{message}"
         );
     }
 }

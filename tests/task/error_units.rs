@@ -33,7 +33,7 @@ fn every_task_has_the_unit_of_its_quantity() {
     let q = model.neutral();
     let pair = |a, b| JointCoupling::new(&model, [(a, 1.0), (b, 2.0)], 0.3);
     let slow = FrameVelocity::new(hook, here, 0.1, ([0.0; 3], z));
-    for (told, expected) in [
+    for (reported, expected) in [
         (quantities(&pair(hinge, slide)), vec![Radians]),
         (quantities(&pair(slide, hinge)), vec![Metres]),
         (quantities(&Point::new(hook, x)), vec![Metres]),
@@ -60,7 +60,7 @@ fn every_task_has_the_unit_of_its_quantity() {
             vec![Metres],
         ),
     ] {
-        assert_eq!(told, expected);
+        assert_eq!(reported, expected);
     }
 
     // A weight on metres applies to a coupling of prismatic joints; one on radians does not.

@@ -132,15 +132,18 @@ fn searches_of_wrong_shapes_do_not_start() {
         &[3.0, f64::INFINITY],
     ] {
         for end in search(&low, &high, start) {
-            let told = end.unwrap_err().to_string();
+            let message = end.unwrap_err().to_string();
             let said = if start.len() == 2 { "finite" } else { "2" };
-            assert!(told.contains("start") && told.contains(said), "{told}");
+            assert!(
+                message.contains("start") && message.contains(said),
+                "{message}"
+            );
         }
     }
     for (lower, upper) in [(&low[..1], &high[..]), (&low[..], &high[..0])] {
         for end in search(lower, upper, &[3.0, 3.0]) {
-            let told = end.unwrap_err().to_string();
-            assert!(told.contains("bounds"), "{told}");
+            let message = end.unwrap_err().to_string();
+            assert!(message.contains("bounds"), "{message}");
         }
     }
     for end in search(&low, &high, &[3.0, 3.0]) {
@@ -282,11 +285,11 @@ fn inequality_rows_are_validated() {
             for _ in 0..before {
                 builder.add(Point::new(frame, [0.6, 0.4, 0.0]));
             }
-            let told = format!("a room of its rows {room:?}, but 1 rows");
+            let message = format!("a room of its rows {room:?}, but 1 rows");
             builder.add(Roomy { frame, room });
             match builder.build() {
-                Ok(_) => assert!(fits, "{before}: {told}"),
-                Err(refused) => assert!(refused.to_string().contains(&told), "{refused}"),
+                Ok(_) => assert!(fits, "{before}: {message}"),
+                Err(refused) => assert!(refused.to_string().contains(&message), "{refused}"),
             }
         }
     }

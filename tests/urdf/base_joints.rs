@@ -256,10 +256,10 @@ fn nan_base_bounds_are_named() {
         ] {
             let base = BaseJoint::named("free", rooms).unwrap();
             let robot = Robot::parse(TWO, "two.urdf").unwrap();
-            let told = robot.with_base_joint(base).unwrap_err().to_string();
+            let message = robot.with_base_joint(base).unwrap_err().to_string();
             assert!(
-                told.contains("root_joint/z") && told.contains("NaN"),
-                "{told}"
+                message.contains("root_joint/z") && message.contains("NaN"),
+                "{message}"
             );
         }
     }
