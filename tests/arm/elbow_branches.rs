@@ -45,12 +45,12 @@ fn elbow_returns_on_its_branch_after_long_motion() {
 /// `from`.
 fn check(arm: &Arm, start: &[f64; 6], beside: Vector3<f64>, from: f64) {
     let first = arm.base_from_tool(start).unwrap();
-    let way = first.translation + beside;
-    let way = way * (1.0 / way.norm());
+    let direction = first.translation + beside;
+    let direction = direction * (1.0 / direction.norm());
     let at = |step: usize| {
         Placement::new(
             first.rotation,
-            first.translation + way * (STEP * step as f64),
+            first.translation + direction * (STEP * step as f64),
         )
     };
     let mut q = *start;

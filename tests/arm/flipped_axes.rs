@@ -47,9 +47,9 @@ fn told(solution: &Solution) -> Told {
     (solution.q.clone(), solution.reached, solution.termination)
 }
 
-fn follow(arm: &Arm, start: &[f64], way: &[Placement<f64>]) -> Vec<Told> {
+fn follow(arm: &Arm, start: &[f64], targets: &[Placement<f64>]) -> Vec<Told> {
     let mut follower = arm.follower(start).unwrap();
-    let steps = way.iter().map(|target| {
+    let steps = targets.iter().map(|target| {
         let mut solution = Solution::default();
         follower.advance(*target, &mut solution).unwrap();
         told(&solution)
@@ -58,9 +58,9 @@ fn follow(arm: &Arm, start: &[f64], way: &[Placement<f64>]) -> Vec<Told> {
 }
 
 /// Joint values and status of every cycle of a servo that follows the targets.
-fn serve(arm: &Arm, start: &[f64], way: &[Placement<f64>]) -> Vec<(Vec<f64>, ServoStatus)> {
+fn serve(arm: &Arm, start: &[f64], targets: &[Placement<f64>]) -> Vec<(Vec<f64>, ServoStatus)> {
     let mut servo = arm.servo(start, 4e-3).unwrap();
-    let ticks = way.iter().map(|target| {
+    let ticks = targets.iter().map(|target| {
         let step = servo.step(*target).unwrap();
         (step.q.to_vec(), step.status)
     });
@@ -96,10 +96,10 @@ fn reversed_axes_give_opposite_joint_values() {
         });
         let back: Vec<f64> = start.iter().map(|value| -value).collect();
         let from = arm.base_from_tool(start).unwrap();
-        for way in ways.map(Vector3::from) {
-            let way = out_and_back(&from, way, 24);
-            let both = follow(&arm, start, &way).into_iter();
-            for (one, other) in both.zip(follow(&turned, &back, &way)) {
+        for line in ways.map(Vector3::from) {
+            let line = out_and_back(&from, line, 24);
+            let both = follow(&arm, start, &line).into_iter();
+            for (one, other) in both.zip(follow(&turned, &back, &line)) {
                 assert!(apart(&one.0, &other.0) < 1e-6, "{name}: {one:?} {other:?}");
                 assert_eq!((one.1, one.2), (other.1, other.2), "{name}");
                 missed += usize::from(!one.1);
@@ -107,8 +107,8 @@ fn reversed_axes_give_opposite_joint_values() {
                 let held = limits.filter(|(limits, q)| **q == limits.lower || **q == limits.upper);
                 at_limits += held.count();
             }
-            let both = serve(&arm, start, &way).into_iter();
-            for (one, other) in both.zip(serve(&turned, &back, &way)) {
+            let both = serve(&arm, start, &line).into_iter();
+            for (one, other) in both.zip(serve(&turned, &back, &line)) {
                 assert!(apart(&one.0, &other.0) < 1e-6, "{name}: {one:?} {other:?}");
                 assert_eq!(one.1, other.1, "{name}");
             }

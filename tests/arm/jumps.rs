@@ -37,10 +37,10 @@ fn jumps_are_short_and_leave_no_state() {
         let start = random.configuration(&arm);
         let end = random.configuration(&arm);
         let [first, last] = [&start, &end].map(|q| arm.base_from_tool(q).unwrap());
-        let way = last.translation - first.translation;
+        let displacement = last.translation - first.translation;
         let at = |step: u32| {
             let share = f64::from(step) / f64::from(STEPS);
-            Placement::new(first.rotation, first.translation + way * share)
+            Placement::new(first.rotation, first.translation + displacement * share)
         };
         let mut follower = arm.follower(&start).unwrap();
         let mut solution = Solution::default();

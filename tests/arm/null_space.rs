@@ -71,10 +71,14 @@ fn null_space_uses_prismatic_weights() {
         }
     }
     let scale = Vector4::new(1.0 / METRES, 1.0, 1.0, 1.0);
-    let way = (Vector4::from_column_slice(&q) - Vector4::from(start)).component_mul(&scale);
+    let displacement =
+        (Vector4::from_column_slice(&q) - Vector4::from(start)).component_mul(&scale);
     let inverse = (jacobian * jacobian.transpose()).try_inverse().unwrap();
-    let left = way - jacobian.transpose() * inverse * jacobian * way;
-    assert!(way.norm() > 0.3 && left.norm() < 1e-3, "{way} {left}");
+    let left = displacement - jacobian.transpose() * inverse * jacobian * displacement;
+    assert!(
+        displacement.norm() > 0.3 && left.norm() < 1e-3,
+        "{displacement} {left}"
+    );
 }
 
 /// Also near limits, whose potential is taken relative to its gradient at the start.
@@ -163,8 +167,14 @@ fn on_a_rail(unit: f64) -> Arm {
         (y, y, 0.2),
         (z, x, 0.1),
     ];
-    for (k, (way, axis, by)) in hinges.into_iter().enumerate() {
-        last = builder.revolute(format!("{}", k + 2), Some(last), off(way, by), axis, hinge);
+    for (k, (direction, axis, by)) in hinges.into_iter().enumerate() {
+        last = builder.revolute(
+            format!("{}", k + 2),
+            Some(last),
+            off(direction, by),
+            axis,
+            hinge,
+        );
     }
     builder.frame("tip", Some(last), off(x, 0.15));
     let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();

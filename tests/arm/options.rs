@@ -219,16 +219,18 @@ fn null_space_part(arm: &Arm, q: &[f64], wanted: &[f64]) -> f64 {
     loop {
         let free: Vec<usize> = (0..q.len()).filter(|&k| !held[k]).collect();
         let columns = jacobian.select_columns(&free);
-        let way = DVector::from_iterator(free.len(), free.iter().map(|&k| wanted[k] - q[k]));
+        let displacement =
+            DVector::from_iterator(free.len(), free.iter().map(|&k| wanted[k] - q[k]));
         let inverse = columns.clone().pseudo_inverse(1e-9).unwrap();
-        let way = &way - inverse * (&columns * &way);
+        let displacement = &displacement - inverse * (&columns * &displacement);
         let limits: Vec<_> = arm.limits().collect();
         let outward = |&(i, &k): &(usize, &usize)| {
-            (q[k] <= limits[k].lower && way[i] < 0.0) || (q[k] >= limits[k].upper && way[i] > 0.0)
+            (q[k] <= limits[k].lower && displacement[i] < 0.0)
+                || (q[k] >= limits[k].upper && displacement[i] > 0.0)
         };
         match free.iter().enumerate().find(outward) {
             Some((_, &k)) => held[k] = true,
-            None => return way.norm(),
+            None => return displacement.norm(),
         }
     }
 }
@@ -285,9 +287,9 @@ fn joint_weights_define_the_nearest_solution() {
         // Without active limits, the weighted displacement from the start is orthogonal to the null space.
         let weighted_jacobian = jacobian(&b.q)
             * DMatrix::from_diagonal(&DVector::from_iterator(7, weights.iter().map(|w| 1.0 / w)));
-        let way = DVector::from_fn(7, |k, _| weights[k] * (b.q[k] - start[k]));
+        let displacement = DVector::from_fn(7, |k, _| weights[k] * (b.q[k] - start[k]));
         let inverse = weighted_jacobian.clone().pseudo_inverse(1e-9).unwrap();
-        let left = (&way - inverse * (&weighted_jacobian * &way)).norm();
+        let left = (&displacement - inverse * (&weighted_jacobian * &displacement)).norm();
         let mut inside = weighted.limits().zip(&b.q);
         if inside.all(|(l, q)| l.lower < *q && *q < l.upper) {
             counted += 1;

@@ -86,17 +86,17 @@ fn out_and_back(arm: &Arm, name: &str, Line { start, out }: &Line, faster: f64) 
     let servo = arm.servo(start, TICK).unwrap();
     let mut servo = servo.with_velocity_limits(&speeds).unwrap();
     let mut held = false;
-    let mut way = Vec::new();
+    let mut path = Vec::new();
     for target in out {
         tick(arm, &mut servo, target);
-        way.push(servo.q().to_vec());
+        path.push(servo.q().to_vec());
         held |= held_by_limits(arm, servo.q());
     }
     let (status, widest) = chatter(arm, &mut servo, out.last().unwrap());
     assert!(widest < 1e-3, "{name}: {widest} {status:?}");
     // A long way around may continue from the end of the short one.
     held |= held_by_limits(arm, servo.q()) || status == ServoStatus::OnTarget;
-    for (target, there) in out.iter().zip(&way).rev() {
+    for (target, there) in out.iter().zip(&path).rev() {
         tick(arm, &mut servo, target);
         held |= held_by_limits(arm, servo.q());
         // Near the edge the elbow and the null space may lag, but no joint is on another branch.
@@ -107,7 +107,7 @@ fn out_and_back(arm: &Arm, name: &str, Line { start, out }: &Line, faster: f64) 
     let (status, widest) = chatter(arm, &mut servo, &out[0]);
     assert_eq!(status, ServoStatus::OnTarget, "{name}");
     assert!(widest < 1e-3, "{name}: {widest}");
-    (!held).then(|| distance(servo.q(), &way[0]))
+    (!held).then(|| distance(servo.q(), &path[0]))
 }
 
 fn held_by_limits(arm: &Arm, q: &[f64]) -> bool {
@@ -146,9 +146,9 @@ fn closest_pose_is_reached_in_few_cycles() {
     let arm = arm("universal_ur5e");
     let start = [0.3, -1.2, 1e-3, -1.0, 0.5, 0.2];
     let first = arm.base_from_tool(&start).unwrap();
-    let way = first.translation * (1.0 / first.translation.norm());
+    let direction = first.translation * (1.0 / first.translation.norm());
     for over in [1e-5, 3e-5, 1e-4] {
-        let target = Placement::new(first.rotation, first.translation + way * over);
+        let target = Placement::new(first.rotation, first.translation + direction * over);
         let mut servo = arm.servo(&start, TICK).unwrap();
         let mut ticks = 0;
         let (mut status, mut error) = (ServoStatus::Settling, f64::INFINITY);

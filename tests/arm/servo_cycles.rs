@@ -53,9 +53,9 @@ fn ends(rate: f64, posture: Option<&[f64]>, start: &[f64], servoing: bool) -> Ve
     let mut solution = Solution::default();
     for k in 0..200 {
         // There and back, slowly.
-        let way = 0.15 * (1.0 - (f64::from(k) / 100.0 - 1.0).abs());
+        let offset = 0.15 * (1.0 - (f64::from(k) / 100.0 - 1.0).abs());
         let mut target = from;
-        target.translation.z += way;
+        target.translation.z += offset;
         if servoing {
             assert!(servo.step(target).unwrap().position_error < 5e-3);
         } else {

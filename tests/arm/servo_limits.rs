@@ -132,7 +132,7 @@ fn null_space_motion_does_not_oscillate() {
         -0.1942831713110183,
         0.8856220394562403,
     ];
-    let way = Vector3::new(0.1907308792720345, 0.7828287659402171, -0.5922844375033277);
+    let direction = Vector3::new(0.1907308792720345, 0.7828287659402171, -0.5922844375033277);
     let first = arm.base_from_tool(&start).unwrap();
     let mut servo = arm.servo(&start, 1.0 / 250.0).unwrap();
     let mut velocities: Vec<Vec<f64>> = Vec::new();
@@ -142,7 +142,7 @@ fn null_space_motion_does_not_oscillate() {
     {
         let target = Placement::new(
             first.rotation,
-            first.translation + way * (0.3 * f64::from(k) / 750.0),
+            first.translation + direction * (0.3 * f64::from(k) / 750.0),
         );
         let step = servo.step(target).unwrap();
         assert!(step.position_error < 1e-4, "{}", step.position_error);

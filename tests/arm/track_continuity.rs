@@ -255,10 +255,10 @@ fn detour_keeps_null_space_convergence() {
             q[i] += by;
             tool(&q)
         });
-        let way = a.translation - b.translation;
+        let displacement = a.translation - b.translation;
         let turn = a.rotation.transpose() * b.rotation;
         let [x, y, z] = [turn.y.z, turn.z.x, turn.x.y];
-        nalgebra::Vector6::new(way.x, way.y, way.z, x, y, z) / 2e-5
+        nalgebra::Vector6::new(displacement.x, displacement.y, displacement.z, x, y, z) / 2e-5
     };
     let columns: [_; 7] = std::array::from_fn(column);
     let jacobian = nalgebra::SMatrix::<f64, 6, 7>::from_columns(&columns);

@@ -28,10 +28,10 @@ fn returned_turn_is_nearest_to_the_start() {
                 continue;
             }
             for (value, from) in solution.q.iter().zip(&start) {
-                let way = (value - from).abs();
-                assert!(way <= most, "{way}");
+                let distance = (value - from).abs();
+                assert!(distance <= most, "{distance}");
                 assert!(
-                    way <= TAU / 2.0 + 1e-9,
+                    distance <= TAU / 2.0 + 1e-9,
                     "{value} from {from}, at most {most}"
                 );
             }

@@ -19,8 +19,8 @@ fn attempts_after_the_winner_change_nothing() {
         builder.clone().with_max_move(&[0.8; 7]),
         builder.with_search(Search::First).with_iterations(60),
     ];
-    for (k, (way, later)) in ways.iter().zip(&mut later).enumerate() {
-        let arm = way.clone().build().unwrap();
+    for (k, (variant, later)) in ways.iter().zip(&mut later).enumerate() {
+        let arm = variant.clone().build().unwrap();
         let apart = if k == 3 { 0.7 } else { 9.0 };
         for _ in 0..40 {
             let start = random.configuration(&arm);
@@ -40,7 +40,7 @@ fn attempts_after_the_winner_change_nothing() {
             };
             assert!(winner < outcome[0].attempts);
             *later += usize::from(winner > 0);
-            let fewer = way.clone().with_attempts(winner + 1).build().unwrap();
+            let fewer = variant.clone().with_attempts(winner + 1).build().unwrap();
             assert_eq!(
                 fewer.solve(target, &start).unwrap().q,
                 q,

@@ -50,10 +50,10 @@ impl Panda {
 
     fn way_is_free(&self, from: &[f64], to: &[f64]) -> bool {
         let mut workspace = self.checker.workspace();
-        let way = self
+        let motion = self
             .checker
             .way(&mut workspace, &self.whole(from), &self.whole(to));
-        way.unwrap().blocked_by.is_none()
+        motion.unwrap().blocked_by.is_none()
     }
 
     /// True if an obstacle is near a configuration.

@@ -67,15 +67,15 @@ fn grazing_motion_is_free_as_reported() {
             }
         }
         let checker = nearer_by(low - 1e-5);
-        let way = checker.way(&mut workspace, &q, &to).unwrap();
+        let motion = checker.way(&mut workspace, &q, &to).unwrap();
         let mut between = q.clone();
         for step in 0..=300 {
-            let share = way.free * f64::from(step) / 300.0;
+            let share = motion.free * f64::from(step) / 300.0;
             (robot.model().interpolate(&q, &to, share, &mut between)).unwrap();
             let is_free = checker.is_free(&mut workspace, &between).unwrap();
-            assert!(is_free, "round {round}: {way:?}, {share}");
+            assert!(is_free, "round {round}: {motion:?}, {share}");
         }
-        match &way.blocked_by {
+        match &motion.blocked_by {
             None => free += 1,
             Some(by) => {
                 assert!(by.distance < 1e-6, "round {round}: {by:?}");
@@ -124,8 +124,8 @@ fn motion_dipping_into_the_ground_is_stopped() {
         let mut workspace = checker.workspace();
         for (from, to) in [(from, to), (to, from)] {
             assert!(checker.is_free(&mut workspace, &from).unwrap(), "{deep}");
-            let way = checker.way(&mut workspace, &from, &to).unwrap();
-            assert_eq!(way.blocked_by.is_none(), is_free, "{deep}: {way:?}");
+            let motion = checker.way(&mut workspace, &from, &to).unwrap();
+            assert_eq!(motion.blocked_by.is_none(), is_free, "{deep}: {motion:?}");
         }
     }
 }
@@ -142,9 +142,9 @@ fn rotation_about_the_centre_sweeps() {
     let (from, to) = ([0.0, 0.0], [std::f64::consts::FRAC_PI_2, 0.0]);
     for (from, to) in [(from, to), (to, from)] {
         assert!(checker.is_free(&mut workspace, &from).unwrap());
-        let way = checker.way(&mut workspace, &from, &to).unwrap();
-        assert_eq!(way.blocked_by.unwrap().second, "pole");
-        assert!(way.free < 0.5, "{}", way.free);
+        let motion = checker.way(&mut workspace, &from, &to).unwrap();
+        assert_eq!(motion.blocked_by.unwrap().second, "pole");
+        assert!(motion.free < 0.5, "{}", motion.free);
     }
 }
 
@@ -176,10 +176,10 @@ fn rotation_of_a_ball_joint_sweeps() {
         for (from, to) in [(0.0, turn), (turn, 0.0)] {
             let (from, to) = (turned(from), turned(to));
             assert!(checker.is_free(&mut workspace, &from).unwrap());
-            let way = checker.way(&mut workspace, &from, &to).unwrap();
+            let motion = checker.way(&mut workspace, &from, &to).unwrap();
             assert!(
-                way.blocked_by.is_some() && way.free < 0.5,
-                "{turn}: {way:?}"
+                motion.blocked_by.is_some() && motion.free < 0.5,
+                "{turn}: {motion:?}"
             );
         }
     }
@@ -211,15 +211,21 @@ fn motion_in_deep_contact_proceeds_slightly() {
     let mut workspace = checker.workspace();
     let (from, to) = ([0.0, 0.0], [1.5, 1.5]);
     assert!(checker.way(&mut workspace, &from, &to).unwrap().free == 0.0);
-    let way = checker
+    let motion = checker
         .way_from_contact(&mut workspace, &from, &to)
         .unwrap();
-    assert!((way.begins_deep - 0.3).abs() < 1e-9, "{way:?}");
-    assert!(way.free > 1e-4 && way.blocked_by.is_some(), "{way:?}");
+    assert!((motion.begins_deep - 0.3).abs() < 1e-9, "{motion:?}");
+    assert!(
+        motion.free > 1e-4 && motion.blocked_by.is_some(),
+        "{motion:?}"
+    );
     // As far as an arm moves in a cycle the motion is free.
     let near = [1e-4, 1e-4];
-    let way = checker
+    let motion = checker
         .way_from_contact(&mut workspace, &from, &near)
         .unwrap();
-    assert!(way.free == 1.0 && way.blocked_by.is_none(), "{way:?}");
+    assert!(
+        motion.free == 1.0 && motion.blocked_by.is_none(),
+        "{motion:?}"
+    );
 }

@@ -136,8 +136,8 @@ fn drag_onto_a_table_slides_along_it() {
                 assert!(text.contains("obstacle `table` end the way"), "{text}");
                 assert!(!text.contains("too near"), "{text}");
             }
-            let way = checker.way(&mut workspace, &before, drag.q()).unwrap();
-            assert_eq!(way.blocked_by, None, "frame {step}");
+            let motion = checker.way(&mut workspace, &before, drag.q()).unwrap();
+            assert_eq!(motion.blocked_by, None, "frame {step}");
             let at = kinematics.place(drag.q()).unwrap()[left.index()].translation;
             let beside = at - target;
             assert!(
@@ -233,8 +233,8 @@ fn feet_on_the_first_level_stay_while_hand_slides() {
             feet.iter().all(|miss| *miss < 1e-5),
             "frame {step}: {feet:?}"
         );
-        let way = checker.way(&mut workspace, &before, drag.q()).unwrap();
-        assert_eq!(way.blocked_by, None, "frame {step}");
+        let motion = checker.way(&mut workspace, &before, drag.q()).unwrap();
+        assert_eq!(motion.blocked_by, None, "frame {step}");
     }
     let nearest = checker
         .nearest(&mut workspace, drag.q(), 0.1)
@@ -450,8 +450,8 @@ fn characters_hand_stops_at_its_belly() {
             drag.target_mut(hand).unwrap().set_target(target);
             let before = drag.q().to_vec();
             drag.advance();
-            let way = checker.way(&mut workspace, &before, drag.q()).unwrap();
-            blocked += usize::from(way.blocked_by.is_some());
+            let motion = checker.way(&mut workspace, &before, drag.q()).unwrap();
+            blocked += usize::from(motion.blocked_by.is_some());
         }
         (drag.solution().clone(), blocked)
     };
@@ -514,8 +514,8 @@ fn loop_stays_closed_at_an_obstacle() {
             .filter_map(|task| task.position_error())
             .collect();
         assert!(solution.loops_closed(), "frame {step}: {open:?}");
-        let way = checker.way(&mut workspace, &before, drag.q()).unwrap();
-        assert_eq!(way.blocked_by, None, "frame {step}");
+        let motion = checker.way(&mut workspace, &before, drag.q()).unwrap();
+        assert_eq!(motion.blocked_by, None, "frame {step}");
     }
     assert_eq!(drag.solution().collisions()[0].second, "stone");
     // A solver reaches the other side without contact.

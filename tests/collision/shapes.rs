@@ -204,9 +204,9 @@ fn vertex_of_many_triangles_has_the_right_side() {
                 out * (1.0 / out.norm())
             });
             for k in 0..3 {
-                let way = normals[k] + (normals[(k + 1) % 3] + normals[(k + 2) % 3]) * 0.1;
-                let far = 0.01 / way.norm();
-                let reported = mesh.signed_distance(corner + way * far);
+                let direction = normals[k] + (normals[(k + 1) % 3] + normals[(k + 2) % 3]) * 0.1;
+                let far = 0.01 / direction.norm();
+                let reported = mesh.signed_distance(corner + direction * far);
                 assert!((reported - 0.01).abs() < 1e-12, "{parts} {k}: {reported}");
                 assert!(mesh.signed_distance(corner - corner * 0.01) < 0.0);
             }

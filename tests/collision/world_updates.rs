@@ -123,8 +123,8 @@ fn told(checker: &Checker, arm: &Arm, random: &mut Random) -> String {
         to[..q.len()].copy_from_slice(&q);
         let collisions = checker.collisions(&to).unwrap();
         let nearest = checker.nearest(&mut workspace, &to, FARTHEST).unwrap();
-        let way = checker.way(&mut workspace, &from, &to).unwrap();
-        told += &format!("{collisions:?} {nearest:?} {way:?}\n");
+        let motion = checker.way(&mut workspace, &from, &to).unwrap();
+        told += &format!("{collisions:?} {nearest:?} {motion:?}\n");
         from = to;
         if index % 4 == 0 {
             let target = arm.base_from_tool(&q).unwrap();

@@ -195,8 +195,8 @@ fn exponential_jacobian_matches_differences() {
     let mut random = Random::new(23);
     for size in [0.0, 1e-9, 1e-3, 0.09, 0.11, 1.0, 3.0, 5.0] {
         for _ in 0..20 {
-            let way = random.direction();
-            let phi = Vector3::new(way.x, way.y, way.z) * size;
+            let direction = random.direction();
+            let phi = Vector3::new(direction.x, direction.y, direction.z) * size;
             let jacobian = rotation_exp_jacobian(phi);
             for (unit, column) in Vector3::UNITS
                 .into_iter()

@@ -83,7 +83,7 @@ fn nearer_assembly_is_selected() {
             assert!(closure.gaps(&q).unwrap()[0].is_closed());
             let moved = (q[1] - start[0]).hypot(q[2] - start[1]);
             let ways = assemblies(&linkage, q[0]);
-            let nearest = ways.map(|way| distance(start, way, limits));
+            let nearest = ways.map(|assembly| distance(start, assembly, limits));
             let nearest = nearest[0].min(nearest[1]);
             assert!(
                 moved < nearest + 1e-6,

@@ -176,8 +176,8 @@ fn time_of_the_largest_error_is_reported() {
     let (armature, hand, stand) = standing();
     let own = at(&armature, &stand, "hand", 0.0).as_dvec3();
     let far = own + DVec3::new(3.0, 0.0, 0.0);
-    let way = KeyedCurve::linear(vec![0.0, 1.5, 2.0], vec![own, far, own]).unwrap();
-    let reach = Reach::along(hand, way.clone());
+    let curve = KeyedCurve::linear(vec![0.0, 1.5, 2.0], vec![own, far, own]).unwrap();
+    let reach = Reach::along(hand, curve.clone());
     let edited = ClipIk::new(&armature)
         .with_reach(reach)
         .solve(&stand)
@@ -186,7 +186,7 @@ fn time_of_the_largest_error_is_reported() {
     let off = |frame: u32| {
         let time = f64::from(frame) / 60.0;
         let found = at(&armature, &edited.clip, "hand", time).as_dvec3();
-        found.distance(way.at(time))
+        found.distance(curve.at(time))
     };
     let worst = (0..=120)
         .max_by(|a, b| off(*a).total_cmp(&off(*b)))

@@ -41,8 +41,8 @@ fn arm_on_a_table_rests_near_its_nominal_posture() {
     let links: Vec<f64> = angles.collect();
     let slopes = nalgebra::DMatrix::from_fn(2, 4, |axis, joint| {
         let beyond = links[joint..].iter();
-        let way = beyond.map(|angle| if axis == 0 { -angle.sin() } else { angle.cos() });
-        0.3 * way.sum::<f64>()
+        let derivatives = beyond.map(|angle| if axis == 0 { -angle.sin() } else { angle.cos() });
+        0.3 * derivatives.sum::<f64>()
     });
     let reported = slopes.transpose() * slopes.clone().pseudo_inverse(1e-9).unwrap().transpose();
     let free = &q - reported * &q;

@@ -19,16 +19,16 @@ fn speed(keys: &[(f32, Vec3)], up: Vec3) -> Vec3 {
     let (times, places) = (keys.iter())
         .map(|(at, place)| (*at, Vec3A::from(*place)))
         .unzip();
-    let way = KeyedCurve::linear(times, places).unwrap();
+    let curve = KeyedCurve::linear(times, places).unwrap();
     let mut clip = Clip::builder("step", &armature);
-    clip.channel(foot, Channel::Translation(way)).unwrap();
+    clip.channel(foot, Channel::Translation(curve)).unwrap();
     ground_speed(&armature, &clip.build(), &[foot], up, 100.0).unwrap()
 }
 
 /// A foot on a slope: the result is level, because the slope's rise is no displacement of the subject.
 #[test]
 fn rising_foot_gives_a_level_ground_speed() {
-    let way = Vec3::new(0.3, 0.2, -1.1);
+    let displacement = Vec3::new(0.3, 0.2, -1.1);
     for up in [
         Vec3::X,
         Vec3::Y,
@@ -38,8 +38,11 @@ fn rising_foot_gives_a_level_ground_speed() {
         Vec3::new(1.0, -2.0, 2.0),
     ] {
         let axis = up.normalize();
-        let level = way - axis * way.dot(axis);
-        let passes = speed(&[(0.0, Vec3::ONE), (2.0, Vec3::ONE + way * 2.0)], up);
+        let level = displacement - axis * displacement.dot(axis);
+        let passes = speed(
+            &[(0.0, Vec3::ONE), (2.0, Vec3::ONE + displacement * 2.0)],
+            up,
+        );
         assert!(passes.distance(-level) < 1e-4, "up {up}: {passes}");
         assert!(passes.dot(axis).abs() < 1e-5, "up {up}: {passes}");
     }

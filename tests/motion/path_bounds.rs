@@ -230,8 +230,8 @@ fn check_coriolis_deviation(first: f64) {
         for k in 0..=40 {
             let share = f64::from(k) / 40.0;
             let q = [0, 1, 2].map(|i| rows[0][i] + share * (rows[1][i] - rows[0][i]));
-            let way = ends[1].translation - ends[0].translation;
-            let wanted = ends[0].translation + way * share;
+            let displacement = ends[1].translation - ends[0].translation;
+            let wanted = ends[0].translation + displacement * share;
             farthest = farthest.max((tool_of_polar(&q).translation - wanted).norm());
         }
     }

@@ -236,9 +236,9 @@ fn reported_contacts_have_no_easily_found_solution() {
         let link = model
             .frame(["link3", "link4", "link5"][random.below(3)])
             .unwrap();
-        let way = Vector3::from([(); 3].map(|()| random.within(-1.0, 1.0)));
-        let way = way * way.norm().recip();
-        let at = placed[link.index()].translation + way * (0.07 + 0.04 * random.unit());
+        let direction = Vector3::from([(); 3].map(|()| random.within(-1.0, 1.0)));
+        let direction = direction * direction.norm().recip();
+        let at = placed[link.index()].translation + direction * (0.07 + 0.04 * random.unit());
         let mut world = World::new();
         world.add_sphere("ball", 0.01, at).unwrap();
         let arm = panda(&world);

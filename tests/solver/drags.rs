@@ -437,9 +437,9 @@ fn settle_ends_where_frames_come_to_rest() {
     for (seed, by_strides) in [(0, true), (8, false)] {
         let rig = RandomRig::new(seed);
         let start = slightly_bent(&rig.skeleton);
-        let way = Vector3::from(Random::new(seed).vector(rig.skeleton.size()));
+        let direction = Vector3::from(Random::new(seed).vector(rig.skeleton.size()));
         let (mut body, hand, from) = drag(&rig, &start);
-        body.target_mut(hand).unwrap().set_target(from + way);
+        body.target_mut(hand).unwrap().set_target(from + direction);
         let rest = |mut body: Drag| {
             let mut rests = || {
                 body.advance();

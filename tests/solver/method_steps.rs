@@ -140,12 +140,12 @@ impl Linear {
     fn halved(
         &self,
         from: &DVector<f64>,
-        way: &DVector<f64>,
+        step: &DVector<f64>,
         mut share: f64,
     ) -> (DVector<f64>, f64) {
         let (cost, gradient) = self.at(from);
         loop {
-            let to = self.cut(&(from + way * share));
+            let to = self.cut(&(from + step * share));
             let promised = gradient.dot(&(&to - from));
             if promised < 0.0 && self.at(&to).0 <= cost + 1e-4 * promised {
                 return (to, share);
@@ -214,8 +214,9 @@ fn gauss_newton_takes_the_minimum_norm_step() {
     for (k, mut problem) in problems().into_iter().enumerate() {
         let free = problem.free_columns();
         let residual = &problem.a * &problem.start - &problem.b;
-        let way = -free.svd(true, true).solve(&residual, 1e-7).unwrap();
-        let (expected, share) = problem.halved(&problem.start, &way, (10.0 / way.amax()).min(1.0));
+        let step = -free.svd(true, true).solve(&residual, 1e-7).unwrap();
+        let (expected, share) =
+            problem.halved(&problem.start, &step, (10.0 / step.amax()).min(1.0));
         let steps = problem.steps(&GaussNewton::default());
         near(&steps[1].0, &expected, &format!("{k}"));
         assert_eq!(steps[1].1, share);

@@ -57,16 +57,16 @@ fn move_limited_ball_follows_the_geodesic() {
         let random = &mut Random::new(5);
         for case in 0..60 {
             let start = random_turn(random, 1.0);
-            let way = random_turn(random, 1.0);
-            let most = random.within(0.01, 0.9) * way.angle();
-            let problem = turned_to(&model, hand, start * way);
+            let rotation = random_turn(random, 1.0);
+            let most = random.within(0.01, 0.9) * rotation.angle();
+            let problem = turned_to(&model, hand, start * rotation);
             let from = quaternion(start);
             let moves = MoveLimits::new(&problem, &[most; 4], &from).unwrap();
             let question = Question::from(&problem).with_moves(&moves).unwrap();
             let solution = Solver::default().solve_once(question, &from).unwrap();
             assert!(!solution.reached);
             // On the geodesic, at the limited angle.
-            let nearest = start * way.powf(most / way.angle());
+            let nearest = start * rotation.powf(most / rotation.angle());
             let off = nearest.angle_to(&unit(&solution.q));
             assert!(
                 off < 1e-6,

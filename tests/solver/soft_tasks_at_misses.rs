@@ -90,8 +90,8 @@ struct Terrace;
 impl Curve for Terrace {
     fn at<S: Scalar>(&self, q: S) -> S {
         let c = S::constant;
-        let way = ((q - c(0.3)) * c(5.0)).max(c(0.0)).min(c(1.0));
-        c(1.0) + c(0.2) * way * way * (c(3.0) - c(2.0) * way)
+        let fraction = ((q - c(0.3)) * c(5.0)).max(c(0.0)).min(c(1.0));
+        c(1.0) + c(0.2) * fraction * fraction * (c(3.0) - c(2.0) * fraction)
     }
 }
 

@@ -231,7 +231,7 @@ fn hand_dragged_forward_keeps_balance() {
     let stance = bent_stance(model, robot.map(), &feet, &model.neutral(), up).unwrap();
     let start = placed(model, hand, &stance).translation;
     // Largest and final distance of the centre of mass beyond the soles' front edges, metres, and the knees' bend.
-    let dragged = |way: Vector3<f64>, balances: bool| {
+    let dragged = |direction: Vector3<f64>, balances: bool| {
         let mut tasks = Problem::builder(model);
         tasks.parameters(robot.map().clone());
         let target = tasks.add(Point::new(hand, start));
@@ -252,26 +252,26 @@ fn hand_dragged_forward_keeps_balance() {
         let ahead = |q: &[f64]| centre_of_mass(model, &masses, q).unwrap().x - front;
         let mut farthest = f64::NEG_INFINITY;
         for step in 1..=30 {
-            let at = start + way * (f64::from(step) / 30.0);
+            let at = start + direction * (f64::from(step) / 30.0);
             drag.target_mut(target).unwrap().set_target(at);
             farthest = farthest.max(ahead(&drag.advance().q));
         }
-        assert!(drag.settle(100).reached, "{way:?} {balances}");
+        assert!(drag.settle(100).reached, "{direction:?} {balances}");
         let knee = model
             .coordinate(model.joint("left_knee_pitch").unwrap())
             .unwrap();
         (farthest, ahead(drag.q()), drag.q()[knee])
     };
     for [x, y, z] in [[0.15, 0.0, -0.12], [0.1, 0.0, -0.2], [0.05, 0.1, -0.2]] {
-        let way = Vector3::new(x, y, z);
-        let (tipped, _, straight) = dragged(way, false);
-        let (farthest, end, bent) = dragged(way, true);
-        assert!(tipped > 0.01, "{way:?}: {tipped}");
+        let direction = Vector3::new(x, y, z);
+        let (tipped, _, straight) = dragged(direction, false);
+        let (farthest, end, bent) = dragged(direction, true);
+        assert!(tipped > 0.01, "{direction:?}: {tipped}");
         assert!(
             farthest < -0.02 + 1e-3 && end < -0.02 + 1e-6,
-            "{way:?}: {farthest} {end}"
+            "{direction:?}: {farthest} {end}"
         );
-        assert!(bent > straight + 0.1, "{way:?}: {bent} {straight}");
+        assert!(bent > straight + 0.1, "{direction:?}: {bent} {straight}");
     }
 }
 

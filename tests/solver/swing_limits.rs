@@ -39,13 +39,13 @@ fn swing_projects_to_the_closest_ellipse_point() {
             }
             assert!((share(put) - 1.0).abs() < 1e-12, "{}", message());
             // The displacement is along the edge's inward normal.
-            let way = [from[0] - put[0], from[1] - put[1]];
+            let displacement = [from[0] - put[0], from[1] - put[1]];
             let normal = [put[0] / (half[0] * half[0]), put[1] / (half[1] * half[1])];
-            let lengths = way[0].hypot(way[1]) * normal[0].hypot(normal[1]);
-            let aside = (way[0] * normal[1] - way[1] * normal[0]) / lengths;
+            let lengths = displacement[0].hypot(displacement[1]) * normal[0].hypot(normal[1]);
+            let aside = (displacement[0] * normal[1] - displacement[1] * normal[0]) / lengths;
             assert!(aside.abs() < 1e-9, "{}: {aside:e}", message());
             assert!(
-                way[0] * normal[0] + way[1] * normal[1] > 0.0,
+                displacement[0] * normal[0] + displacement[1] * normal[1] > 0.0,
                 "{}",
                 message()
             );

@@ -67,7 +67,7 @@ fn setter_equals_the_constructor() {
     let frame = builder.frame("eye", None::<JointId>, Placement::identity());
     builder.build().unwrap();
     let [a, b, c, d] = [0.1, 0.7, 1.3, 2.0].map(|k| Vector3::new(k, 1.0 - k, 0.5 * k));
-    let [one, other] = [a, b].map(|way| Placement::new(rotation_exp(way), way));
+    let [one, other] = [a, b].map(|vector| Placement::new(rotation_exp(vector), vector));
 
     let mut plane = Plane::new(frame, a, b);
     plane.set_plane(c, d);

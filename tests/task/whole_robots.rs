@@ -609,6 +609,6 @@ fn manipulability_task_avoids_singularities() {
         .unwrap();
     assert!(solution.reached, "{}", solution.explain());
     let after = places.place(&solution.q).unwrap()[tip.index()];
-    let way = after.translation - before.translation - Vector3::new(-0.1, 0.0, 0.05);
-    assert!(way.norm() < 1e-6, "{way:?}");
+    let error = after.translation - before.translation - Vector3::new(-0.1, 0.0, 0.05);
+    assert!(error.norm() < 1e-6, "{error:?}");
 }
