@@ -45,10 +45,10 @@ const COUPLED: &str = r#"<robot name="coupled">
 
 /// Variant in which the wrist's yaw is a mimic joint of the pan.
 fn yaw_follows_pan() -> String {
-    let own = "<limit lower=\"-2\" upper=\"2\" effort=\"1\" velocity=\"1\"/>";
+    let limit = "<limit lower=\"-2\" upper=\"2\" effort=\"1\" velocity=\"1\"/>";
     COUPLED.replace(
-        own,
-        &format!("{own}<mimic joint=\"pan\" multiplier=\"2\"/>"),
+        limit,
+        &format!("{limit}<mimic joint=\"pan\" multiplier=\"2\"/>"),
     )
 }
 

@@ -24,10 +24,10 @@ fn flipped(text: &str) -> String {
         let Some((_, rest)) = line.split_once("<axis xyz=\"") else {
             return line.to_owned();
         };
-        let own = rest.split('"').next().unwrap();
-        let turned = own.split(' ').map(|word| -word.parse::<f64>().unwrap());
+        let values = rest.split('"').next().unwrap();
+        let turned = values.split(' ').map(|word| -word.parse::<f64>().unwrap());
         let turned: Vec<String> = turned.map(|value| value.to_string()).collect();
-        line.replace(own, &turned.join(" "))
+        line.replace(values, &turned.join(" "))
     };
     text.lines().map(line).collect::<Vec<_>>().join("\n")
 }

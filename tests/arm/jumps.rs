@@ -51,14 +51,14 @@ fn jumps_are_short_and_leave_no_state() {
                 continue;
             }
             jumps += 1;
-            let own = distance(&solution.q, &before);
+            let length = distance(&solution.q, &before);
             let others = (0..60).filter_map(|_| {
                 let other = arm.solve(at(step), &random.configuration(&arm)).unwrap();
                 let q = nearest_turns(&arm, &other.q, &before);
                 other.reached.then(|| distance(&q, &before))
             });
             let least = others.fold(f64::INFINITY, f64::min);
-            far += usize::from(own > least + 1e-6);
+            far += usize::from(length > least + 1e-6);
             let mut fresh = arm.follower(&solution.q).unwrap();
             let mut begun = Solution::default();
             fresh.advance(at(step + 1), &mut begun).unwrap();

@@ -412,7 +412,10 @@ fn mimic_outside_the_chain_restricts_on_request() {
         assert_eq!(arm.limits().next().unwrap().upper, 1.5);
         let robot = robot.with_mimic_limits().unwrap();
         let arm = Arm::new(&robot, "l0", "l1").unwrap();
-        let limits: Vec<_> = arm.limits().map(|own| (own.lower, own.upper)).collect();
+        let limits: Vec<_> = arm
+            .limits()
+            .map(|limit| (limit.lower, limit.upper))
+            .collect();
         assert_eq!(limits, [(-most, most)]);
         let beyond = arm.base_from_tool(&[1.49]).unwrap();
         let solution = arm.solve(beyond, &[0.0]).unwrap();
@@ -432,13 +435,13 @@ fn joint_values_round_trip() {
         };
         let robot = Robot::parse(&text, "followers.urdf").unwrap();
         let mut random = Random(number);
-        let own = random.configuration(&arm);
+        let values = random.configuration(&arm);
         let mut q = robot.model().neutral();
-        arm.configuration(&own, &mut q[..]).unwrap();
+        arm.configuration(&values, &mut q[..]).unwrap();
         let mut back = Vec::new();
         arm.joint_values(&q, &mut back).unwrap();
-        assert_eq!(back, own);
-        for (id, value) in arm.joint_ids().iter().zip(&own) {
+        assert_eq!(back, values);
+        for (id, value) in arm.joint_ids().iter().zip(&values) {
             assert_eq!(q[robot.model().coordinate(*id).unwrap()], *value);
         }
         assert!(arm.joint_values(&q[1..], &mut back).is_err());

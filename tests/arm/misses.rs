@@ -156,15 +156,20 @@ fn attempts_and_iterations_are_as_requested() {
 fn global_search_on_miss_is_opt_in() {
     let (robot, base, tip) = panda();
     let builder = || Arm::builder(&robot, base, tip).with_atlas(false);
-    let own = builder().build().unwrap();
+    let default_arm = builder().build().unwrap();
     let everywhere = builder().with_global_search_on_miss(true).build().unwrap();
     let mut random = Random(83);
     let mut better = 0;
     for _ in 0..8 {
-        let start = random.configuration(&own);
-        let mut target = own.base_from_tool(&random.configuration(&own)).unwrap();
+        let start = random.configuration(&default_arm);
+        let mut target = default_arm
+            .base_from_tool(&random.configuration(&default_arm))
+            .unwrap();
         target.translation = target.translation * 1.6;
-        let (a, b) = (own.solve(target, &start), everywhere.solve(target, &start));
+        let (a, b) = (
+            default_arm.solve(target, &start),
+            everywhere.solve(target, &start),
+        );
         let (a, b) = (a.unwrap(), b.unwrap());
         assert_eq!(a.reached, b.reached);
         if !a.reached {

@@ -148,8 +148,8 @@ fn fixed_joints_fold_in_the_right_order() {
             let q = random.configuration(&arm);
             let values: Vec<_> = arm.joints().zip(q.iter().copied()).collect();
             let wanted = tree.base_from_tip(base, tip, &values);
-            let own = support::urdf_matrices::from_placement(&arm.base_from_tool(&q).unwrap());
-            let (metres, radians) = support::urdf_matrices::apart(&own, &wanted);
+            let actual = support::urdf_matrices::from_placement(&arm.base_from_tool(&q).unwrap());
+            let (metres, radians) = support::urdf_matrices::apart(&actual, &wanted);
             assert!(metres < 1e-14 && radians < 1e-14, "{metres:e} {radians:e}");
         }
     }

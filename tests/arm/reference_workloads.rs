@@ -149,9 +149,9 @@ fn reference_path_is_followed_without_a_flip() {
             let Some(last) = index.checked_sub(1) else {
                 continue;
             };
-            let own = bench.work.truth[index].iter().zip(&bench.work.truth[last]);
+            let truth = bench.work.truth[index].iter().zip(&bench.work.truth[last]);
             let ours = solution.q.iter().zip(&path[last].q);
-            for ((a, b), (c, d)) in ours.zip(own) {
+            for ((a, b), (c, d)) in ours.zip(truth) {
                 most = most.max((a - b).abs() - (c - d).abs());
             }
         }

@@ -25,12 +25,13 @@ fn same(name: &str, builder: ArmBuilder<'_>) {
         if turn % 3 == 0 {
             target.translation = target.translation * 1.6;
         }
-        let [own, fresh] = [&arm, &new.clone()].map(|arm| arm.solve(target, &start).unwrap());
-        assert_eq!(format!("{own:?}"), format!("{fresh:?}"), "{name} {turn}");
-        reported[usize::from(own.reached)] += 1;
-        let [own, fresh] = [&arm, &new.clone()].map(|arm| arm.solve_all(target, &start).unwrap());
-        assert_eq!(format!("{own:?}"), format!("{fresh:?}"), "{name} {turn}");
-        let [own, fresh] = [&arm, &new.clone()].map(|arm| {
+        let [reused, fresh] = [&arm, &new.clone()].map(|arm| arm.solve(target, &start).unwrap());
+        assert_eq!(format!("{reused:?}"), format!("{fresh:?}"), "{name} {turn}");
+        reported[usize::from(reused.reached)] += 1;
+        let [reused, fresh] =
+            [&arm, &new.clone()].map(|arm| arm.solve_all(target, &start).unwrap());
+        assert_eq!(format!("{reused:?}"), format!("{fresh:?}"), "{name} {turn}");
+        let [reused, fresh] = [&arm, &new.clone()].map(|arm| {
             let (mut follower, mut solution) = (arm.follower(&start).unwrap(), Solution::default());
             let ends = (0..4).map(|k| {
                 let mut near = arm.base_from_tool(&start).unwrap();
@@ -40,7 +41,7 @@ fn same(name: &str, builder: ArmBuilder<'_>) {
             });
             ends.collect::<Vec<_>>()
         });
-        assert_eq!(own, fresh, "{name} {turn}");
+        assert_eq!(reused, fresh, "{name} {turn}");
     }
     assert!(reported[0] > 0, "{name}: {reported:?}");
 }

@@ -52,8 +52,8 @@ fn all_solved(name: &str, base: &str, tip: &str, count: usize) {
             let task = solution.tasks().next().unwrap();
             assert!((task.position_error().unwrap() - metres).abs() < 1e-13);
             assert!((task.orientation_error().unwrap() - radians).abs() < 1e-13);
-            let own = from_placement(&arm.base_from_tool(&solution.q).unwrap());
-            let (metres, radians) = apart(&own, &found);
+            let actual = from_placement(&arm.base_from_tool(&solution.q).unwrap());
+            let (metres, radians) = apart(&actual, &found);
             assert!(metres < 1e-13 && radians < 1e-13, "{metres:e} {radians:e}");
         }
     }

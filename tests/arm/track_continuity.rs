@@ -55,10 +55,10 @@ pub(crate) fn far_steps(track: &Track) -> Vec<(usize, f64)> {
 }
 
 /// Steps that flip.
-fn flips(own: &[Vec<f64>], track: &Track) -> Vec<usize> {
-    let steps = own.windows(2).zip(track.solutions.windows(2));
+fn flips(joint_path: &[Vec<f64>], track: &Track) -> Vec<usize> {
+    let steps = joint_path.windows(2).zip(track.solutions.windows(2));
     let excess =
-        steps.map(|(own, ours)| longest(&ours[0].q, &ours[1].q) - longest(&own[0], &own[1]));
+        steps.map(|(pair, ours)| longest(&ours[0].q, &ours[1].q) - longest(&pair[0], &pair[1]));
     let far = excess.enumerate().filter(|(_, excess)| *excess > 0.2);
     far.map(|(step, _)| step + 1).collect()
 }
@@ -74,12 +74,14 @@ fn follow(name: &str, base: &str, tip: &str, margin: f64, count: usize) -> usize
     let legs = if few() { 1 } else { 4 };
     let mut all = 0;
     for _ in 0..count {
-        let own = path(&arm, &mut random, legs, margin);
-        let targets: Vec<Placement<f64>> =
-            own.iter().map(|q| arm.base_from_tool(q).unwrap()).collect();
-        let track = arm.track(&targets, &own[0]).unwrap();
-        assert_eq!(track.solutions.len(), own.len());
-        for (solution, q) in track.solutions.iter().zip(&own) {
+        let joint_path = path(&arm, &mut random, legs, margin);
+        let targets: Vec<Placement<f64>> = joint_path
+            .iter()
+            .map(|q| arm.base_from_tool(q).unwrap())
+            .collect();
+        let track = arm.track(&targets, &joint_path[0]).unwrap();
+        assert_eq!(track.solutions.len(), joint_path.len());
+        for (solution, q) in track.solutions.iter().zip(&joint_path) {
             let wanted = base_from_tip(robot.model(), &arm, q, base, tip);
             let at = base_from_tip(robot.model(), &arm, &solution.q, base, tip);
             let (metres, radians) = apart(&at, &wanted);
@@ -87,7 +89,7 @@ fn follow(name: &str, base: &str, tip: &str, margin: f64, count: usize) -> usize
             assert!(within_limits(&arm, &solution.q));
         }
         let reported: Vec<usize> = track.jumps.iter().map(|jump| jump.step).collect();
-        let flips = flips(&own, &track);
+        let flips = flips(&joint_path, &track);
         let hidden = flips.iter().find(|step| !reported.contains(step));
         assert_eq!(hidden, None, "{name}: {reported:?}");
         all += usize::from(!flips.is_empty());
@@ -149,7 +151,7 @@ fn scara_never_flips() {
 fn singular_configurations_cause_no_flips() {
     for name in ["kuka_iiwa14", "adept_cobra_s600"] {
         let arm = Arm::new(&robot(name), "base", "flange").unwrap();
-        let own: Vec<Vec<f64>> = (0..2000)
+        let joint_path: Vec<Vec<f64>> = (0..2000)
             .map(|k| {
                 let wave = |(i, l): (usize, kinopt::model::Limits)| {
                     let (lower, upper) = (l.lower.max(-3.0), l.upper.min(3.0));
@@ -159,10 +161,13 @@ fn singular_configurations_cause_no_flips() {
                 arm.limits().enumerate().map(wave).collect()
             })
             .collect();
-        let targets: Vec<_> = own.iter().map(|q| arm.base_from_tool(q).unwrap()).collect();
-        let track = arm.track(&targets, &own[0]).unwrap();
+        let targets: Vec<_> = joint_path
+            .iter()
+            .map(|q| arm.base_from_tool(q).unwrap())
+            .collect();
+        let track = arm.track(&targets, &joint_path[0]).unwrap();
         assert!(track.solutions.iter().all(|solution| solution.reached));
-        assert_eq!(flips(&own, &track), [0; 0], "{name}");
+        assert_eq!(flips(&joint_path, &track), [0; 0], "{name}");
     }
 }
 
@@ -212,15 +217,18 @@ fn end_of_a_branch_is_reported() {
 #[test]
 fn constant_target_and_single_steps_agree() {
     let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
-    let own = path(&arm, &mut Random(5), 1, 0.3);
-    let mut targets: Vec<_> = own.iter().map(|q| arm.base_from_tool(q).unwrap()).collect();
+    let joint_path = path(&arm, &mut Random(5), 1, 0.3);
+    let mut targets: Vec<_> = joint_path
+        .iter()
+        .map(|q| arm.base_from_tool(q).unwrap())
+        .collect();
     let last = targets[STEPS / 2];
     targets.truncate(STEPS / 2 + 1);
     targets.extend([last; 20]);
-    let track = arm.track(&targets, &own[0]).unwrap();
+    let track = arm.track(&targets, &joint_path[0]).unwrap();
     let still = &track.solutions[STEPS / 2..];
     assert!(still.iter().all(|solution| solution.q == still[0].q));
-    let mut follower = arm.follower(&own[0]).unwrap();
+    let mut follower = arm.follower(&joint_path[0]).unwrap();
     let mut solution = Solution::default();
     for (target, wanted) in targets.iter().zip(&track.solutions) {
         assert_eq!(follower.advance(*target, &mut solution).unwrap(), None);
@@ -235,9 +243,9 @@ fn detour_keeps_null_space_convergence() {
     let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_atlas(false).with_limit_avoidance(0.0);
     let arm = arm.build().unwrap();
-    let own = path(&arm, &mut Random(1), 2, -0.2);
+    let joint_path = path(&arm, &mut Random(1), 2, -0.2);
     let tool = |q: &Vec<f64>| arm.base_from_tool(q).unwrap();
-    let mut targets: Vec<_> = own.iter().step_by(8).map(tool).collect();
+    let mut targets: Vec<_> = joint_path.iter().step_by(8).map(tool).collect();
     // Tiny steps at the end, so that the null-space motion converges.
     let last = targets[targets.len() - 1];
     for k in 0..60 {
@@ -245,7 +253,7 @@ fn detour_keeps_null_space_convergence() {
         target.translation.z += 1e-5 * f64::from(k % 2);
         targets.push(target);
     }
-    let track = arm.track(&targets, &own[0]).unwrap();
+    let track = arm.track(&targets, &joint_path[0]).unwrap();
     assert!(track.solutions.iter().all(|solution| solution.reached));
     let q = &track.solutions[targets.len() - 1].q;
     // Null-space direction from differences of the tool's pose.
@@ -264,7 +272,7 @@ fn detour_keeps_null_space_convergence() {
     let jacobian = nalgebra::SMatrix::<f64, 6, 7>::from_columns(&columns);
     let eigen = (jacobian.transpose() * jacobian).symmetric_eigen();
     let null = eigen.eigenvectors.column(eigen.eigenvalues.imin());
-    let ways = null.iter().zip(&own[0]).zip(q);
+    let ways = null.iter().zip(&joint_path[0]).zip(q);
     let along: f64 = ways.map(|((null, start), q)| null * (start - q)).sum();
     assert!(along.abs() < 1e-3, "{along}");
 }
@@ -299,10 +307,13 @@ fn reported_jumps_match_the_returned_track() {
     let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_atlas(false).build().unwrap();
     for (seed, every) in [(1004, 10), (1005, 20), (1006, 10)] {
-        let own = path(&arm, &mut Random(seed), 2, 0.05);
-        let own: Vec<_> = own.into_iter().step_by(every).collect();
-        let targets: Vec<_> = own.iter().map(|q| arm.base_from_tool(q).unwrap()).collect();
-        let track = arm.track(&targets, &own[0]).unwrap();
+        let joint_path = path(&arm, &mut Random(seed), 2, 0.05);
+        let joint_path: Vec<_> = joint_path.into_iter().step_by(every).collect();
+        let targets: Vec<_> = joint_path
+            .iter()
+            .map(|q| arm.base_from_tool(q).unwrap())
+            .collect();
+        let track = arm.track(&targets, &joint_path[0]).unwrap();
         let reported: Vec<_> = track.jumps.iter().map(|j| (j.step, j.distance)).collect();
         assert_eq!(reported, far_steps(&track), "{seed}");
     }
@@ -315,11 +326,14 @@ fn detour_is_found_after_an_unreachable_part() {
     let arm = Arm::builder(&robot, "base", "flange");
     let arm = arm.with_atlas(false).build().unwrap();
     for seed in [1009, 1017, 1030] {
-        let own = path(&arm, &mut Random(seed), 2, 0.05);
-        let own: Vec<_> = own.into_iter().step_by(10).collect();
-        let targets: Vec<_> = own.iter().map(|q| arm.base_from_tool(q).unwrap()).collect();
+        let joint_path = path(&arm, &mut Random(seed), 2, 0.05);
+        let joint_path: Vec<_> = joint_path.into_iter().step_by(10).collect();
+        let targets: Vec<_> = joint_path
+            .iter()
+            .map(|q| arm.base_from_tool(q).unwrap())
+            .collect();
         // Step by step the branch ends.
-        let mut follower = arm.follower(&own[0]).unwrap();
+        let mut follower = arm.follower(&joint_path[0]).unwrap();
         let mut solution = Solution::default();
         let missed = targets.iter().any(|target| {
             follower.advance(*target, &mut solution).unwrap();
@@ -334,10 +348,10 @@ fn detour_is_found_after_an_unreachable_part() {
             Placement::new(first.rotation, first.translation + up)
         });
         let all: Vec<_> = out.chain(targets).collect();
-        let track = arm.track(&all, &own[0]).unwrap();
-        let (out, own) = track.solutions.split_at(41);
+        let track = arm.track(&all, &joint_path[0]).unwrap();
+        let (out, back) = track.solutions.split_at(41);
         let whole = |part: &[Solution]| part.iter().all(|solution| solution.reached);
-        assert!(!whole(out) && whole(own), "{seed}");
+        assert!(!whole(out) && whole(back), "{seed}");
     }
 }
 

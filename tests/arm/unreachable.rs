@@ -276,15 +276,17 @@ fn target_beyond_reach_takes_one_attempt() {
 fn global_search_returns_the_best_miss() {
     let robot = robot("universal_ur5e");
     let builder = || Arm::builder(&robot, "base", "flange").with_atlas(false);
-    let own = builder().build().unwrap();
+    let default_arm = builder().build().unwrap();
     let anywhere = builder().with_global_search_on_miss(true).build().unwrap();
     let (mut random, mut better) = (Random(29), 0);
     for case in 0..6 {
-        let target = own.base_from_tool(&random.configuration(&own)).unwrap();
+        let target = default_arm
+            .base_from_tool(&random.configuration(&default_arm))
+            .unwrap();
         let there = target.translation;
         let far = Placement::new(target.rotation, there * (1.5 / there.norm()));
-        let start = random.configuration(&own);
-        let [near, best] = [&own, &anywhere].map(|arm| arm.solve(far, &start).unwrap());
+        let start = random.configuration(&default_arm);
+        let [near, best] = [&default_arm, &anywhere].map(|arm| arm.solve(far, &start).unwrap());
         assert!(!near.reached && !best.reached);
         assert!(best.cost <= near.cost * (1.0 + 1e-6), "{case}");
         better += usize::from(best.cost < 0.99 * near.cost);

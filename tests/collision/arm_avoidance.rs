@@ -452,8 +452,9 @@ fn earlier_problems_do_not_reduce_checks() {
     for turn in 0..cases(60, 20) {
         let (goal, start) = (panda.drawn(&mut random), panda.drawn(&mut random));
         let target = panda.arm.base_from_tool(&goal).unwrap();
-        let [own, fresh] = [&panda.arm, &new.clone()].map(|arm| arm.solve(target, &start).unwrap());
-        assert_eq!(format!("{own:?}"), format!("{fresh:?}"), "{turn}");
+        let [reused, fresh] =
+            [&panda.arm, &new.clone()].map(|arm| arm.solve(target, &start).unwrap());
+        assert_eq!(format!("{reused:?}"), format!("{fresh:?}"), "{turn}");
     }
 }
 

@@ -100,7 +100,11 @@ fn nearest_of_several_shapes_is_reported() {
         };
         let of = |link: usize| balls.iter().filter(move |ball| ball.0 == link).map(at);
         for pair in &found {
-            let link = |name: &str| ["a", "b", "c"].iter().position(|own| *own == name);
+            let link = |name: &str| {
+                ["a", "b", "c"]
+                    .iter()
+                    .position(|link_name| *link_name == name)
+            };
             let first: Vec<_> = of(link(&pair.first).unwrap()).collect();
             let second: Vec<_> = match link(&pair.second) {
                 Some(link) => of(link).collect(),
@@ -304,8 +308,8 @@ fn far_motion_at_either_end_is_stopped() {
     let hand = builder.frame("hand", Some(slide), here);
     let model = builder.build().unwrap();
     let ball = |radius: f64| Shape::sphere(radius).unwrap();
-    let own = CollisionObject::new("ball", hand, here, ball(0.01));
-    let own = CollisionModel::new(&model, vec![own]).unwrap();
+    let ball_model = CollisionObject::new("ball", hand, here, ball(0.01));
+    let ball_model = CollisionModel::new(&model, vec![ball_model]).unwrap();
     let (out, back) = ([0.0, 2.0], [3.0, 0.1]);
     for (from, to) in [(out, back), (back, out)] {
         for step in 1..40 {
@@ -315,7 +319,7 @@ fn far_motion_at_either_end_is_stopped() {
             let mut world = World::new();
             let at = Vector3::new(q[1] * cos, q[1] * sin, 0.0);
             world.add_sphere("pea", 0.01, at).unwrap();
-            let checker = Checker::new(own.clone()).with_world(&world).unwrap();
+            let checker = Checker::new(ball_model.clone()).with_world(&world).unwrap();
             let mut workspace = checker.workspace();
             let motion = checker.way(&mut workspace, &from, &to).unwrap();
             assert!(
@@ -342,11 +346,11 @@ fn motion_into_the_margin_is_stopped() {
     let other = builder.frame("other", Some(other), here);
     let model = builder.build().unwrap();
     let ball = |frame| CollisionObject::new("ball", frame, here, Shape::sphere(0.1).unwrap());
-    let own = CollisionModel::new(&model, vec![ball(one), ball(other)]).unwrap();
+    let pair_model = CollisionModel::new(&model, vec![ball(one), ball(other)]).unwrap();
     // Both end at 1.8; the wall or the other link is 0.1 from their centres, plus a gap.
     for (gap, stops) in [(0.02, true), (0.049, true), (0.051, false)] {
         for (to, wall_at) in [([1.0, 0.8 - gap], 9.0), ([1.0, 0.0], 1.2 + gap)] {
-            let checker = Checker::new(own.clone())
+            let checker = Checker::new(pair_model.clone())
                 .with_world(&wall(wall_at))
                 .unwrap();
             let checker = checker.with_margin(0.05).unwrap();
@@ -378,10 +382,10 @@ fn workspace_serves_different_checkers() {
     let at = Vector3::new(0.2, 0.0, 0.0);
     held_elsewhere.attach("held by a", "b", at).unwrap();
     let panda = Checker::of(&robot("franka_panda")).unwrap();
-    let own = Checker::new(balls());
-    let in_world = |world: &World| own.clone().with_world(world).unwrap();
+    let bare = Checker::new(balls());
+    let in_world = |world: &World| bare.clone().with_world(world).unwrap();
     let checkers = [
-        own.clone(),
+        bare.clone(),
         in_world(&held),
         in_world(&held_elsewhere),
         in_world(&wall(1.5)),

@@ -128,13 +128,17 @@ fn cylinder_with_other_spheres_is_no_capsule() {
         );
         let robot = Robot::parse(&text, "r.urdf").unwrap();
         let model = CollisionModel::of(&robot).unwrap();
-        let own: Vec<_> = model
+        let shapes: Vec<_> = model
             .objects_of(robot.model().frame("e").unwrap())
             .collect();
-        let capsules = own
+        let capsules = shapes
             .iter()
-            .filter(|own| matches!(own.shape.kind(), ShapeKind::Capsule { .. }));
-        assert_eq!((own.len(), capsules.count()), (3, 0), "{radius} {ends:?}");
+            .filter(|object| matches!(object.shape.kind(), ShapeKind::Capsule { .. }));
+        assert_eq!(
+            (shapes.len(), capsules.count()),
+            (3, 0),
+            "{radius} {ends:?}"
+        );
     }
 }
 

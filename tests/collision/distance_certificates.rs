@@ -48,8 +48,8 @@ fn contact_is_no_deeper_than_its_motion() {
                 || format!("pair {i}: {a:?} at {at_a:?}, {b:?} at {at_b:?}: {found:?}, {least}");
             assert!(found.distance >= least - 1e-12, "{}", what());
             // Along its own normal the found distance is exact.
-            let own = gap_along((&a, &at_a), (&b, &at_b), found.normal.into());
-            assert!((found.distance - own).abs() < 1e-12, "{}", what());
+            let certified = gap_along((&a, &at_a), (&b, &at_b), found.normal.into());
+            assert!((found.distance - certified).abs() < 1e-12, "{}", what());
         }
     }
 }

@@ -28,10 +28,10 @@ fn world(round: usize, random: &mut Random) -> World {
 #[test]
 fn grazing_motion_is_free_as_reported() {
     let robot = Robot::read("../models/franka_panda.urdf").unwrap();
-    let own = Checker::of(&robot).unwrap();
+    let plain = Checker::of(&robot).unwrap();
     let limits: Vec<_> = robot.model().limits().collect();
     let mut random = Random::new(5);
-    let mut workspace = own.workspace();
+    let mut workspace = plain.workspace();
     let (mut free, mut blocked) = (0, 0);
     for round in 0..48 {
         let q: Vec<f64> = (limits.iter())
@@ -53,9 +53,9 @@ fn grazing_motion_is_free_as_reported() {
                 _ => Placement::translation(side * (3.0 - metres) + over),
             };
             world.move_to("near", at).unwrap();
-            own.clone().with_world(&world).unwrap()
+            plain.clone().with_world(&world).unwrap()
         };
-        if !own.is_free(&mut workspace, &q).unwrap() {
+        if !plain.is_free(&mut workspace, &q).unwrap() {
             continue;
         }
         let (mut low, mut high) = (0.0, 3.0);
@@ -107,7 +107,7 @@ fn polar(paddle: bool) -> Checker {
 /// both ends, as much below in between. The curvature comes from the prismatic motion on the rotation.
 #[test]
 fn motion_dipping_into_the_ground_is_stopped() {
-    let own = polar(false);
+    let plain = polar(false);
     let height = |t: f64| (0.3 + t) * (0.02 * t - 0.026).sin();
     let lowest = (0..=1000).map(|k| height(f64::from(k) / 1000.0));
     let lowest = lowest.fold(f64::INFINITY, f64::min);
@@ -120,7 +120,7 @@ fn motion_dipping_into_the_ground_is_stopped() {
         world
             .add_plane("ground", Placement::new(up, ground))
             .unwrap();
-        let checker = own.clone().with_world(&world).unwrap();
+        let checker = plain.clone().with_world(&world).unwrap();
         let mut workspace = checker.workspace();
         for (from, to) in [(from, to), (to, from)] {
             assert!(checker.is_free(&mut workspace, &from).unwrap(), "{deep}");
@@ -133,11 +133,11 @@ fn motion_dipping_into_the_ground_is_stopped() {
 /// The ends of a paddle that rotates about its fixed centre sweep an area.
 #[test]
 fn rotation_about_the_centre_sweeps() {
-    let own = polar(true);
+    let plain = polar(true);
     let mut world = World::new();
     let pole = Vector3::new(0.2, 0.2, 0.0);
     world.add_cylinder("pole", 0.02, 1.0, pole).unwrap();
-    let checker = own.with_world(&world).unwrap();
+    let checker = plain.with_world(&world).unwrap();
     let mut workspace = checker.workspace();
     let (from, to) = ([0.0, 0.0], [std::f64::consts::FRAC_PI_2, 0.0]);
     for (from, to) in [(from, to), (to, from)] {
@@ -158,7 +158,7 @@ fn rotation_of_a_ball_joint_sweeps() {
     let model = builder.build().unwrap();
     let paddle = Shape::cuboid([0.6, 0.05, 0.05]).unwrap();
     let paddle = CollisionObject::new("paddle", link, at, paddle);
-    let own = Checker::new(CollisionModel::new(&model, vec![paddle]).unwrap());
+    let plain = Checker::new(CollisionModel::new(&model, vec![paddle]).unwrap());
     let up = [0.0, 0.0, 1.0];
     for (axis, turn) in [(up, 0.5), (up, 1.6), (up, 3.0), ([0.3, 0.2, 0.9], 3.0)] {
         let axis = Vector3::from(axis);
@@ -171,7 +171,7 @@ fn rotation_of_a_ball_joint_sweeps() {
         let mut world = World::new();
         let pole = end(0.5 * turn) * 0.25;
         world.add_sphere("pole", 0.02, pole).unwrap();
-        let checker = own.clone().with_world(&world).unwrap();
+        let checker = plain.clone().with_world(&world).unwrap();
         let mut workspace = checker.workspace();
         for (from, to) in [(0.0, turn), (turn, 0.0)] {
             let (from, to) = (turned(from), turned(to));

@@ -54,10 +54,10 @@ fn hull_distance_equals_that_of_all_vertices() {
         let found = separation(&shape_a, &at_a, &shape_b, &at_b);
         let along = |u: na::Vector3<f64>| gap_along((&a, &at_a), (&b, &at_b), u);
         let normal = na::Vector3::from(found.normal);
-        let own = along(normal);
+        let actual = along(normal);
         assert!(
-            (own - found.distance).abs() < 1e-12,
-            "pair {i}: {own} along its normal, {found:?}"
+            (actual - found.distance).abs() < 1e-12,
+            "pair {i}: {actual} along its normal, {found:?}"
         );
         let offset = found.on_second - found.on_first - found.normal * found.distance;
         assert!(offset.norm() < 1e-12, "pair {i}: {offset:?}");

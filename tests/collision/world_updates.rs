@@ -53,16 +53,17 @@ fn shape(random: &mut Random) -> Shape {
 /// Rebuilds a world with the same obstacles in the same order.
 fn anew(world: &World) -> World {
     let mut anew = World::new();
-    for own in world.obstacles() {
-        anew.add(&own.name, own.shape.clone(), own.placement)
+    for obstacle in world.obstacles() {
+        anew.add(&obstacle.name, obstacle.shape.clone(), obstacle.placement)
             .unwrap();
-        if let Some(frame) = &own.attached {
-            anew.attach(&own.name, frame, own.placement).unwrap();
+        if let Some(frame) = &obstacle.attached {
+            anew.attach(&obstacle.name, frame, obstacle.placement)
+                .unwrap();
         }
     }
-    for own in world.obstacles() {
-        for other in &own.may_touch {
-            anew.allow_touch(&own.name, other).unwrap();
+    for obstacle in world.obstacles() {
+        for other in &obstacle.may_touch {
+            anew.allow_touch(&obstacle.name, other).unwrap();
         }
     }
     anew
@@ -321,7 +322,7 @@ fn names_are_found_in_any_order() {
     }
     assert_eq!(world.len(), names.len());
     assert_eq!(world.obstacles().len(), names.len());
-    assert!(world.obstacles().map(|own| &own.name).eq(&names));
+    assert!(world.obstacles().map(|obstacle| &obstacle.name).eq(&names));
     assert!(
         names
             .iter()

@@ -44,8 +44,8 @@ fn selected_frames_under_every_map() {
             let q = expected.expand(&x);
             let mut own_q = vec![f64::NAN; q.len()];
             expected.map.expand(&x, &mut own_q).unwrap();
-            for (own, right) in own_q.iter().zip(&q) {
-                assert!((own - right).abs() < 1e-14, "{}", expected.name);
+            for (actual, right) in own_q.iter().zip(&q) {
+                assert!((actual - right).abs() < 1e-14, "{}", expected.name);
             }
             let placed = kinematics.place(&x).unwrap();
             let at = tree.frames_at(&q);

@@ -80,10 +80,10 @@ fn locked_joints_keep_frame_placements() {
         let kinematics = ForwardKinematics::under(model, &map, &figure.frames);
         let mut kinematics = kinematics.unwrap();
         let placed = kinematics.place(&x).unwrap();
-        for (own, expected) in placed.iter().zip(figure.frames_at(&q)) {
+        for (actual, expected) in placed.iter().zip(figure.frames_at(&q)) {
             let expected = placement(&expected);
-            assert!((own.translation - expected.translation).norm() < 1e-10);
-            let turned = own.rotation.transpose() * expected.rotation;
+            assert!((actual.translation - expected.translation).norm() < 1e-10);
+            let turned = actual.rotation.transpose() * expected.rotation;
             assert!(rotation_log(&turned).norm() < 1e-10, "seed {seed}");
         }
     }
@@ -95,9 +95,11 @@ fn narrowing_intersects_all_limits() {
     let model = planar_arm(&[1.0; 2], Some((-1.0, 2.0)));
     let joint = model.moving_joints()[1];
     let narrowed = |all: &[(f64, f64)]| {
-        let map = all.iter().fold(ParameterMap::builder(&model), |map, own| {
-            map.with_narrowed(joint, Limits::new(own.0, own.1))
-        });
+        let map = all
+            .iter()
+            .fold(ParameterMap::builder(&model), |map, limits| {
+                map.with_narrowed(joint, Limits::new(limits.0, limits.1))
+            });
         let map = map.build().unwrap();
         (map.lower()[1], map.upper()[1])
     };

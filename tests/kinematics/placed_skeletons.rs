@@ -60,7 +60,7 @@ fn joint_motion_is_relative_to_its_parent() {
     let rig = RandomRig::new(4);
     let mut random = Random::new(4);
     let q = configuration_of(rig.skeleton.model(), &mut random);
-    let own = |q: &[f64], bone: usize, parent: usize| {
+    let relative = |q: &[f64], bone: usize, parent: usize| {
         let pose = rig.skeleton.pose(q).unwrap();
         let all: Vec<Placement<f64>> = pose.skinning_transforms(&rig.skeleton).collect();
         all[parent].inverse() * all[bone]
@@ -71,7 +71,7 @@ fn joint_motion_is_relative_to_its_parent() {
         for angle in &mut moved[3 * parent..3 * parent + 3] {
             *angle += random.within(-1.0, 1.0);
         }
-        let (before, after) = (own(&q, bone, parent), own(&moved, bone, parent));
+        let (before, after) = (relative(&q, bone, parent), relative(&moved, bone, parent));
         let off = before.inverse() * after;
         assert!(apart(&off, &Rigid::identity()) < 1e-13);
     }
@@ -135,9 +135,9 @@ fn parent_precedes_its_bones() {
     let rig = RandomRig::new(3);
     let bones = rig.skeleton.bones().to_vec();
     for (bone, parent) in [(0, 0), (1, 1), (1, 2), (2, 2)] {
-        let mut own = bones.clone();
-        own[bone].parent = rig.skeleton.bone_at(parent);
-        let error = Skeleton::new("loop", own).unwrap_err();
+        let mut cyclic = bones.clone();
+        cyclic[bone].parent = rig.skeleton.bone_at(parent);
+        let error = Skeleton::new("loop", cyclic).unwrap_err();
         let bone = bones[bone].name.clone();
         assert_eq!(error, SkeletonError::ParentNotBefore { bone });
     }

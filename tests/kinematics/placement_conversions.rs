@@ -83,16 +83,19 @@ fn non_rigid_maps_are_rejected() {
 #[test]
 fn vectors_and_rotations_convert() {
     let [x, y, z] = [0.25, -1.5, 3.0];
-    let own = Vector3::new(x, y, z);
+    let vector = Vector3::new(x, y, z);
     let glams = DVec3::new(x, y, z);
     let theirs = nalgebra::Vector3::new(x, y, z);
-    assert_eq!(Vector3::from(glams), own);
-    assert_eq!(Vector3::from(glams.as_vec3()), own);
-    assert_eq!(Vector3::from(glam::Vec3A::from(glams.as_vec3())), own);
-    assert_eq!(Vector3::from(theirs), own);
-    assert_eq!(Vector3::from(nalgebra::Point3::from(theirs)), own);
-    assert_eq!(DVec3::from(own), glams);
-    assert_eq!(nalgebra::Point3::from(own), nalgebra::Point3::from(theirs));
+    assert_eq!(Vector3::from(glams), vector);
+    assert_eq!(Vector3::from(glams.as_vec3()), vector);
+    assert_eq!(Vector3::from(glam::Vec3A::from(glams.as_vec3())), vector);
+    assert_eq!(Vector3::from(theirs), vector);
+    assert_eq!(Vector3::from(nalgebra::Point3::from(theirs)), vector);
+    assert_eq!(DVec3::from(vector), glams);
+    assert_eq!(
+        nalgebra::Point3::from(vector),
+        nalgebra::Point3::from(theirs)
+    );
 
     let mut random = Random::new(8);
     let off = |a: Matrix3<f64>, b: Matrix3<f64>| {

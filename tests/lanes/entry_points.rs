@@ -17,8 +17,8 @@ fn solver(chain: &Chain, options: LaneOptions) -> PoseSolver {
 #[test]
 fn path_equals_consecutive_solves() {
     for chain in [panda(), ur5(), random_chain(5, 6, 1, true)] {
-        let own = solver(&chain, NO_ATLAS());
-        let n = own.joints();
+        let pose_solver = solver(&chain, NO_ATLAS());
+        let n = pose_solver.joints();
         let mut random = Random(17);
         let mut at = random.configuration(&chain);
         let start = at.clone();
@@ -33,11 +33,13 @@ fn path_equals_consecutive_solves() {
             .collect();
         let mut q = vec![0.0; n * goals.len()];
         let mut outcomes = vec![PoseOutcome::default(); goals.len()];
-        own.track(&goals, &start, &mut q, &mut outcomes).unwrap();
+        pose_solver
+            .track(&goals, &start, &mut q, &mut outcomes)
+            .unwrap();
         let (mut from, mut own_way) = (start, 0);
         for ((goal, q), outcome) in goals.iter().zip(q.chunks(n)).zip(&outcomes) {
             let mut alone = vec![0.0; n];
-            let reported = own.solve(goal, &from, Prefer::Start, None, &mut alone);
+            let reported = pose_solver.solve(goal, &from, Prefer::Start, None, &mut alone);
             if reported.unwrap().winner == Some(0) {
                 own_way += 1;
                 assert_eq!(outcome.winner, Some(0));
@@ -57,19 +59,20 @@ fn total_iterations_are_bounded() {
     let mut last = 0;
     for most in [1, 60, 400] {
         let options = NO_ATLAS().with_total_iterations(most).with_iterations(40);
-        let own = solver(&chain, options);
+        let pose_solver = solver(&chain, options);
         let mut alone = vec![0.0; n];
-        let reported = own.solve(&far_away(), &start, Prefer::Start, None, &mut alone);
+        let reported = pose_solver.solve(&far_away(), &start, Prefer::Start, None, &mut alone);
         let mut outcomes = vec![PoseOutcome::default(); 3];
         let (goals, starts) = ([far_away(); 3], start.repeat(3));
-        own.solve_batch(
-            &goals,
-            &starts,
-            Prefer::Start,
-            &mut vec![0.0; 3 * n],
-            &mut outcomes,
-        )
-        .unwrap();
+        pose_solver
+            .solve_batch(
+                &goals,
+                &starts,
+                Prefer::Start,
+                &mut vec![0.0; 3 * n],
+                &mut outcomes,
+            )
+            .unwrap();
         outcomes.push(reported.unwrap());
         for outcome in &outcomes {
             // Eight attempts may already be running at that point.
@@ -107,8 +110,8 @@ fn option_out_of_range_is_named() {
 #[test]
 fn invalid_query_is_reported_by_index() {
     let chain = ur5();
-    let own = solver(&chain, NO_ATLAS());
-    let n = own.joints();
+    let pose_solver = solver(&chain, NO_ATLAS());
+    let n = pose_solver.joints();
     let start = vec![0.3; n];
     let good = target(&chain, &start);
     let r = good.rotation;
@@ -126,7 +129,7 @@ fn invalid_query_is_reported_by_index() {
             let mut goals = [good; 3];
             goals[at] = bad;
             let (mut q, mut outcomes) = (vec![0.0; 3 * n], vec![PoseOutcome::default(); 3]);
-            let refused = own.solve_batch(
+            let refused = pose_solver.solve_batch(
                 &goals,
                 &start.repeat(3),
                 Prefer::First,
@@ -134,14 +137,15 @@ fn invalid_query_is_reported_by_index() {
                 &mut outcomes,
             );
             assert_eq!(refused, Err(LaneError::Target(at)));
-            let refused = own.track(&goals, &start, &mut q, &mut outcomes);
+            let refused = pose_solver.track(&goals, &start, &mut q, &mut outcomes);
             assert_eq!(refused, Err(LaneError::Target(at)));
         }
         let mut q = vec![0.0; n];
-        let refused = own.solve(&bad, &start, Prefer::Start, None, &mut q);
+        let refused = pose_solver.solve(&bad, &start, Prefer::Start, None, &mut q);
         assert_eq!(refused, Err(LaneError::Target(0)));
         let mut outcomes = [PoseOutcome::default()];
-        let refused = own.run_attempts(&bad, &start, Prefer::Start, 0, &mut q, &mut outcomes);
+        let refused =
+            pose_solver.run_attempts(&bad, &start, Prefer::Start, 0, &mut q, &mut outcomes);
         assert_eq!(refused, Err(LaneError::Target(0)));
         // Such a placement is also rejected within a chain.
         let refused = Chain::new(chain.joints().to_vec(), bad);
@@ -155,7 +159,8 @@ fn invalid_query_is_reported_by_index() {
         let mut starts = start.repeat(3);
         starts[at * n + 4] = f64::INFINITY;
         let (mut q, mut outcomes) = (vec![0.0; 3 * n], vec![PoseOutcome::default(); 3]);
-        let refused = own.solve_batch(&[good; 3], &starts, Prefer::Start, &mut q, &mut outcomes);
+        let refused =
+            pose_solver.solve_batch(&[good; 3], &starts, Prefer::Start, &mut q, &mut outcomes);
         assert_eq!(refused, Err(LaneError::Start(at)));
     }
 }
@@ -173,11 +178,14 @@ fn weightless_components_do_not_count_as_errors() {
             orientation_weights: [1.0, weigh(2), weigh(3)],
             ..AxisGoal::full_pose()
         };
-        let own = solver(&chain, NO_ATLAS().with_axes(axes).with_attempts(4));
+        let pose_solver = solver(&chain, NO_ATLAS().with_axes(axes).with_attempts(4));
         let mut goal = target(&chain, &random.configuration(&chain));
         goal.translation += Vector3::new(0.05, -0.2, 0.3) * f64::from(case as u32 % 3);
-        let (start, mut q) = (random.configuration(&chain), vec![0.0; own.joints()]);
-        let reported = own.solve(&goal, &start, Prefer::Start, None, &mut q);
+        let (start, mut q) = (
+            random.configuration(&chain),
+            vec![0.0; pose_solver.joints()],
+        );
+        let reported = pose_solver.solve(&goal, &start, Prefer::Start, None, &mut q);
         let reported = reported.unwrap();
         let goal = nalgebra::Isometry3::from(&goal);
         let off = goal.inverse() * tip(&chain, &q);
@@ -222,9 +230,9 @@ fn very_wide_tolerance_equals_a_free_component() {
         let goal = target(&chain, &random.configuration(&chain));
         let start = random.configuration(&chain);
         let answers = [roomy, free].map(|axes| {
-            let own = solver(&chain, NO_ATLAS().with_axes(axes));
-            let mut q = vec![0.0; own.joints()];
-            let reported = own.solve(&goal, &start, Prefer::Start, None, &mut q);
+            let pose_solver = solver(&chain, NO_ATLAS().with_axes(axes));
+            let mut q = vec![0.0; pose_solver.joints()];
+            let reported = pose_solver.solve(&goal, &start, Prefer::Start, None, &mut q);
             let reported = reported.unwrap();
             (q, reported.iterations, reported.winner)
         });
@@ -236,7 +244,7 @@ fn very_wide_tolerance_equals_a_free_component() {
 #[test]
 fn overflowing_error_is_infinite() {
     let chain = random_chain(3, 6, 0, false);
-    let own = solver(&chain, NO_ATLAS().with_attempts(2));
+    let pose_solver = solver(&chain, NO_ATLAS().with_attempts(2));
     let turned = target(&chain, &[0.4; 6]).rotation;
     for far in [
         [1.7e308, 1.7e308, -1.7e308],
@@ -245,7 +253,7 @@ fn overflowing_error_is_infinite() {
     ] {
         let goal = Placement::new(turned, far.into());
         let mut q = vec![0.0; 6];
-        let reported = own.solve(&goal, &[0.2; 6], Prefer::Start, None, &mut q);
+        let reported = pose_solver.solve(&goal, &[0.2; 6], Prefer::Start, None, &mut q);
         let reported = reported.unwrap();
         assert!(!reported.reached);
         assert_eq!(reported.position_error, f64::INFINITY, "{far:?}");

@@ -91,9 +91,9 @@ fn invalid_chain_joints_are_named() {
         lower,
         upper,
     };
-    let last = |own: ChainJoint| {
+    let last = |tested: ChainJoint| {
         let first = joint(JointKind::Revolute, [1.0, 0.0, 0.0], (-1.0, 1.0));
-        Chain::new(vec![first, own], Placement::identity())
+        Chain::new(vec![first, tested], Placement::identity())
     };
     let (inf, up) = (f64::INFINITY, [0.0, 0.0, 1.0]);
     for axis in [

@@ -53,8 +53,8 @@ fn shifted_zeros_have_the_same_seeds() {
             }
             // Rounding can occasionally lead to another seed.
             assert!(20 * same >= 19 * count, "{by:?}: {same} of {count}");
-            let [own, turned] = spent.map(f64::from);
-            assert!((turned / own - 1.0).abs() < 0.02, "{by:?}: {spent:?}");
+            let [original, turned] = spent.map(f64::from);
+            assert!((turned / original - 1.0).abs() < 0.02, "{by:?}: {spent:?}");
         }
     }
 }

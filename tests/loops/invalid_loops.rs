@@ -191,7 +191,7 @@ fn robots_accept_additional_loops() {
         .model()
         .loops()
         .iter()
-        .map(|own| own.name.as_str())
+        .map(|closure| closure.name.as_str())
         .collect();
     assert_eq!(names, ["pin", "another"]);
 }

@@ -49,9 +49,9 @@ fn vector(numbers: &[f64]) -> Vector3<f64> {
 }
 
 /// The model, its parameter map and its start.
-fn mechanism(own: &Statement) -> (Model, Option<ParameterMap>, Vec<f64>) {
+fn mechanism(statement: &Statement) -> (Model, Option<ParameterMap>, Vec<f64>) {
     let file = |path| format!("{}/{path}", env!("CARGO_MANIFEST_DIR"));
-    match own.mechanism.as_str() {
+    match statement.mechanism.as_str() {
         "four-bar" => (FourBar::CRANK_ROCKER.model(), None, vec![0.5, 0.5, 1.5]),
         "gripper" => {
             let model = Gripper::model();
@@ -70,7 +70,7 @@ fn mechanism(own: &Statement) -> (Model, Option<ParameterMap>, Vec<f64>) {
             for (segment, value) in model.neutral().iter().enumerate().skip(3) {
                 start[segment] = *value;
             }
-            let own = [
+            let joints = [
                 "hip",
                 "knee_motor",
                 "knee_rod",
@@ -79,28 +79,29 @@ fn mechanism(own: &Statement) -> (Model, Option<ParameterMap>, Vec<f64>) {
                 "ankle_rod",
                 "ankle",
             ];
-            let map = ParameterMap::builder(&model).with_only(&robot.joints(&own).unwrap(), &start);
+            let map =
+                ParameterMap::builder(&model).with_only(&robot.joints(&joints).unwrap(), &start);
             let map = map.build().unwrap();
             (model, Some(map), start)
         }
         "hands" => {
             let model = crate::two_hands::robot().model().clone();
-            let start = own.near.clone();
+            let start = statement.near.clone();
             (model, None, start)
         }
         other => panic!("{other}"),
     }
 }
 
-fn solve(own: &Statement) -> Solution {
-    let (model, map, start) = mechanism(own);
+fn solve(statement: &Statement) -> Solution {
+    let (model, map, start) = mechanism(statement);
     let mut problem = Problem::builder(&model);
     if let Some(map) = map {
         problem.parameters(map);
     }
     let frame = |name| model.frame(name).unwrap();
-    let target = &own.target;
-    match own.mechanism.as_str() {
+    let target = &statement.target;
+    match statement.mechanism.as_str() {
         "four-bar" => {
             problem.add(Point::new(frame("pen"), [target[0], target[1], 0.0]));
         }
@@ -128,7 +129,7 @@ fn solve(own: &Statement) -> Solution {
         }
     }
     let problem = problem.build().unwrap();
-    let restarts = match own.mechanism.as_str() {
+    let restarts = match statement.mechanism.as_str() {
         "hands" => Restarts::none(),
         _ => Restarts::default(),
     };
@@ -143,9 +144,9 @@ fn misses_with_closed_loops_are_minimal() {
     assert_eq!(reference.provenance.tool, "CasADi + IPOPT");
     assert_eq!(reference.provenance.script, "notebooks-ref/loops.py");
     let (mut best, mut others) = (0, Vec::new());
-    for (number, own) in reference.problems.iter().enumerate() {
-        let solution = solve(own);
-        let explanation = || format!("{number} ({}): {}", own.mechanism, solution.explain());
+    for (number, statement) in reference.problems.iter().enumerate() {
+        let solution = solve(statement);
+        let explanation = || format!("{number} ({}): {}", statement.mechanism, solution.explain());
         assert!(
             !solution.reached && solution.loops_closed(),
             "{}",
@@ -155,7 +156,7 @@ fn misses_with_closed_loops_are_minimal() {
             assert!(task.position_error().unwrap() <= Loop::TOLERANCE);
         }
         let same = |minimum: &&Minimum| (solution.cost - minimum.cost).abs() <= SAME * minimum.cost;
-        let found = own.minima.iter().position(|minimum| same(&minimum));
+        let found = statement.minima.iter().position(|minimum| same(&minimum));
         match found {
             Some(0) => best += 1,
             Some(_) => others.push(number),

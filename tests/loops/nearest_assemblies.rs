@@ -49,7 +49,7 @@ fn endless(linkage: &FourBar) -> Model {
         .model()
         .loops()
         .iter()
-        .for_each(|own| builder.close(own.clone()));
+        .for_each(|closure| builder.close(closure.clone()));
     let model = builder.build().unwrap();
     let mut endless = Model::builder("endless");
     for joint in model.joints() {
@@ -62,7 +62,7 @@ fn endless(linkage: &FourBar) -> Model {
     model
         .loops()
         .iter()
-        .for_each(|own| endless.close(own.clone()));
+        .for_each(|closure| endless.close(closure.clone()));
     endless.build().unwrap()
 }
 

@@ -18,9 +18,9 @@ fn rods(robot: &Robot, q: &[f64]) -> [f64; 2] {
     let mut kinematics = ForwardKinematics::new(model);
     let placed = kinematics.place(q).unwrap();
     let mut lengths = [0.0; 2];
-    for (length, own) in lengths.iter_mut().zip(model.loops()) {
-        let [rod, lever] = own.frames.map(|frame| placed[frame.index()]);
-        let pin = lever.apply(own.frame_from_place[1].translation);
+    for (length, rod_loop) in lengths.iter_mut().zip(model.loops()) {
+        let [rod, lever] = rod_loop.frames.map(|frame| placed[frame.index()]);
+        let pin = lever.apply(rod_loop.frame_from_place[1].translation);
         *length = (pin - rod.translation).norm();
     }
     lengths
@@ -29,8 +29,8 @@ fn rods(robot: &Robot, q: &[f64]) -> [f64; 2] {
 fn assert_rods(robot: &Robot, q: &[f64]) {
     // From the file, pin to pin: (0.01, -0.012, -0.4) and (0.005, 0, -0.38).
     let drawn = [0.01_f64.hypot(0.012).hypot(0.4), 0.005_f64.hypot(0.38)];
-    for (own, drawn) in rods(robot, q).into_iter().zip(drawn) {
-        assert!((own - drawn).abs() < 1.1e-9, "{own} {drawn}");
+    for (actual, drawn) in rods(robot, q).into_iter().zip(drawn) {
+        assert!((actual - drawn).abs() < 1.1e-9, "{actual} {drawn}");
     }
 }
 
@@ -41,11 +41,11 @@ fn undriven_joints_are_passive() {
     let name = |id: &kinopt::model::JointId| model.joints()[id.index()].name.as_str();
     let passive: Vec<_> = robot.passive_joints().iter().map(name).collect();
     let body = ["base/x", "base/y", "base/z", "base/rotation"];
-    let own = ["knee_rod", "knee", "ankle_rod", "ankle"];
-    assert_eq!(passive, [&body[..], &own[..]].concat());
+    let expected = ["knee_rod", "knee", "ankle_rod", "ankle"];
+    assert_eq!(passive, [&body[..], &expected[..]].concat());
     let closure = LoopClosure::of_robot(&robot).unwrap();
     let dependent: Vec<_> = closure.dependent().iter().map(name).collect();
-    assert_eq!(dependent, own);
+    assert_eq!(dependent, expected);
 }
 
 #[test]

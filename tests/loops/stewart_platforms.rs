@@ -33,8 +33,8 @@ fn platform(stewart: &Stewart, q: &[f64]) -> Placement<f64> {
 
 fn assert_lengths(stewart: &Stewart, q: &[f64]) {
     let expected = stewart.lengths(&platform(stewart, q));
-    for (own, expected) in values(stewart, q, &stewart.slides).iter().zip(expected) {
-        assert!((own - expected).abs() < 2e-9, "{own} {expected}");
+    for (actual, expected) in values(stewart, q, &stewart.slides).iter().zip(expected) {
+        assert!((actual - expected).abs() < 2e-9, "{actual} {expected}");
     }
 }
 
@@ -51,11 +51,11 @@ fn inverse_kinematics_gives_leg_lengths() {
             .unwrap();
         assert!(solution.reached, "{}", solution.explain());
         assert_lengths(&stewart, &solution.q);
-        for (own, expected) in values(&stewart, &solution.q, &stewart.slides)
+        for (actual, expected) in values(&stewart, &solution.q, &stewart.slides)
             .iter()
             .zip(stewart.lengths(&target))
         {
-            assert!((own - expected).abs() < 2e-6, "{own} {expected}");
+            assert!((actual - expected).abs() < 2e-6, "{actual} {expected}");
         }
     }
 }

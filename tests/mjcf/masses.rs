@@ -56,8 +56,8 @@ fn masses_follow_groups_and_compiler_options() {
         let robot = robot(compiler, &format!("{stated}{TWO}"));
         let inertial = link(&robot).inertial.unwrap();
         assert!((inertial.mass - mass).abs() < 1e-12, "{compiler}");
-        let own = (0..3).map(|k| inertial.moments[k][k]).fold(0.0, f64::max);
-        assert!((own - most).abs() < 1e-6, "{compiler}: {own}");
+        let moment = (0..3).map(|k| inertial.moments[k][k]).fold(0.0, f64::max);
+        assert!((moment - most).abs() < 1e-6, "{compiler}: {moment}");
         assert!((robot.masses().unwrap().total() - mass).abs() < 1e-12);
         assert_eq!(robot.repairs(), []);
     }
@@ -97,8 +97,8 @@ fn mass_overrides_the_density_of_a_class() {
     let along = 0.4 * (3.0 * 0.01 + 0.04);
     let across = along + 3.0 * 0.25 + 2.25;
     for (k, expected) in [along, across, across].into_iter().enumerate() {
-        let own = inertial.moments[k][k];
-        assert!((own - expected).abs() < 1e-12, "{k}: {own}");
+        let moment = inertial.moments[k][k];
+        assert!((moment - expected).abs() < 1e-12, "{k}: {moment}");
     }
     let of_mesh = robot.link(robot.model().frame("b").unwrap()).unwrap();
     assert_eq!(
@@ -158,16 +158,16 @@ fn unknown_mesh_masses_are_noted() {
         ),
     ] {
         let robot = robot(compiler, geoms);
-        let own = link(&robot);
-        assert_eq!(own.inertial, None);
-        match (own.left_to_meshes, left) {
+        let body = link(&robot);
+        assert_eq!(body.inertial, None);
+        match (body.left_to_meshes, left) {
             (
                 Some(LeftToMeshes::Centre { mass }),
                 Some(LeftToMeshes::Centre { mass: expected }),
             ) => {
                 assert!((mass - expected).abs() < 1e-12, "{mass}");
             }
-            (own, expected) => assert_eq!(own, expected, "{geoms}"),
+            (body, expected) => assert_eq!(body, expected, "{geoms}"),
         }
         let reported: Vec<String> = robot.repairs().iter().map(ToString::to_string).collect();
         let reported = reported
@@ -181,7 +181,7 @@ fn unknown_mesh_masses_are_noted() {
         let refused = robot.masses().unwrap_err();
         assert!(matches!(&refused, MassError::LeftToMeshes { frame, .. } if frame == "a"));
         assert!(refused.to_string().contains("`a`"), "{refused}");
-        match own.left_to_meshes {
+        match body.left_to_meshes {
             Some(LeftToMeshes::Centre { mass }) => assert_eq!(robot.total_mass().unwrap(), mass),
             _ => assert_eq!(robot.total_mass().unwrap_err(), refused),
         }

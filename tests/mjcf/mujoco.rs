@@ -114,10 +114,10 @@ fn placements_of_bodies_and_sites_equal_mujoco() {
                     "{} {name:?}",
                     frame.name
                 );
-                for (own, expected) in numbers(placement).iter().zip(expected) {
+                for (actual, expected) in numbers(placement).iter().zip(expected) {
                     assert!(
-                        (own - expected).abs() < WITHIN,
-                        "{}: {own} {expected}",
+                        (actual - expected).abs() < WITHIN,
+                        "{}: {actual} {expected}",
                         frame.name
                     );
                     compared += 1;
@@ -137,23 +137,32 @@ fn joint_order_and_ranges_equal_mujoco() {
         assert_eq!(model.configuration_len(), file.configurations[0].q.len());
         for joint in file.joints {
             let id = model.moving_joints()[joint.address];
-            let own = &model.joints()[id.index()];
+            let actual = &model.joints()[id.index()];
             let name = joint.name.as_deref();
-            assert!(name.is_none_or(|name| own.name == name || own.name == format!("{name}/x")));
+            assert!(
+                name.is_none_or(|name| actual.name == name || actual.name == format!("{name}/x"))
+            );
             let kinds: &[JointKind] = match joint.kind.as_str() {
                 "free" | "slide" => &[JointKind::Prismatic],
                 "ball" => &[JointKind::Ball],
                 _ => &[JointKind::Revolute, JointKind::Continuous],
             };
-            assert!(kinds.contains(&own.kind), "{} {:?}", own.name, own.kind);
+            assert!(
+                kinds.contains(&actual.kind),
+                "{} {:?}",
+                actual.name,
+                actual.kind
+            );
             match joint.range {
                 // Locked by an equality.
-                _ if own.limits.is_locked() => assert_eq!(own.name, "turn"),
-                _ if joint.kind == "ball" => assert!(own.ball.is_some()),
-                None => assert!(own.limits.lower.is_infinite() && own.limits.upper.is_infinite()),
+                _ if actual.limits.is_locked() => assert_eq!(actual.name, "turn"),
+                _ if joint.kind == "ball" => assert!(actual.ball.is_some()),
+                None => {
+                    assert!(actual.limits.lower.is_infinite() && actual.limits.upper.is_infinite())
+                }
                 Some([lower, upper]) => {
-                    assert!((own.limits.lower - lower).abs() < WITHIN);
-                    assert!((own.limits.upper - upper).abs() < WITHIN);
+                    assert!((actual.limits.lower - lower).abs() < WITHIN);
+                    assert!((actual.limits.upper - upper).abs() < WITHIN);
                 }
             }
         }
@@ -164,21 +173,21 @@ fn joint_order_and_ranges_equal_mujoco() {
 fn masses_equal_mujoco() {
     for (robot, file) in reference() {
         for (frame, expected) in robot.model().frame_ids().zip(&file.inertials) {
-            let own = robot.link(frame).unwrap().inertial;
-            assert_eq!(own.is_some(), expected.mass > 0.0);
+            let actual = robot.link(frame).unwrap().inertial;
+            assert_eq!(actual.is_some(), expected.mass > 0.0);
             let Some(Inertial {
                 mass,
                 link_from_inertia,
                 moments,
                 ..
-            }) = own
+            }) = actual
             else {
                 continue;
             };
             assert!((mass - expected.mass).abs() < WITHIN * mass);
             let centre = link_from_inertia.translation.to_array();
-            for (own, expected) in centre.iter().zip(expected.centre) {
-                assert!((own - expected).abs() < WITHIN);
+            for (actual, expected) in centre.iter().zip(expected.centre) {
+                assert!((actual - expected).abs() < WITHIN);
             }
             // Principal moments: eigenvalues, in any axes.
             let matrix = Matrix3::from_fn(|row, column| moments[row][column]);
@@ -186,8 +195,11 @@ fn masses_equal_mujoco() {
             let mut expected = expected.moments;
             principal.sort_unstable_by(f64::total_cmp);
             expected.sort_unstable_by(f64::total_cmp);
-            for (own, expected) in principal.iter().zip(expected) {
-                assert!((own - expected).abs() < 1e-10 * mass, "{own} {expected}");
+            for (actual, expected) in principal.iter().zip(expected) {
+                assert!(
+                    (actual - expected).abs() < 1e-10 * mass,
+                    "{actual} {expected}"
+                );
             }
         }
     }
@@ -198,9 +210,9 @@ fn loop_anchors_equal_mujoco() {
     let mut compared = 0;
     for (robot, file) in reference() {
         assert_eq!(robot.model().loops().len(), file.loops.len());
-        for (own, expected) in robot.model().loops().iter().zip(&file.loops) {
-            assert_eq!(own.kind == LoopKind::Weld, expected.weld);
-            let [first, second] = own.frame_from_place;
+        for (actual, expected) in robot.model().loops().iter().zip(&file.loops) {
+            assert_eq!(actual.kind == LoopKind::Weld, expected.weld);
+            let [first, second] = actual.frame_from_place;
             let data = expected.data;
             let vector = |at: usize| Vector3::new(data[at], data[at + 1], data[at + 2]);
             let expected = match (expected.sites, expected.weld) {
@@ -214,9 +226,9 @@ fn loop_anchors_equal_mujoco() {
                     [turned * anchor, anchor]
                 }
             };
-            for (own, expected) in [first, second].iter().zip(&expected) {
-                for (own, expected) in numbers(own).iter().zip(numbers(expected)) {
-                    assert!((own - expected).abs() < WITHIN, "{own} {expected}");
+            for (actual, expected) in [first, second].iter().zip(&expected) {
+                for (actual, expected) in numbers(actual).iter().zip(numbers(expected)) {
+                    assert!((actual - expected).abs() < WITHIN, "{actual} {expected}");
                     compared += 1;
                 }
             }

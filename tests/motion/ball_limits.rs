@@ -20,13 +20,13 @@ type Quaternion = [f64; 4];
 fn between(a: Quaternion, b: Quaternion) -> Quaternion {
     let [w, x, y, z] = [a[0], -a[1], -a[2], -a[3]];
     let [v, p, q, r] = b;
-    let own = [
+    let components = [
         w * v - x * p - y * q - z * r,
         w * p + x * v + y * r - z * q,
         w * q - x * r + y * v + z * p,
         w * r + x * q - y * p + z * v,
     ];
-    own.map(|part| if own[0] < 0.0 { -part } else { part })
+    components.map(|part| if components[0] < 0.0 { -part } else { part })
 }
 
 fn angle(turn: Quaternion) -> f64 {
@@ -198,17 +198,24 @@ fn free_joint_keeps_velocity_limits_in_any_direction() {
             "{fastest_slide}"
         );
         let held = |name| {
-            (0..FRAMES).any(|frame| solved.active_limits(frame).any(|own| own.joint == name))
+            (0..FRAMES).any(|frame| {
+                solved
+                    .active_limits(frame)
+                    .any(|active| active.joint == name)
+            })
         };
         assert!(held("base/x") && held("base/rotation"));
         // Each limit once, although windows overlap.
         for frame in 0..FRAMES {
             let reported = solved.active_limits(frame);
             let reported: Vec<_> = reported
-                .map(|own| (own.joint, own.bound, own.side))
+                .map(|active| (active.joint, active.bound, active.side))
                 .collect();
-            for (k, own) in reported.iter().enumerate() {
-                assert!(!reported[..k].contains(own), "frame {frame}: {reported:?}");
+            for (k, active) in reported.iter().enumerate() {
+                assert!(
+                    !reported[..k].contains(active),
+                    "frame {frame}: {reported:?}"
+                );
             }
         }
     }
@@ -272,7 +279,7 @@ fn ball_joint_stays_on_its_cone_like_a_revolute() {
     assert!((last[1] - 0.7).abs() < 1e-4, "{last:?}");
     let held: Vec<_> = of_ball
         .active_limits(FRAMES - 1)
-        .map(|own| (own.joint, own.bound))
+        .map(|limit| (limit.joint, limit.bound))
         .collect();
     assert_eq!(held, [("hip swing", MotionBound::Position)]);
 }

@@ -202,8 +202,8 @@ fn planted_feet_stay_put_between_sparse_keys() {
         }
         let shin = armature.bone("shin.l").unwrap();
         let channels = edited.clip.channels(&armature).unwrap();
-        let own = channels.iter().find(|(bone, _)| *bone == shin).unwrap();
-        let times = own.1.times();
+        let channel = channels.iter().find(|(bone, _)| *bone == shin).unwrap();
+        let times = channel.1.times();
         let in_stance = |time: f32| {
             let spans = edited.stances.iter().map(|stance| stance.span);
             spans
@@ -242,8 +242,8 @@ fn unreachable_contact_gets_no_additional_keys() {
         .unwrap();
     assert!(edited.led[0].miss > 5e-3, "{:?}", edited.led);
     let channels = edited.clip.channels(&armature).unwrap();
-    let own = channels.iter().find(|(bone, _)| *bone == id("shin.l"));
-    let keys = own.unwrap().1.times().len();
+    let channel = channels.iter().find(|(bone, _)| *bone == id("shin.l"));
+    let keys = channel.unwrap().1.times().len();
     assert!((61..90).contains(&keys), "{keys} keys");
 }
 
@@ -339,9 +339,9 @@ fn foot_rises_early_and_descends_late() {
             }
             let name = &armature.names()[from.bone.index()];
             let middle = 0.5 * (from.span[1] + to.span[0]);
-            let [own, before] = [&edited.clip, &level.clip]
+            let [after, before] = [&edited.clip, &level.clip]
                 .map(|clip| f64::from(at(&armature, clip, name, middle).y));
-            let gone = (own - before - first) / (last - first);
+            let gone = (after - before - first) / (last - first);
             match rise > 0.0 {
                 true => assert!((0.7..1.1).contains(&gone), "{gone} of the way up"),
                 false => assert!((-0.1..0.3).contains(&gone), "{gone} of the way down"),
@@ -386,14 +386,14 @@ fn feet_stay_planted_around_a_hand_target() {
     let reach = reach.with_span(0.9..=1.3).with_fade(0.1);
     let edited = planted(&armature).with_reach(reach).solve(&walk).unwrap();
     assert_eq!(edited.stances.len(), alone.stances.len());
-    for (own, before) in edited.stances.iter().zip(&alone.stances) {
-        assert!(own.slide < before.slide + 1e-4, "{own:?} {before:?}");
-        let name = &armature.names()[own.bone.index()];
-        let [from, to] = own.span;
+    for (stance, before) in edited.stances.iter().zip(&alone.stances) {
+        assert!(stance.slide < before.slide + 1e-4, "{stance:?} {before:?}");
+        let name = &armature.names()[stance.bone.index()];
+        let [from, to] = stance.span;
         for k in 0..=10 {
             let time = from + (to - from) * f64::from(k) / 10.0;
             let off = at(&armature, &edited.clip, name, time).as_dvec3();
-            assert!(off.distance(own.place) < 2e-3, "{name} at {time}");
+            assert!(off.distance(stance.place) < 2e-3, "{name} at {time}");
         }
     }
 }

@@ -27,21 +27,21 @@ fn parallelogram(weld: bool, limits: Limits) -> Model {
 }
 
 fn add_parallelogram(builder: &mut ModelBuilder, whose: &str, weld: bool, limits: Limits) {
-    let own = |name: &str| format!("{whose}{name}");
+    let named = |name: &str| format!("{whose}{name}");
     let (z, any) = (Vector3::UNITS[2], Limits::new(-3.2, 3.2));
-    let crank = builder.revolute(own("crank"), None, Placement::identity(), z, limits);
-    let coupler = builder.revolute(own("coupler"), Some(crank), along(0.3), z, any);
-    let rocker = builder.revolute(own("rocker"), None, along(0.4), z, any);
-    let last = builder.revolute(own("wrist"), Some(rocker), along(0.3), z, any);
-    builder.frame(own("tip"), Some(crank), along(0.3));
-    let coupler_end = builder.frame(own("coupler end"), Some(coupler), along(0.4));
+    let crank = builder.revolute(named("crank"), None, Placement::identity(), z, limits);
+    let coupler = builder.revolute(named("coupler"), Some(crank), along(0.3), z, any);
+    let rocker = builder.revolute(named("rocker"), None, along(0.4), z, any);
+    let last = builder.revolute(named("wrist"), Some(rocker), along(0.3), z, any);
+    builder.frame(named("tip"), Some(crank), along(0.3));
+    let coupler_end = builder.frame(named("coupler end"), Some(coupler), along(0.4));
     let ends = [
-        builder.frame(own("rocker end"), Some(rocker), along(0.3)),
-        builder.frame(own("wrist"), Some(last), Placement::identity()),
+        builder.frame(named("rocker end"), Some(rocker), along(0.3)),
+        builder.frame(named("wrist"), Some(last), Placement::identity()),
     ];
     builder.close(match weld {
-        true => Loop::weld(own("pin"), [coupler_end, ends[1]]),
-        false => Loop::connect(own("pin"), [coupler_end, ends[0]]),
+        true => Loop::weld(named("pin"), [coupler_end, ends[1]]),
+        false => Loop::connect(named("pin"), [coupler_end, ends[0]]),
     });
 }
 

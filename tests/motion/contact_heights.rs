@@ -53,7 +53,10 @@ fn still_foot_in_the_air_is_in_contact_below_height() {
         // Its support is as high as the subject is lifted; elsewhere it is the ground.
         let driven = retargeting.driven();
         let frame = robot.model().frame("left_toe").unwrap();
-        let place = driven.iter().position(|own| *own == frame).unwrap();
+        let place = driven
+            .iter()
+            .position(|candidate| *candidate == frame)
+            .unwrap();
         let heights = [20, 150, 290].map(|frame| retargeting.targets(frame).unwrap()[place].z);
         let up = 0.3 * retargeting.stride();
         assert!(
@@ -82,8 +85,8 @@ fn slow_foot_is_in_contact_by_leg_length() {
     let still = Retargeting::new(&robot, &map, &person(0.0), options()).unwrap();
     // Speed in the model's metres per second. Its legs of 0.6 m are in contact below 0.17 m/s.
     for (speed, stands) in [(0.12, true), (0.23, false)] {
-        let own = person(speed / still.stride());
-        let retargeting = Retargeting::new(&robot, &map, &own, options()).unwrap();
+        let moving = person(speed / still.stride());
+        let retargeting = Retargeting::new(&robot, &map, &moving, options()).unwrap();
         let found = retargeting.per_frame().unwrap();
         let all = found.contacts.iter().filter(|contact| **contact).count();
         assert_eq!(all > found.contacts.len() / 2, stands, "{speed}: {all}");

@@ -39,8 +39,8 @@ fn tool_in_contact_is_still_for_any_weight() {
     for weight in [1.0, 1e2, 1e4] {
         let mut motion = MotionProblem::builder(&model, 12, 0.1);
         let pull = motion.add(Task::new(Point::new(tool, [0.0; 3])).times(weight));
-        motion.follow(pull, |frame, own| {
-            own.set_target([0.1 * (frame as f64).sin(), 0.0, 0.0])
+        motion.follow(pull, |frame, point| {
+            point.set_target([0.1 * (frame as f64).sin(), 0.0, 0.0])
         });
         motion.contact(Contact::new(tool, 3..9).at([[0.0; 3]]));
         let motion = motion.build().unwrap();

@@ -39,8 +39,8 @@ fn off(figure: &FigureTarget, armature: &Armature, still: &[&str]) -> (f64, f64)
                 UpAxis::Y => [x, z, -y],
                 UpAxis::Z => [x, y, z],
             };
-            for (own, expected) in at.to_array().into_iter().zip(expected) {
-                most = most.max((f64::from(own) - expected).abs());
+            for (actual, expected) in at.to_array().into_iter().zip(expected) {
+                most = most.max((f64::from(actual) - expected).abs());
                 tall = tall.max(expected.abs());
             }
         }
@@ -116,7 +116,11 @@ fn clip_of_another_armature_is_rejected() {
         matches!(refused, RetargetError::OtherBone { .. }),
         "{refused}"
     );
-    let own = Armature::of_skeleton(&rig.skeleton);
-    assert!(figure.clip("moved", &own, &[], 10.0).is_err());
-    assert!(figure.clip("moved", &own, &q.repeat(2), f64::NAN).is_err());
+    let rig_armature = Armature::of_skeleton(&rig.skeleton);
+    assert!(figure.clip("moved", &rig_armature, &[], 10.0).is_err());
+    assert!(
+        figure
+            .clip("moved", &rig_armature, &q.repeat(2), f64::NAN)
+            .is_err()
+    );
 }

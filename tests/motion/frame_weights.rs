@@ -16,8 +16,8 @@ fn unweighted_frame_is_not_reported_as_unreached() {
     for asked in [false, true] {
         let mut motion = MotionProblem::builder(&model, FRAMES, 0.1);
         let task = motion.add(Point::new(tool, [0.0; 3]));
-        motion.follow(task, move |frame, own| {
-            own.set_target([wanted(frame), 0.0, 0.0])
+        motion.follow(task, move |frame, point| {
+            point.set_target([wanted(frame), 0.0, 0.0])
         });
         let weight = |frame| f64::from(u8::from(asked || wanted(frame) < 1.0));
         let weights: Vec<f64> = (0..FRAMES).map(weight).collect();
@@ -48,8 +48,8 @@ fn frame_weights_of_a_single_task_count() {
             motion.add(Task::new(Point::new(tool, [0.0; 3])).times(1e-9));
         }
         let task = motion.add(Point::new(tool, [0.0; 3]));
-        motion.follow(task, |frame, own| {
-            own.set_target([if frame % 2 == 0 { -0.4 } else { 0.4 }, 0.0, 0.0])
+        motion.follow(task, |frame, point| {
+            point.set_target([if frame % 2 == 0 { -0.4 } else { 0.4 }, 0.0, 0.0])
         });
         let weights: Vec<f64> = (0..FRAMES).map(|k| 0.3 + 0.5 * (k % 4) as f64).collect();
         motion.weights(task, &weights);
@@ -70,8 +70,8 @@ fn distant_position_limit_is_inactive() {
     for tolerance in [1e-2, 1e-4, 1e-7] {
         let mut motion = MotionProblem::builder(&model, 12, 0.1);
         let task = motion.add(Point::new(tool, [0.0; 3]));
-        motion.follow(task, move |frame, own| {
-            own.set_target([wanted(frame), 0.0, 0.0])
+        motion.follow(task, move |frame, point| {
+            point.set_target([wanted(frame), 0.0, 0.0])
         });
         motion.rate_cost(RateCost::velocity(1e-4));
         let motion = motion.build().unwrap();
@@ -98,8 +98,8 @@ fn unreached_velocity_limit_is_inactive() {
         for tolerance in [1e-3, 1e-5, 1e-7] {
             let mut motion = MotionProblem::builder(&model, 12, 0.1);
             let task = motion.add(Point::new(tool, [0.0; 3]));
-            motion.follow(task, move |frame, own| {
-                own.set_target([step * frame as f64, 0.0, 0.0])
+            motion.follow(task, move |frame, point| {
+                point.set_target([step * frame as f64, 0.0, 0.0])
             });
             motion.max_speed("slide", 1.0);
             motion.rate_cost(RateCost::velocity(1e-3));

@@ -277,7 +277,7 @@ fn naming_conventions_are_recognised() {
         let guess = BodyMap::guess(&capture(&joints), &humanoid).unwrap();
         let reported = drives(&guess.map);
         for (joint, frame) in names.iter().zip(driven) {
-            let found = reported.iter().find(|(own, _)| own == joint);
+            let found = reported.iter().find(|(driving, _)| driving == joint);
             assert_eq!(
                 found.map(|(_, frame)| frame.as_str()),
                 Some(frame),
@@ -456,8 +456,8 @@ fn map_of_another_robot_is_completed_by_names() {
         r#"{"drives": {"g1.urdf": {"Hips": "pelvis_link"}, "body.urdf": {"Hips": "pelvis"}}}"#;
     let map = BodyMap::from_json(text, "body.urdf").unwrap();
     let completed = map.completed(&capture, &humanoid).unwrap();
-    let own = [("Hips".to_owned(), "pelvis".to_owned())];
-    assert_eq!(drives(&completed.map), own);
+    let expected = [("Hips".to_owned(), "pelvis".to_owned())];
+    assert_eq!(drives(&completed.map), expected);
 }
 
 #[test]
@@ -494,7 +494,7 @@ fn only_driving_joints_of_a_given_map_are_checked() {
     let right: Vec<&str> = drives
         .iter()
         .map(String::as_str)
-        .filter(|own| !own.contains("left"))
+        .filter(|drive| !drive.contains("left"))
         .collect();
     let right = looked_at(&format!("{{\"drives\": {{{}}}}}", right.join(", ")));
     assert_eq!(right.notes, Vec::<String>::new());

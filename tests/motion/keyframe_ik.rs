@@ -207,13 +207,13 @@ fn no_small_change_of_keys_lowers_the_cost() {
         let key = 7 + random.below(8);
         let angle = random.below(3);
         let limits = skeleton.bones()[bone].limits[angle];
-        let own = &mut tracks[track].keys[key].angles[angle];
-        let new = *own + random.within(-0.02, 0.02);
+        let changed = &mut tracks[track].keys[key].angles[angle];
+        let new = *changed + random.within(-0.02, 0.02);
         // Well within the limits, so that neither key nor spline reaches one.
         if !(limits.lower + 0.1..=limits.upper - 0.1).contains(&new) {
             continue;
         }
-        *own = new;
+        *changed = new;
         tried += 1;
         let other = cost(&EulerClip::new(tracks).unwrap());
         assert!(
@@ -495,8 +495,8 @@ fn clamped_last_key_is_compensated_by_others() {
         let hand = skeleton.bone(HAND).unwrap();
         let moments = (0..=108).map(|k| SPAN[0] + (SPAN[1] - SPAN[0]) * f64::from(k) / 108.0);
         let off = moments.map(|time| {
-            let [own, wanted] = [of, &beyond].map(|clip| tip(skeleton, clip, hand, time));
-            own.distance_squared(wanted)
+            let [actual, wanted] = [of, &beyond].map(|clip| tip(skeleton, clip, hand, time));
+            actual.distance_squared(wanted)
         });
         off.sum::<f64>()
     };

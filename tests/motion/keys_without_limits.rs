@@ -50,11 +50,14 @@ fn missing_limit_equals_a_distant_one() {
         Limits::new(-1e3, f64::INFINITY),
         Limits::new(f64::NEG_INFINITY, 1e3),
     ] {
-        let own = solved(limits);
-        for (own, far) in own.tracks().iter().zip(far.tracks()) {
-            for (own, far) in own.keys.iter().zip(&far.keys) {
-                for (own, far) in own.angles.iter().zip(far.angles) {
-                    assert!((own - far).abs() < 1e-3, "{limits:?}: {own} {far}");
+        let unlimited = solved(limits);
+        for (unlimited, far) in unlimited.tracks().iter().zip(far.tracks()) {
+            for (unlimited, far) in unlimited.keys.iter().zip(&far.keys) {
+                for (unlimited, far) in unlimited.angles.iter().zip(far.angles) {
+                    assert!(
+                        (unlimited - far).abs() < 1e-3,
+                        "{limits:?}: {unlimited} {far}"
+                    );
                 }
             }
         }

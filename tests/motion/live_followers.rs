@@ -55,7 +55,7 @@ fn online_retargeter_locks_contacts_of_the_subject() {
         }
         let placed = kinematics.place(&q).unwrap();
         let at = soles.map(|sole| placed[sole.index()].translation);
-        let own = placed[torso.index()].translation;
+        let actual = placed[torso.index()].translation;
         if frame >= 10 {
             let anchor = anchor.get_or_insert(at);
             assert!(
@@ -64,7 +64,7 @@ fn online_retargeter_locks_contacts_of_the_subject() {
             );
             let q = &known.q[frame * known.configuration_len..][..known.configuration_len];
             let expected = kinematics.place(q).unwrap()[torso.index()].translation;
-            assert!((own - expected).norm() < 0.02, "frame {frame}");
+            assert!((actual - expected).norm() < 0.02, "frame {frame}");
         }
         before = Some(q);
     }
@@ -97,9 +97,9 @@ fn frame_with_missing_positions_changes_nothing() {
             }
             let kept = interrupted.advance(places, &[0.0, f64::NAN, 0.0]);
             assert_eq!(kept.unwrap(), follower.q(), "frame {frame}");
-            let own = follower.advance(places, &stands).unwrap();
+            let uninterrupted = follower.advance(places, &stands).unwrap();
             let after = interrupted.advance(places, &stands).unwrap();
-            assert_eq!(own, after, "frame {frame}");
+            assert_eq!(uninterrupted, after, "frame {frame}");
         }
     }
 }
@@ -319,8 +319,8 @@ fn limb_on_a_mimic_joint_follows_equally() {
     };
     let alone = hands(None);
     for ratio in [0.05, -0.5, 2.0, -20.0] {
-        for (frame, (own, alone)) in hands(Some(ratio)).iter().zip(&alone).enumerate() {
-            let off = (*own - *alone).norm();
+        for (frame, (actual, alone)) in hands(Some(ratio)).iter().zip(&alone).enumerate() {
+            let off = (*actual - *alone).norm();
             assert!(off < 2e-8, "{ratio}, frame {frame}: {off}");
         }
     }

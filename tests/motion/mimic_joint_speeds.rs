@@ -27,8 +27,8 @@ fn source_joint_is_as_fast_as_its_mimic_joint_allows() {
         let mut motion = MotionProblem::builder(robot.model(), 80, 0.1);
         motion.parameters(robot.map().clone());
         let task = motion.add(Point::new(tool, [0.0; 3]));
-        motion.follow(task, |frame, own| {
-            own.set_target([if frame < 5 { 0.0 } else { 1.0 }, 0.0, 0.0])
+        motion.follow(task, |frame, point| {
+            point.set_target([if frame < 5 { 0.0 } else { 1.0 }, 0.0, 0.0])
         });
         motion.max_speed("follower", 0.5);
         motion.rate_cost(RateCost::velocity(1e-4));

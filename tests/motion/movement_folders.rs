@@ -65,14 +65,17 @@ fn finished_files_are_kept_and_partial_ones_removed() {
     let begun = folders.find().begin(&asked, false).unwrap();
     let outs = begun
         .iter()
-        .map(|own| own.out.strip_prefix(folders.out()).unwrap());
+        .map(|movement| movement.out.strip_prefix(folders.out()).unwrap());
     assert!(outs.eq(["deeper/two.npz", "one.npz"].map(Path::new)));
-    assert!(begun.iter().all(|own| !own.done_before));
+    assert!(begun.iter().all(|movement| !movement.done_before));
     fs::write(&begun[0].out, "whole").unwrap();
     fs::write(unfinished(&begun[1].out), "half").unwrap();
     let done = |again: bool| {
         let begun = folders.find().begin(&asked, again).unwrap();
-        begun.iter().map(|own| own.done_before).collect::<Vec<_>>()
+        begun
+            .iter()
+            .map(|movement| movement.done_before)
+            .collect::<Vec<_>>()
     };
     assert_eq!(done(false), [true, false]);
     assert!(!unfinished(&begun[1].out).exists());
@@ -116,17 +119,23 @@ fn differences_between_requests_are_named() {
     for (name, change) in [
         (
             "whole",
-            (|own| own.whole = true) as fn(&mut FolderQuestion<'_>),
+            (|request| request.whole = true) as fn(&mut FolderQuestion<'_>),
         ),
-        ("clip", |own| own.clip = Some("Walk")),
-        ("skeleton", |own| own.skeleton = Some("cmu")),
-        ("keep_clear", |own| own.keep_clear = Some(0.01)),
-        ("world", |own| own.world = Some("{}".to_owned())),
-        ("acceleration", |own| own.options.acceleration = 1e-3),
-        ("contact_speed", |own| own.options.contacts.speed = 0.2),
-        ("contact_height", |own| own.options.contacts.height = 0.1),
-        ("windows", |own| own.options.windows.ahead = 20),
-        ("more", |own| own.more.push("header".to_owned())),
+        ("clip", |request| request.clip = Some("Walk")),
+        ("skeleton", |request| request.skeleton = Some("cmu")),
+        ("keep_clear", |request| request.keep_clear = Some(0.01)),
+        ("world", |request| request.world = Some("{}".to_owned())),
+        ("acceleration", |request| {
+            request.options.acceleration = 1e-3
+        }),
+        ("contact_speed", |request| {
+            request.options.contacts.speed = 0.2
+        }),
+        ("contact_height", |request| {
+            request.options.contacts.height = 0.1
+        }),
+        ("windows", |request| request.options.windows.ahead = 20),
+        ("more", |request| request.more.push("header".to_owned())),
     ] {
         let mut other = plain.clone();
         change(&mut other);
@@ -199,15 +208,15 @@ fn builder_methods_set_their_fields() {
     let folders = Folders::new("folder-said");
     let robot = nao();
     let plain = FolderQuestion::new(&robot, RetargetOptions::default());
-    let own = || plain.clone();
+    let request = || plain.clone();
     for (name, said) in [
-        ("clip", own().with_clip("Walk")),
-        ("skeleton", own().with_skeleton("cmu")),
-        ("keep_clear", own().with_keep_clear(0.01)),
-        ("world", own().with_world("{}".to_owned())),
-        ("whole", own().with_whole(true)),
-        ("fps", own().with_frame_rate(30.0)),
-        ("up", own().with_up(UpAxis::Y)),
+        ("clip", request().with_clip("Walk")),
+        ("skeleton", request().with_skeleton("cmu")),
+        ("keep_clear", request().with_keep_clear(0.01)),
+        ("world", request().with_world("{}".to_owned())),
+        ("whole", request().with_whole(true)),
+        ("fps", request().with_frame_rate(30.0)),
+        ("up", request().with_up(UpAxis::Y)),
     ] {
         assert_eq!(differs(&folders, &plain, &said), name);
     }

@@ -43,12 +43,14 @@ fn jumps([name, base, tip]: [&str; 3], cases: Range<usize>, atlas: bool) -> usiz
     let mut random = Random(11);
     let mut jumps = 0;
     for case in 0..cases.end {
-        let own = joints(&arm, &mut random, 150);
+        let joint_path = joints(&arm, &mut random, 150);
         if case < cases.start {
             continue;
         }
-        let points: Vec<Placement<f64>> =
-            own.iter().map(|q| arm.base_from_tool(q).unwrap()).collect();
+        let points: Vec<Placement<f64>> = joint_path
+            .iter()
+            .map(|q| arm.base_from_tool(q).unwrap())
+            .collect();
         let path = CartesianPath::new(points.clone()).unwrap();
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
         if !solution.missed.is_empty() {
@@ -56,11 +58,11 @@ fn jumps([name, base, tip]: [&str; 3], cases: Range<usize>, atlas: bool) -> usiz
             continue;
         }
         let rows: Vec<&[f64]> = solution.rows().collect();
-        assert_eq!(rows.len(), own.len());
-        for (q, own) in rows.iter().zip(&own) {
+        assert_eq!(rows.len(), joint_path.len());
+        for (q, expected) in rows.iter().zip(&joint_path) {
             assert!(within_limits(&arm, q));
             let [at, wanted] =
-                [q, own.as_slice()].map(|q| base_from_tip(robot.model(), &arm, q, base, tip));
+                [q, expected.as_slice()].map(|q| base_from_tip(robot.model(), &arm, q, base, tip));
             let (metres, radians) = apart(&Isometry3::from(at), &Isometry3::from(wanted));
             assert!(metres <= 1.1e-6 && radians <= 1.1e-6);
         }
@@ -128,9 +130,11 @@ fn two_turn_joints_start_where_they_need_no_rewind() {
         let arm = Arm::new(&robot(name), "base", "flange").unwrap();
         let mut random = Random(11);
         let all = (0..1000).map(|_| joints(&arm, &mut random, 150));
-        for (case, own) in all.enumerate().filter(|(case, _)| cases.contains(case)) {
-            let points: Vec<Placement<f64>> =
-                own.iter().map(|q| arm.base_from_tool(q).unwrap()).collect();
+        for (case, joint_path) in all.enumerate().filter(|(case, _)| cases.contains(case)) {
+            let points: Vec<Placement<f64>> = joint_path
+                .iter()
+                .map(|q| arm.base_from_tool(q).unwrap())
+                .collect();
             let path = CartesianPath::new(points).unwrap();
             let solution = PathSolver::new(&arm).solve(&path).unwrap();
             assert!(solution.is_whole(), "{name} {case}");
@@ -157,9 +161,11 @@ fn jump_within_a_self_motion_is_distributed() {
             [-2.72, 0.35, -0.69, 2.03, -1.31, 1.62, -2.86],
         ],
     ] {
-        let own = through(&ends.map(|q| q.to_vec()), 150);
-        let points: Vec<Placement<f64>> =
-            own.iter().map(|q| arm.base_from_tool(q).unwrap()).collect();
+        let joint_path = through(&ends.map(|q| q.to_vec()), 150);
+        let points: Vec<Placement<f64>> = joint_path
+            .iter()
+            .map(|q| arm.base_from_tool(q).unwrap())
+            .collect();
         let path = CartesianPath::new(points).unwrap();
         let solution = PathSolver::new(&arm).solve(&path).unwrap();
         assert!(solution.missed.is_empty());

@@ -34,7 +34,7 @@ fn followed(cost: RateCost) -> (Vec<Vec<f64>>, f64) {
             rotation_exp(Vector3::from(axis) * angle)
         };
         let task = motion.add(Orientation::new(frame, at(0)));
-        motion.follow(task, move |frame, own| own.set_target(at(frame)));
+        motion.follow(task, move |frame, point| point.set_target(at(frame)));
     }
     motion.rate_cost(cost);
     let motion = motion.build().unwrap();

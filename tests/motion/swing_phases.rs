@@ -32,9 +32,9 @@ fn obstacle_higher_than_a_step_is_not_climbed() {
             let time = f64::from(step) / 200.0;
             for foot in ["foot.l", "foot.r"] {
                 passed += usize::from(passes(foot, time));
-                let [own, before] = [&edited.clip, &level.clip]
+                let [after, before] = [&edited.clip, &level.clip]
                     .map(|clip| f64::from(at(&armature, clip, foot, time).y));
-                let lift = own - before;
+                let lift = after - before;
                 assert!(
                     (-5e-3..2.5 * rise + 5e-3).contains(&lift),
                     "{foot} at {time} s: {lift} m"
@@ -137,9 +137,9 @@ fn blend_of_a_contact_has_the_configured_duration() {
         let mut most = [0.0_f32; 2];
         for foot in ["foot.l", "foot.r"] {
             let bone = armature.bone(foot).unwrap();
-            let own = edited.stances.iter().filter(|stance| stance.bone == bone);
-            let own: Vec<_> = own.map(|stance| stance.span).collect();
-            for pair in own.windows(2) {
+            let spans = edited.stances.iter().filter(|stance| stance.bone == bone);
+            let spans: Vec<_> = spans.map(|stance| stance.span).collect();
+            for pair in spans.windows(2) {
                 let [end, next] = [pair[0][1], pair[1][0]];
                 // Just after a contact, and in the middle of the swing phase.
                 for (k, time) in [end + 0.015, 0.5 * (end + next)].into_iter().enumerate() {

@@ -47,8 +47,9 @@ fn person(frame: usize) -> [Vector3<f64>; 9] {
 
 fn capture(frames: usize, place: impl Fn(usize, Vector3<f64>) -> Vector3<f64>) -> Capture {
     let places = (0..frames).flat_map(|frame| {
-        let own = person(frame).into_iter().enumerate();
-        own.flat_map(|(joint, at)| place(joint, at).to_array())
+        let positions = person(frame).into_iter().enumerate();
+        positions
+            .flat_map(|(joint, at)| place(joint, at).to_array())
             .collect::<Vec<_>>()
     });
     let numbers: Vec<f64> = places.collect();
@@ -165,15 +166,18 @@ fn rotated_subject_gives_the_rotated_robot() {
     let turned = capture(20, |_, at| Vector3::new(-at.y, at.x, at.z));
     let turned = retargeted(&robot, &turned, UpAxis::Z, false);
     let width = straight.configuration_len;
-    for (own, other) in straight
+    for (unrotated, other) in straight
         .q
         .chunks_exact(width)
         .zip(turned.q.chunks_exact(width))
     {
-        let off = own[7..].iter().zip(&other[7..]).map(|(a, b)| (a - b).abs());
+        let off = unrotated[7..]
+            .iter()
+            .zip(&other[7..])
+            .map(|(a, b)| (a - b).abs());
         // The tolerance covers the three steps per frame, which differ between the two.
         assert!(off.fold(0.0, f64::max) < 1e-3);
-        assert!((own[0] - other[1]).abs() < 1e-4 && (own[1] + other[0]).abs() < 1e-4);
+        assert!((unrotated[0] - other[1]).abs() < 1e-4 && (unrotated[1] + other[0]).abs() < 1e-4);
     }
 }
 

@@ -57,13 +57,13 @@ fn unconverged_window_is_reported() {
     let to_and_fro = |frames: usize| {
         let mut motion = MotionProblem::builder(&model, frames, 0.1);
         let task = motion.add(Point::new(tool, [0.0; 3]));
-        motion.follow(task, |frame, own| {
+        motion.follow(task, |frame, point| {
             let x = if frame < 10 {
                 1.5 * (frame as f64 * 2.0).sin()
             } else {
                 0.0
             };
-            own.set_target([x, 0.0, 0.0]);
+            point.set_target([x, 0.0, 0.0]);
         });
         motion.rate_cost(RateCost::acceleration(1e-3));
         motion.build().unwrap()

@@ -166,9 +166,13 @@ fn default_solver_matches_the_best_known_minimum() {
         // Interleaved, so that each thread gets a share of the large problems.
         let workers: Vec<_> = (0..THREADS)
             .map(|first| {
-                let own = looked_at.iter().skip(first).step_by(THREADS);
+                let share = looked_at.iter().skip(first).step_by(THREADS);
                 let models = &models;
-                scope.spawn(move || own.map(|p| judge(p, &models[&p.model])).collect::<Vec<_>>())
+                scope.spawn(move || {
+                    share
+                        .map(|p| judge(p, &models[&p.model]))
+                        .collect::<Vec<_>>()
+                })
             })
             .collect();
         workers

@@ -38,10 +38,10 @@ fn unsmoothed_weights_follow_the_formula() {
 fn smoothing_reduces_steps_and_keeps_sums() {
     let (mesh, bones) = tube();
     let with = |smoothing_steps| {
-        let mut own = AutomaticWeights::default();
-        own.smoothing_steps = smoothing_steps;
-        own.falloff = 30.0;
-        own.for_segments(&mesh, &bones).unwrap()
+        let mut options = AutomaticWeights::default();
+        options.smoothing_steps = smoothing_steps;
+        options.falloff = 30.0;
+        options.for_segments(&mesh, &bones).unwrap()
     };
     let steps = [0, 10, 100].map(|smoothing| steepest(&mesh, &with(smoothing)));
     assert!(steps[0] > steps[1] && steps[1] > steps[2], "{steps:?}");
@@ -56,10 +56,10 @@ fn smoothing_reduces_steps_and_keeps_sums() {
 fn smoothing_step_is_the_documented_mean() {
     let (mesh, bones) = tube();
     let with = |smoothing_steps| {
-        let mut own = AutomaticWeights::default();
-        own.smoothing_steps = smoothing_steps;
-        own.falloff = 12.0;
-        own.for_segments(&mesh, &bones).unwrap().to_table()
+        let mut options = AutomaticWeights::default();
+        options.smoothing_steps = smoothing_steps;
+        options.falloff = 12.0;
+        options.for_segments(&mesh, &bones).unwrap().to_table()
     };
     let [before, after] = [with(0), with(1)];
     let mut moved = 0;
@@ -67,10 +67,10 @@ fn smoothing_step_is_the_documented_mean() {
         let around = mesh.triangles().iter().filter(|t| t.contains(&vertex));
         let others: BTreeSet<u32> = around.flatten().copied().filter(|v| *v != vertex).collect();
         let sum: f64 = others.iter().map(|v| before[(*v as usize, 1)]).sum();
-        let own = before[(vertex as usize, 1)];
-        let expected = 0.5 * own + 0.5 * sum / others.len() as f64;
+        let weight = before[(vertex as usize, 1)];
+        let expected = 0.5 * weight + 0.5 * sum / others.len() as f64;
         assert!((after[(vertex as usize, 1)] - expected).abs() < 1e-12);
-        moved += usize::from((expected - own).abs() > 1e-6);
+        moved += usize::from((expected - weight).abs() > 1e-6);
     }
     assert!(moved > 5, "{moved}");
 }
@@ -174,7 +174,9 @@ fn kept_weights_fade_by_the_dropped_one() {
     let kept = |bones: &[[DVec3; 2]]| -> Vec<(u32, f64)> {
         let weights = two.for_segments(&dot, bones).unwrap();
         let influences = weights.influences(0).iter();
-        influences.map(|own| (own.bone, own.weight)).collect()
+        influences
+            .map(|influence| (influence.bone, influence.weight))
+            .collect()
     };
     let [(0, first), (2, second)] = kept(&[at(1.0), at(3.0), at(-2.0)])[..] else {
         panic!("the nearest two");
@@ -189,26 +191,26 @@ fn kept_weights_fade_by_the_dropped_one() {
 #[test]
 fn invalid_bones_and_falloffs_are_rejected() {
     let (mesh, bones) = tube();
-    let own = AutomaticWeights::default();
+    let options = AutomaticWeights::default();
     assert_eq!(
-        own.for_segments(&mesh, &[]).unwrap_err(),
+        options.for_segments(&mesh, &[]).unwrap_err(),
         AutomaticWeightsError::NoBones
     );
     let mut broken = bones;
     broken[1][0].y = f64::NAN;
     assert_eq!(
-        own.for_segments(&mesh, &broken).unwrap_err(),
+        options.for_segments(&mesh, &broken).unwrap_err(),
         AutomaticWeightsError::NonFiniteBone { bone: 1 }
     );
     for falloff in [0.0, -1.0, f64::INFINITY] {
-        let mut own = own;
-        own.falloff = falloff;
-        let refused = own.for_segments(&mesh, &bones).unwrap_err();
+        let mut options = options;
+        options.falloff = falloff;
+        let refused = options.for_segments(&mesh, &bones).unwrap_err();
         assert_eq!(refused, AutomaticWeightsError::Falloff(falloff));
     }
     // Points, and a mesh of one point on a bone, are no special case.
     let points = [[DVec3::ZERO; 2], [DVec3::X; 2]];
     let dot = TriangleMesh::new(vec![glam::Vec3::ZERO], vec![], vec![]).unwrap();
-    let weights = own.for_segments(&dot, &points).unwrap();
+    let weights = options.for_segments(&dot, &points).unwrap();
     assert_eq!(weights.influences(0)[0].bone, 0);
 }

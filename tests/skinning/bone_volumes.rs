@@ -152,7 +152,10 @@ fn small_hole_loses_only_its_own_volume() {
         // A corner of the top is cut off.
         let mut corners = whole.positions().to_vec();
         corners.extend([Vec3::new(side, 0.0, 1.0), Vec3::new(0.0, side, 1.0)]);
-        let rest = whole.triangles().iter().filter(|own| **own != [4, 5, 6]);
+        let rest = whole
+            .triangles()
+            .iter()
+            .filter(|triangle| **triangle != [4, 5, 6]);
         let mut triangles: Vec<_> = rest.copied().collect();
         triangles.extend([[8, 5, 6], [8, 6, 9]]);
         let holed = TriangleMesh::new(corners, Vec::new(), triangles).unwrap();

@@ -105,10 +105,11 @@ fn coordinates_are_unit_invariant() {
     // Powers of two, so that positions are exact.
     for unit in [1e-9_f32, 1e9].map(|unit| unit.log2().round().exp2()) {
         let scaled = |places: &[Vec3]| places.iter().map(|place| *place * unit).collect();
-        let own: Vec<Vec3> = scaled(cage.positions());
-        let own = TriangleMesh::new(own, vec![], cage.triangles().to_vec()).unwrap();
+        let scaled_cage: Vec<Vec3> = scaled(cage.positions());
+        let scaled_cage =
+            TriangleMesh::new(scaled_cage, vec![], cage.triangles().to_vec()).unwrap();
         let points: Vec<Vec3> = scaled(&points);
-        let scaled = CageBinding::new(&own, &points).unwrap();
+        let scaled = CageBinding::new(&scaled_cage, &points).unwrap();
         for point in 0..points.len() {
             let [a, b] = [&binding, &scaled].map(|binding| binding.coordinates(point).unwrap());
             let apart = a.iter().zip(b).map(|(a, b)| (a - b).abs());

@@ -215,15 +215,15 @@ fn long_quaternion_is_normalised() {
     assert!((moved - (turn * Vec3::X + Vec3::Y)).length() < 1e-6);
     // Directions are rotated only, also by a blend, whose norm is not 1.
     let blend = motion * 0.3 + motion * 0.4;
-    for own in [motion, blend] {
-        let turned = own.transform_vector(Vec3::new(0.2, -0.4, 0.7));
+    for part in [motion, blend] {
+        let turned = part.transform_vector(Vec3::new(0.2, -0.4, 0.7));
         assert!((turned - turn * Vec3::new(0.2, -0.4, 0.7)).length() < 1e-6);
     }
     // Its weight in a blend equals that of a unit quaternion.
     assert!((motion.real.length() - 1.0).abs() < 1e-6);
     let still = DualQuaternion::from_rotation_translation(Quat::IDENTITY, Vec3::ZERO).unwrap();
     let short = DualQuaternion::from_rotation_translation(turn, Vec3::Y).unwrap();
-    let [a, b] = [motion, short].map(|own| (own + still).transform_point(Vec3::X));
+    let [a, b] = [motion, short].map(|part| (part + still).transform_point(Vec3::X));
     assert!((a - b).length() < 1e-6, "{a} {b}");
 }
 

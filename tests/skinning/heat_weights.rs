@@ -50,14 +50,14 @@ fn weights_solve_their_equations() {
     let (mut system, mut areas) = (DMatrix::zeros(count, count), vec![0.0; count]);
     for triangle in mesh.triangles() {
         let [a, b, c] = triangle.map(|i| i as usize);
-        for [own, next, last] in [[a, b, c], [b, c, a], [c, a, b]] {
-            let (u, v) = (points[next] - points[own], points[last] - points[own]);
+        for [corner, next, last] in [[a, b, c], [b, c, a], [c, a, b]] {
+            let (u, v) = (points[next] - points[corner], points[last] - points[corner]);
             let half = 0.5 / u.angle_between(v).tan();
             for (i, j) in [(next, last), (last, next)] {
                 system[(i, j)] -= half;
                 system[(i, i)] += half;
             }
-            areas[own] += u.cross(v).length() / 6.0;
+            areas[corner] += u.cross(v).length() / 6.0;
         }
     }
     // Its edges conduct well, so no bound is active.
@@ -381,21 +381,21 @@ fn humanoid_weights_are_smooth_and_local() {
 #[test]
 fn invalid_bones_and_heat_are_rejected() {
     let mesh = closed_tube(8.0, 0.6, 12, 4);
-    let own = HeatWeights::default();
+    let options = HeatWeights::default();
     assert_eq!(
-        own.for_segments(&mesh, &[]).unwrap_err(),
+        options.for_segments(&mesh, &[]).unwrap_err(),
         AutomaticWeightsError::NoBones
     );
     let mut broken = bones();
     broken[2][1].z = f64::INFINITY;
     assert_eq!(
-        own.for_segments(&mesh, &broken).unwrap_err(),
+        options.for_segments(&mesh, &broken).unwrap_err(),
         AutomaticWeightsError::NonFiniteBone { bone: 2 }
     );
     for heat in [0.0, -1.0, f64::INFINITY] {
-        let mut own = own;
-        own.heat = heat;
-        let refused = own.for_segments(&mesh, &bones());
+        let mut options = options;
+        options.heat = heat;
+        let refused = options.for_segments(&mesh, &bones());
         assert_eq!(refused.unwrap_err(), AutomaticWeightsError::Heat(heat));
     }
 }

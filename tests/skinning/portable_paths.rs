@@ -30,12 +30,12 @@ fn portable_paths_are_opt_in() {
         return;
     }
     let takes_them = |value: Option<&str>| {
-        let mut own = Command::new(std::env::current_exe().unwrap());
+        let mut command = Command::new(std::env::current_exe().unwrap());
         let test = "portable_paths::portable_paths_are_opt_in";
-        own.args(["--exact", test, "--nocapture"]);
-        own.env(ASKED, "1").env_remove("KINOPT_PORTABLE");
-        own.envs(value.map(|value| ("KINOPT_PORTABLE", value)));
-        let output = own.output().unwrap();
+        command.args(["--exact", test, "--nocapture"]);
+        command.env(ASKED, "1").env_remove("KINOPT_PORTABLE");
+        command.envs(value.map(|value| ("KINOPT_PORTABLE", value)));
+        let output = command.output().unwrap();
         let text = String::from_utf8_lossy(&output.stdout);
         let [yes, no] = [true, false].map(|is| text.contains(&format!("portable: {is}")));
         assert!(output.status.success() && yes != no, "{text}");

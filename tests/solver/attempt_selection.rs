@@ -70,10 +70,10 @@ fn restarts_keep_a_reached_limb() {
     let (z, limits) = (Vector3::new(0.0, 0.0, 1.0), Limits::new(-2.0, 2.0));
     let link = Placement::translation([1.0, 0.0, 0.0].into());
     let mut arm = |name: &str| {
-        let own = |joint: &str| format!("{name} {joint}");
-        let near = builder.revolute(own("shoulder"), None, Placement::identity(), z, limits);
-        let far = builder.revolute(own("elbow"), Some(near), link, z, limits);
-        builder.frame(own("tip"), Some(far), link)
+        let named = |joint: &str| format!("{name} {joint}");
+        let near = builder.revolute(named("shoulder"), None, Placement::identity(), z, limits);
+        let far = builder.revolute(named("elbow"), Some(near), link, z, limits);
+        builder.frame(named("tip"), Some(far), link)
     };
     let [idle, busy] = ["left", "right"].map(&mut arm);
     let model = builder.build().unwrap();

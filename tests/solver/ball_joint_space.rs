@@ -81,7 +81,9 @@ fn steps_and_differences_are_inverse() {
             off(&back, &step) < 1e-12,
             "round {round}: {back:?} {step:?}"
         );
-        let longest = step.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
+        let longest = step
+            .iter()
+            .fold(0.0_f64, |most, value| most.max(value.abs()));
         assert!((space.distance(&to, &x, &mut back) - longest).abs() < 1e-12);
 
         for k in 0..n {

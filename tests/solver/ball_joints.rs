@@ -360,8 +360,8 @@ fn locked_ball_joint_keeps_its_rotation() {
     let solution = Solver::default()
         .solve_once(&builder.build().unwrap(), &q)
         .unwrap();
-    for (own, held) in solution.q[at..].iter().zip(held) {
-        assert!((own - held).abs() < 1e-15);
+    for (actual, held) in solution.q[at..].iter().zip(held) {
+        assert!((actual - held).abs() < 1e-15);
     }
 }
 

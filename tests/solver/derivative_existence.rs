@@ -442,13 +442,13 @@ fn cleared_parameters_are_zero() {
     tasks.add(Posture::new(&model, &[0.1; 3]));
     let problem = tasks.build().unwrap();
     let none = ParameterVector::new(&problem).with_joint_origins(3);
-    let mut own = none.clone();
-    own.targets_mut().fill(1.0);
-    own.weights_mut().fill(2.0);
-    own.joint_origins_mut().fill(Vector3::UNITS[1]);
-    assert!(own.targets().len() == 6 && own.weights().len() == 2 && own != none);
-    own.clear();
-    assert_eq!(own, none);
+    let mut changed = none.clone();
+    changed.targets_mut().fill(1.0);
+    changed.weights_mut().fill(2.0);
+    changed.joint_origins_mut().fill(Vector3::UNITS[1]);
+    assert!(changed.targets().len() == 6 && changed.weights().len() == 2 && changed != none);
+    changed.clear();
+    assert_eq!(changed, none);
 }
 
 /// Gradients that cancel except for rounding at a limit leave no derivative.

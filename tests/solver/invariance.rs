@@ -108,13 +108,13 @@ fn units_of_length_give_equal_steps() {
 fn scaling_by_a_power_of_two_is_exact() {
     // Scaling by a power of two is exact, so all results are as well.
     for seed in part(0..4, 2) {
-        let own = RandomRig::new(seed);
-        let in_metres = problem(&own, 1.0, seed);
+        let rig = RandomRig::new(seed);
+        let in_metres = problem(&rig, 1.0, seed);
         for unit in [1024.0, 1.0 / 64.0] {
             let other = RandomRig::scaled(seed, unit);
             let in_other = problem(&other, unit, seed);
             for solver in solvers() {
-                let a = run(&solver, &own, &in_metres);
+                let a = run(&solver, &rig, &in_metres);
                 let b = run(&solver, &other, &in_other);
                 assert_eq!(a, b, "rig {seed}, unit {unit}, {}", solver.method());
             }

@@ -120,12 +120,12 @@ fn moves(body: &Body, random: &mut Random) -> Vec<f64> {
     let mut most = Vec::new();
     let size = [1e-6, 0.01, 0.3, 2.0][random.below(4)];
     for rule in &body.rules {
-        let own = match random.below(8) {
+        let bound = match random.below(8) {
             0 => 0.0,
             1 => f64::INFINITY,
             _ => random.within(0.0, size),
         };
-        most.resize(most.len() + rule.coordinates(), own);
+        most.resize(most.len() + rule.coordinates(), bound);
     }
     most
 }

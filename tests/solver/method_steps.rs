@@ -315,8 +315,8 @@ fn separable_rows_follow_the_free_variables() {
         // Four rows for each group of three variables, and four rows for all variables.
         let (rows, n) = (12, 8);
         let a = DMatrix::from_fn(rows, n, |row, column| {
-            let own = row / 4 == 2 || column >= 6 || row / 4 == column / 3;
-            random.within(-1.0, 1.0) * f64::from(u8::from(own))
+            let inside = row / 4 == 2 || column >= 6 || row / 4 == column / 3;
+            random.within(-1.0, 1.0) * f64::from(u8::from(inside))
         });
         let b = DVector::from_fn(rows, |_, _| random.within(-1.0, 1.0));
         let [lower, upper] = [-0.3, 0.3].map(|bound| vec![bound; n]);

@@ -126,14 +126,22 @@ fn total_angle_and_cone_hold_together() {
     let wanted = 2.0 * (0.5_f64.cos() / 0.4_f64.cos()).acos();
     let nearest = swing(0.8) * twist(wanted);
     let cost = |q: na::UnitQuaternion<f64>| q.angle_to(&(swing(1.4) * twist(0.9)));
-    let own = cost(unit(&solution.q));
-    assert!(own <= cost(nearest) + 1e-9, "{own} above {}", cost(nearest));
+    let reached_cost = cost(unit(&solution.q));
+    assert!(
+        reached_cost <= cost(nearest) + 1e-9,
+        "{reached_cost} above {}",
+        cost(nearest)
+    );
     // No neighbour within both limits is closer.
     let random = &mut Random::new(7);
     for _ in 0..20_000 {
         let near = unit(&solution.q) * random_turn(random, 1e-2);
         if model.is_within_limits(&quaternion(near)) {
-            assert!(cost(near) >= own - 1e-7, "{} below {own}", cost(near));
+            assert!(
+                cost(near) >= reached_cost - 1e-7,
+                "{} below {reached_cost}",
+                cost(near)
+            );
         }
     }
     let held: Vec<_> = solution

@@ -122,8 +122,8 @@ fn threads_sharing_a_problem_agree() {
         for _ in 0..3 {
             scope.spawn(move || {
                 for (question, expected) in questions.iter().zip(alone) {
-                    let own = solver.solve_once(&question.problem, &question.start);
-                    assert_eq!(bits(&own.unwrap()), *expected);
+                    let fresh = solver.solve_once(&question.problem, &question.start);
+                    assert_eq!(bits(&fresh.unwrap()), *expected);
                 }
             });
         }

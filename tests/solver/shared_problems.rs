@@ -38,8 +38,8 @@ fn threads_share_a_problem_with_own_targets() {
                     let question = shared.with_targets(&targets).unwrap();
                     let solver = Solver::default();
                     let ours = solver.solve(question, rest, &mut workspace).unwrap();
-                    let (own, _) = problem(rig, places);
-                    let fresh = solver.solve_once(&own, rest).unwrap();
+                    let (own_problem, _) = problem(rig, places);
+                    let fresh = solver.solve_once(&own_problem, rest).unwrap();
                     assert_eq!(ours.q, fresh.q);
                     assert_eq!(ours.cost.to_bits(), fresh.cost.to_bits());
                 }

@@ -172,10 +172,10 @@ fn crouch_height_is_above_the_lower_foot() {
         let of = |q: &[f64], side: &str| q[at(&format!("{side} {part}"))];
         let mirror = if part.ends_with("roll") { -1.0 } else { 1.0 };
         for (side, other) in [("left", "right"), ("right", "left")] {
-            let [own, mirrored] = [of(&stances[0], side), of(&stances[1], other)];
+            let [actual, mirrored] = [of(&stances[0], side), of(&stances[1], other)];
             assert!(
-                (own - mirror * mirrored).abs() < 1e-5,
-                "{side} {part}: {own} {mirrored}"
+                (actual - mirror * mirrored).abs() < 1e-5,
+                "{side} {part}: {actual} {mirrored}"
             );
         }
     }

@@ -59,9 +59,9 @@ fn each_row_has_its_weight() {
     let (model, joints) = hinges();
     for diagonal in [true, false] {
         let mut tasks = Problem::builder(&model);
-        let own = Task::new(TwoSorts { joints, diagonal });
-        let own = own.weight(Quantity::JointUnits, 10.0);
-        tasks.add(own.weight(Quantity::Ratio, 100.0));
+        let task = Task::new(TwoSorts { joints, diagonal });
+        let task = task.weight(Quantity::JointUnits, 10.0);
+        tasks.add(task.weight(Quantity::Ratio, 100.0));
         let problem = tasks.build().unwrap();
         let mut scratch = problem.scratch();
         let mut evaluation = Evaluation::new(&problem, &mut scratch);
@@ -108,8 +108,8 @@ fn entries_next_to_a_diagonal_are_added() {
     let (model, joints) = hinges();
     for (rows, expected) in [(1, vec![2.0, 5.0]), (2, vec![2.0, 5.0, 0.0, 2.0])] {
         let mut tasks = Problem::builder(&model);
-        let own = Task::new(DiagonalAndMore { joints, rows });
-        tasks.add(own.weight(Quantity::JointUnits, 1.0));
+        let task = Task::new(DiagonalAndMore { joints, rows });
+        tasks.add(task.weight(Quantity::JointUnits, 1.0));
         let problem = tasks.build().unwrap();
         let mut scratch = problem.scratch();
         let mut evaluation = Evaluation::new(&problem, &mut scratch);

@@ -27,13 +27,13 @@ fn stood_in_and_left<R: Residual>(make: impl Fn(&Robot) -> R) -> [usize; 2] {
     for _ in 0..400 {
         let q = configuration_of(model, &mut random);
         let placed = kinematics.place(&q).unwrap();
-        let own: Vec<Placement<f64>> = frames.iter().map(|id| placed[id.index()]).collect();
+        let placements: Vec<Placement<f64>> = frames.iter().map(|id| placed[id.index()]).collect();
         let turned: Vec<f64> = joints
             .iter()
             .map(|id| q[model.coordinate(*id).unwrap()])
             .collect();
-        residual.evaluate(&own, &turned, &mut values);
-        residual.depths(&own, &turned, &mut depths);
+        residual.evaluate(&placements, &turned, &mut values);
+        residual.depths(&placements, &turned, &mut depths);
         let mut edge = 0;
         for room in &rooms {
             let least = depths[edge..edge + room.edges()].iter().copied();
@@ -152,8 +152,8 @@ fn slacks_of_large_rotations_use_the_shorter_angle() {
         for (k, depths) in depths.chunks(2).enumerate() {
             let band = 2.0 * (0.5 * bands[3 + k]).sin();
             let expected = [band + 2.0 * half[k], band - 2.0 * half[k]];
-            for (own, expected) in depths.iter().zip(expected) {
-                assert!((own - expected).abs() < 1e-12, "{turn:?}: {depths:?}");
+            for (actual, expected) in depths.iter().zip(expected) {
+                assert!((actual - expected).abs() < 1e-12, "{turn:?}: {depths:?}");
             }
         }
     }

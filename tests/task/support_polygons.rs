@@ -72,8 +72,8 @@ fn polygon_does_not_depend_on_setter_order() {
         new().with_points(points).with_margin(margin).with_up(up),
         new().with_margin(margin).with_points(points).with_up(up),
         new().with_up(up).with_points(points).with_margin(margin),
-        (points.into_iter()).fold(new().with_margin(margin).with_up(up), |own, point| {
-            own.with_points([point])
+        (points.into_iter()).fold(new().with_margin(margin).with_up(up), |polygon, point| {
+            polygon.with_points([point])
         }),
     ] {
         assert_eq!(other, first);

@@ -155,8 +155,12 @@ fn targets_of_other_tasks_are_rejected() {
     let look: Adds<'_> = &|builder| {
         builder.add(LookAt::new(frame, a, b));
     };
-    let own = problem(&[point, pose]);
-    assert!(own.with_targets(&problem(&[other, pose]).targets()).is_ok());
+    let first_problem = problem(&[point, pose]);
+    assert!(
+        first_problem
+            .with_targets(&problem(&[other, pose]).targets())
+            .is_ok()
+    );
     for others in [
         &[point][..],
         &[point, look],
@@ -164,7 +168,7 @@ fn targets_of_other_tasks_are_rejected() {
         &[point, pose, look],
     ] {
         let targets = problem(others).targets();
-        let refused = own.with_targets(&targets);
+        let refused = first_problem.with_targets(&targets);
         assert!(matches!(refused, Err(ProblemError::ForeignTargets { .. })));
     }
 }
@@ -197,8 +201,8 @@ fn same_with<R: Residual>(task: &R, moved: &R, step: &[f64], joints: &[f64]) {
     assert_eq!(task.target_len(), step.len(), "{}", task.kind());
     let mut random = support::random::Random::new(31);
     let mut anywhere = || {
-        let mut own = || Vector3::from([0; 3].map(|_| random.within(-0.5, 0.5)));
-        Placement::new(rotation_exp(own()), own())
+        let mut random_vector = || Vector3::from([0; 3].map(|_| random.within(-0.5, 0.5)));
+        Placement::new(rotation_exp(random_vector()), random_vector())
     };
     let frames: Vec<_> = task.frames().iter().map(|_| anywhere()).collect();
     same_at(task, moved, step, &frames, joints);
