@@ -55,7 +55,7 @@ fn move_target(drag: &mut Drag, random: &mut Random, by: f64) {
     drag.targets.get_mut(drag.task).unwrap().set_target(to);
 }
 
-fn quick(solver: Solver) -> Solver {
+fn limited(solver: Solver) -> Solver {
     solver
         .with_stopping(kinopt::solver::Stopping::default().with_max_iterations(8))
         .with_restarts(kinopt::ik::Restarts::default().with_attempts(2))
@@ -73,7 +73,7 @@ fn repeated_solves_allocate_nothing() {
     assert!(drag.rig.skeleton.bones().len() >= 19);
     for route in part(Derivatives::ALL, 2) {
         drag.problem = drag.problem.clone().with_derivatives(route);
-        for solver in solvers().into_iter().map(quick) {
+        for solver in solvers().into_iter().map(limited) {
             let mut random = Random::new(3);
             let mut workspace = Workspace::new();
             move_target(&mut drag, &mut random, 0.3);
@@ -109,7 +109,7 @@ fn solves_after_a_trivial_one_allocate_nothing() {
     for route in [Derivatives::Analytic, Derivatives::Dual] {
         let problem = problem.clone().with_derivatives(route);
         let mut targets = problem.targets();
-        for solver in solvers().into_iter().map(quick) {
+        for solver in solvers().into_iter().map(limited) {
             let mut workspace = Workspace::new();
             targets.get_mut(task).unwrap().set_target(at_rest);
             let question = problem.with_targets(&targets).unwrap();

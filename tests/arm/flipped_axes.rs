@@ -43,7 +43,7 @@ fn out_and_back(from: &Placement<f64>, way: Vector3<f64>, steps: u32) -> Vec<Pla
 
 type Told = (Vec<f64>, bool, Termination);
 
-fn told(solution: &Solution) -> Told {
+fn outcome(solution: &Solution) -> Told {
     (solution.q.clone(), solution.reached, solution.termination)
 }
 
@@ -52,7 +52,7 @@ fn follow(arm: &Arm, start: &[f64], targets: &[Placement<f64>]) -> Vec<Told> {
     let steps = targets.iter().map(|target| {
         let mut solution = Solution::default();
         follower.advance(*target, &mut solution).unwrap();
-        told(&solution)
+        outcome(&solution)
     });
     steps.collect()
 }

@@ -14,7 +14,7 @@ use support::follower_chains::follower_chain;
 use support::sample::cases;
 
 /// Solves random targets, one in three far outside, with a reused arm and with copies that have memory of their own.
-fn same(name: &str, builder: ArmBuilder<'_>) {
+fn assert_reuse_equals_new(name: &str, builder: ArmBuilder<'_>) {
     let arm = builder.with_atlas(false).build().unwrap();
     let new = arm.clone();
     let mut random = Random(61);
@@ -73,29 +73,29 @@ fn reused_arm_with_any_search() {
         distance: 0.3,
     };
     for search in [Search::Start, Search::First, Search::Nearest, distinct] {
-        same("search", builder().with_search(search).with_attempts(24));
+        assert_reuse_equals_new("search", builder().with_search(search).with_attempts(24));
     }
-    same("everywhere", builder().with_global_search_on_miss(true));
+    assert_reuse_equals_new("everywhere", builder().with_global_search_on_miss(true));
 }
 
 #[test]
 fn reused_arm_with_any_option() {
     let (robot, base, tip) = panda();
     let builder = || Arm::builder(&robot, base, tip);
-    same("moves", builder().with_max_move(&[2.5; 7]));
-    same(
+    assert_reuse_equals_new("moves", builder().with_max_move(&[2.5; 7]));
+    assert_reuse_equals_new(
         "posture",
         builder().with_posture(&[0.0, 0.3, 0.0, -1.8, 0.1, 1.5, 0.4]),
     );
     let room = Goal::within([0.05, 0.05, 0.05, 0.3, 0.3, 0.3]);
-    same("room", builder().with_goal(room));
-    same("position", builder().with_goal(Goal::position()));
+    assert_reuse_equals_new("room", builder().with_goal(room));
+    assert_reuse_equals_new("position", builder().with_goal(Goal::position()));
 }
 
 #[test]
 fn reused_arm_of_any_chain() {
     let slides = robot("adept_cobra_s600");
-    same("scara", Arm::builder(&slides, "base", "flange"));
+    assert_reuse_equals_new("scara", Arm::builder(&slides, "base", "flange"));
     let mut chains = 0;
     for number in 0..6 {
         let (text, tip) = follower_chain(number);
@@ -103,7 +103,7 @@ fn reused_arm_of_any_chain() {
             continue;
         };
         chains += 1;
-        same(
+        assert_reuse_equals_new(
             "followers",
             Arm::builder(&robot, "l0", &tip).with_attempts(6),
         );

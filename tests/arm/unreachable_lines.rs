@@ -116,7 +116,7 @@ fn miss_stays_near_the_start() {
 }
 
 /// Lines that met no limit, and those of them that ended at another configuration: out, rest, back, rest.
-fn comes_back(rest: usize) -> (usize, usize) {
+fn count_returns(rest: usize) -> (usize, usize) {
     let (mut free, mut elsewhere) = (0, 0);
     for name in robots() {
         let (_, base, tip) = ROBOTS.into_iter().find(|(n, ..)| *n == name).unwrap();
@@ -149,6 +149,6 @@ fn comes_back(rest: usize) -> (usize, usize) {
 /// the arm slides to another, which is rare.
 #[test]
 fn path_follower_returns_to_its_start() {
-    let (free, elsewhere) = comes_back(150);
+    let (free, elsewhere) = count_returns(150);
     assert!(free >= 3 && elsewhere * 20 <= free, "{elsewhere} of {free}");
 }

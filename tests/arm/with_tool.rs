@@ -25,7 +25,7 @@ fn tools() -> [Placement<f64>; 3] {
 }
 
 /// Solves reachable and unreachable targets with both arms and compares the results.
-fn same_answers(one: &Arm, other: &Arm, seed: u64) {
+fn assert_equal_results(one: &Arm, other: &Arm, seed: u64) {
     let mut random = Random(seed);
     for question in 0..12 {
         let [start, goal] = [(); 2].map(|()| random.configuration(one));
@@ -70,11 +70,11 @@ fn check_tools(
     for (index, tool) in tools.iter().copied().enumerate() {
         let anew = builder().with_tool(tool).build().unwrap();
         let changed = arm.with_tool(tool).unwrap();
-        same_answers(&changed, &anew, index as u64);
+        assert_equal_results(&changed, &anew, index as u64);
         // From tool to tool, and back to none.
         if index == 0 {
             let back = changed.with_tool(Placement::identity()).unwrap();
-            same_answers(&back, &arm, 7);
+            assert_equal_results(&back, &arm, 7);
         }
     }
 }
@@ -120,7 +120,7 @@ fn changed_goal_equals_a_built_arm() {
     ] {
         let anew = builder().with_tool(tool).with_goal(goal).build().unwrap();
         let changed = arm.with_goal(goal).unwrap().with_tool(tool).unwrap();
-        same_answers(&changed, &anew, 3);
+        assert_equal_results(&changed, &anew, 3);
     }
 }
 
@@ -135,7 +135,7 @@ fn changed_search_equals_a_built_arm() {
     };
     for search in [Search::First, Search::Nearest, distinct] {
         let anew = builder().with_search(search).build().unwrap();
-        same_answers(&arm.with_search(search).unwrap(), &anew, 5);
+        assert_equal_results(&arm.with_search(search).unwrap(), &anew, 5);
     }
     let target = arm
         .base_from_tool(&[0.3, -1.2, 1.1, -1.0, -1.4, 0.2])

@@ -20,7 +20,7 @@ use crate::arm_avoidance::drawn;
 /// The Panda's tool is above the table.
 const Q: [f64; 7] = [0.0, -0.3, 0.0, -2.0, 0.0, 1.9, 0.8];
 
-fn somewhere(random: &mut Random) -> Vector3<f64> {
+fn random_position(random: &mut Random) -> Vector3<f64> {
     loop {
         let at = random.vector(0.8);
         if at.norm() > 0.4 {
@@ -45,7 +45,9 @@ fn many(count: usize, random: &mut Random) -> World {
             }
         };
         let name = format!("thing {index}");
-        world.add(&name, shape.unwrap(), somewhere(random)).unwrap();
+        world
+            .add(&name, shape.unwrap(), random_position(random))
+            .unwrap();
     }
     world
 }

@@ -174,8 +174,8 @@ fn large_worlds_equal_their_parts() {
 /// Spheres, a point cloud and a floor; and the same in parts that are small enough to be checked one by one.
 fn found_as_part_by_part([balls, points]: [usize; 2], thick: f64) {
     let mut random = Random::new(77);
-    let balls: Vec<_> = (0..balls).map(|_| beside(&mut random)).collect();
-    let points: Vec<_> = (0..points).map(|_| beside(&mut random)).collect();
+    let balls: Vec<_> = (0..balls).map(|_| random_point(&mut random)).collect();
+    let points: Vec<_> = (0..points).map(|_| random_point(&mut random)).collect();
     let floor = Placement::translation(Vector3::new(0.0, 0.0, -0.3));
     let mut whole = World::new();
     whole.add("floor", Shape::half_space(), floor).unwrap();
@@ -237,7 +237,7 @@ fn found_as_part_by_part([balls, points]: [usize; 2], thick: f64) {
 }
 
 /// Random point within reach, off the base.
-fn beside(random: &mut Random) -> Vector3<f64> {
+fn random_point(random: &mut Random) -> Vector3<f64> {
     loop {
         let at = Vector3::new(
             random.within(-0.9, 0.9),

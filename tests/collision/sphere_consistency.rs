@@ -26,7 +26,7 @@ pub(crate) fn add_boxes(world: &mut World, random: &mut Random) {
 }
 
 /// Compares an arm with coarse spheres and one without any on equal targets.
-fn same_answers(search: Search) {
+fn assert_equal_results(search: Search) {
     let robot = robot("franka_panda");
     let bodies = CollisionModel::of(&robot).unwrap();
     let bodies = bodies.with_pairs_sampled(200, 1).unwrap();
@@ -67,7 +67,7 @@ fn same_answers(search: Search) {
 
 #[test]
 fn distinct_solutions_do_not_depend_on_spheres() {
-    same_answers(Search::Distinct {
+    assert_equal_results(Search::Distinct {
         k: 16,
         distance: 0.3,
     });
@@ -75,7 +75,7 @@ fn distinct_solutions_do_not_depend_on_spheres() {
 
 #[test]
 fn nearest_solution_does_not_depend_on_spheres() {
-    same_answers(Search::Nearest);
+    assert_equal_results(Search::Nearest);
 }
 
 /// A bar that rotates above a post, 0.3 rad from its start.

@@ -20,7 +20,7 @@ fn vector(random: &mut Random, size: f64) -> Vector3<f64> {
     Vector3::new(drawn.x, drawn.y, drawn.z)
 }
 
-fn somewhere(random: &mut Random) -> Placement<f64> {
+fn random_placement(random: &mut Random) -> Placement<f64> {
     let turn = rotation_exp(vector(random, 2.0));
     loop {
         let at = vector(random, 1.2);
@@ -51,7 +51,7 @@ fn shape(random: &mut Random) -> Shape {
 }
 
 /// Rebuilds a world with the same obstacles in the same order.
-fn anew(world: &World) -> World {
+fn rebuilt(world: &World) -> World {
     let mut anew = World::new();
     for obstacle in world.obstacles() {
         anew.add(&obstacle.name, obstacle.shape.clone(), obstacle.placement)
@@ -93,7 +93,7 @@ fn change(world: &mut World, added: &mut usize, random: &mut Random) {
         }
         0 | 1 => {
             *added += 1;
-            let (shape, place) = (shape(random), somewhere(random));
+            let (shape, place) = (shape(random), random_placement(random));
             world.add(&format!("added {added}"), shape, place).unwrap();
         }
         2 | 3 => world.remove(&name).unwrap(),
@@ -102,13 +102,13 @@ fn change(world: &mut World, added: &mut usize, random: &mut Random) {
                 .attach(&name, "hand", Vector3::new(0.0, 0.0, 0.15))
                 .unwrap();
         }
-        _ if attached => world.detach(&name, somewhere(random)).unwrap(),
-        _ => world.move_to(&name, somewhere(random)).unwrap(),
+        _ if attached => world.detach(&name, random_placement(random)).unwrap(),
+        _ => world.move_to(&name, random_placement(random)).unwrap(),
     }
 }
 
 /// Reports of a checker and an arm at random configurations.
-fn told(checker: &Checker, arm: &Arm, random: &mut Random) -> String {
+fn report(checker: &Checker, arm: &Arm, random: &mut Random) -> String {
     let mut told = String::new();
     let mut workspace = checker.workspace();
     let mut from = vec![0.0; checker.model().model().configuration_len()];
@@ -150,7 +150,7 @@ fn go_along(count: usize, rounds: usize, seed: u64) {
         .add_plane("floor", Vector3::new(0.0, 0.0, -0.5))
         .unwrap();
     for index in 0..count {
-        let (shape, place) = (shape(&mut random), somewhere(&mut random));
+        let (shape, place) = (shape(&mut random), random_placement(&mut random));
         world
             .add(&format!("obstacle {index}"), shape, place)
             .unwrap();
@@ -162,7 +162,7 @@ fn go_along(count: usize, rounds: usize, seed: u64) {
     for round in 0..rounds {
         let mut fork = Random::new(1000 + round as u64);
         let asked = || Random::new(round as u64);
-        let before = told(&checker, &arm, &mut asked());
+        let before = report(&checker, &arm, &mut asked());
         let known = (checker.clone(), arm.clone());
         for _ in 0..1 + random.below(CHANGES) {
             change(&mut world, &mut added, &mut random);
@@ -173,15 +173,15 @@ fn go_along(count: usize, rounds: usize, seed: u64) {
         }
         checker = checker.with_world(&world).unwrap();
         arm = arm.with_world(&world, None).unwrap();
-        let fresh = plain.clone().with_world(&anew(&world)).unwrap();
+        let fresh = plain.clone().with_world(&rebuilt(&world)).unwrap();
         let fresh_arm = known.1.clone().with_checker(&fresh, &rest).unwrap();
-        let expected = told(&fresh, &fresh_arm, &mut asked());
+        let expected = report(&fresh, &fresh_arm, &mut asked());
         assert!(
-            told(&checker, &arm, &mut asked()) == expected,
+            report(&checker, &arm, &mut asked()) == expected,
             "round {round}"
         );
         assert!(
-            told(&known.0, &known.1, &mut asked()) == before,
+            report(&known.0, &known.1, &mut asked()) == before,
             "round {round}"
         );
         // A copy from some rounds ago, with the same new names for other obstacles.
@@ -191,11 +191,11 @@ fn go_along(count: usize, rounds: usize, seed: u64) {
         }
         let there = checker.clone().with_world(&branch).unwrap();
         let arm_there = arm.with_world(&branch, None).unwrap();
-        let fresh = plain.clone().with_world(&anew(&branch)).unwrap();
+        let fresh = plain.clone().with_world(&rebuilt(&branch)).unwrap();
         let fresh_arm = known.1.with_checker(&fresh, &rest).unwrap();
-        let expected = told(&fresh, &fresh_arm, &mut asked());
+        let expected = report(&fresh, &fresh_arm, &mut asked());
         assert!(
-            told(&there, &arm_there, &mut asked()) == expected,
+            report(&there, &arm_there, &mut asked()) == expected,
             "round {round}"
         );
         if random.below(3) == 0 {
@@ -260,7 +260,7 @@ impl Asked {
 
     /// Checks that an arm updated from one world to another equals one that never had the first.
     fn goes_along(&self, from: &World, to: &World) {
-        let [known, fresh] = [from, &anew(to)].map(|world| {
+        let [known, fresh] = [from, &rebuilt(to)].map(|world| {
             let checker = self.plain.clone().with_world(world).unwrap();
             self.arm.clone().with_checker(&checker, &self.rest).unwrap()
         });

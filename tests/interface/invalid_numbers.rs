@@ -71,7 +71,7 @@ fn minimised(model: &Model, start: &[f64]) -> Outcome {
 }
 
 /// Functions that take a configuration of a model with three joints.
-fn of_a_configuration(q: &[f64]) -> Vec<(&'static str, Outcome)> {
+fn configuration_functions(q: &[f64]) -> Vec<(&'static str, Outcome)> {
     let model = planar_arm(&[0.5, 0.4, 0.3], None);
     let map = ParameterMap::identity(&model);
     let tip = model.frame("tip").unwrap();
@@ -144,7 +144,7 @@ fn of_a_configuration(q: &[f64]) -> Vec<(&'static str, Outcome)> {
 }
 
 /// Functions that take the stacked angles of a skeleton with two bones.
-fn of_angles(q: &[f64]) -> Vec<(&'static str, Outcome)> {
+fn angle_functions(q: &[f64]) -> Vec<(&'static str, Outcome)> {
     let skeleton = skeleton();
     let holds = skeleton.holds(&[]);
     let bridge = PoseAngles::new(&skeleton);
@@ -169,15 +169,15 @@ fn of_angles(q: &[f64]) -> Vec<(&'static str, Outcome)> {
 
 #[test]
 fn invalid_configurations_are_rejected() {
-    for (name, right) in of_a_configuration(&[0.1, 0.2, 0.3]) {
+    for (name, right) in configuration_functions(&[0.1, 0.2, 0.3]) {
         assert!(right.is_ok(), "{name}: {right:?}");
     }
-    for (name, right) in of_angles(&[0.1; 6]) {
+    for (name, right) in angle_functions(&[0.1; 6]) {
         assert!(right.is_ok(), "{name}: {right:?}");
     }
     let wrong: [&[f64]; 4] = [&[], &[0.1, 0.2], &[0.1; 4], &[0.1, f64::NAN, 0.3]];
     for q in wrong {
-        for (name, refused) in of_a_configuration(q) {
+        for (name, refused) in configuration_functions(q) {
             let message = refused.expect_err(name).to_string();
             let said = if q.len() == 3 { "finite" } else { "3" };
             assert!(message.contains(said), "{name}: {message}");
@@ -187,7 +187,7 @@ fn invalid_configurations_are_rejected() {
     odd[4] = f64::NAN;
     let wrong: [&[f64]; 4] = [&[], &[0.1; 5], &[0.1; 7], &odd];
     for q in wrong {
-        for (name, refused) in of_angles(q) {
+        for (name, refused) in angle_functions(q) {
             let message = refused.expect_err(name).to_string();
             let said = if q.len() == 6 { "finite" } else { "6" };
             assert!(message.contains(said), "{name}: {message}");

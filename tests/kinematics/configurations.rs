@@ -15,7 +15,7 @@ fn velocity(model: &Model, random: &mut Random, size: f64) -> Vec<f64> {
 }
 
 /// Largest difference of two configurations; q and −q are the same rotation.
-fn apart(model: &Model, a: &[f64], b: &[f64]) -> f64 {
+fn largest_difference(model: &Model, a: &[f64], b: &[f64]) -> f64 {
     let mut v = vec![0.0; model.degrees_of_freedom()];
     model.difference(a, b, &mut v).unwrap();
     v.iter().fold(0.0, |most, v| most.max(v.abs()))
@@ -36,7 +36,10 @@ fn integrate_and_difference_are_inverse() {
 
         model.difference(&a, &b, &mut v).unwrap();
         model.integrate(&a, &v, &mut q).unwrap();
-        assert!(apart(&model, &q, &b) < 1e-12, "a + (b - a) is b");
+        assert!(
+            largest_difference(&model, &q, &b) < 1e-12,
+            "a + (b - a) is b"
+        );
 
         let step = velocity(&model, random, 1.5);
         model.integrate(&a, &step, &mut q).unwrap();
@@ -46,13 +49,13 @@ fn integrate_and_difference_are_inverse() {
 
         for (share, end) in [(0.0, &a), (1.0, &b)] {
             model.interpolate(&a, &b, share, &mut q).unwrap();
-            assert!(apart(&model, &q, end) < 1e-12);
+            assert!(largest_difference(&model, &q, end) < 1e-12);
         }
         let mut half = vec![0.0; n];
         model.interpolate(&a, &b, 0.5, &mut half).unwrap();
         model.interpolate(&b, &a, 0.5, &mut q).unwrap();
         assert!(
-            apart(&model, &q, &half) < 1e-12,
+            largest_difference(&model, &q, &half) < 1e-12,
             "the middle is the same from both ends"
         );
 
@@ -62,7 +65,7 @@ fn integrate_and_difference_are_inverse() {
         }
         model.normalise(&mut long).unwrap();
         assert!((na::Vector4::from_row_slice(&long[3..7]).norm() - 1.0).abs() < 1e-15);
-        assert!(apart(&model, &long, &b) < 1e-12);
+        assert!(largest_difference(&model, &long, &b) < 1e-12);
     }
 }
 

@@ -62,7 +62,7 @@ fn character() -> Skeleton {
     skeleton(&CHARACTER)
 }
 
-fn held(skeleton: &Skeleton, dragged: &[&str]) -> (Vec<String>, Vec<String>) {
+fn held_frames(skeleton: &Skeleton, dragged: &[&str]) -> (Vec<String>, Vec<String>) {
     let dragged: Vec<BoneId> = dragged
         .iter()
         .map(|name| skeleton.bone(name).unwrap())
@@ -82,25 +82,25 @@ fn root_chain_and_other_limbs_are_pinned() {
     let character = character();
     let trunk = ["scene", "root", "hips"];
     for dragged in ["left hand", "left arm", "left ring"] {
-        let (still, ends) = held(&character, &[dragged]);
+        let (still, ends) = held_frames(&character, &[dragged]);
         assert_eq!(still, trunk, "{dragged}");
         // One finger for each hand; the head moves along.
         let others = ["left foot", "right foot", "right finger"];
         assert_eq!(ends, others, "{dragged}");
     }
     // Descendants of the dragged bone move along.
-    let (still, ends) = held(&character, &["chest"]);
+    let (still, ends) = held_frames(&character, &["chest"]);
     assert_eq!(
         (still.len(), ends),
         (3, vec!["left foot".into(), "right foot".into()])
     );
-    let (_, ends) = held(&character, &["left hand", "right foot"]);
+    let (_, ends) = held_frames(&character, &["left hand", "right foot"]);
     assert_eq!(ends, ["left foot", "right finger"]);
 }
 
 #[test]
 fn dragged_root_chain_leaves_limbs_pinned() {
-    let (still, ends) = held(&character(), &["hips"]);
+    let (still, ends) = held_frames(&character(), &["hips"]);
     assert_eq!(still, ["scene", "root"]);
     let all = ["left foot", "right foot", "left finger", "right finger"];
     assert_eq!(ends, all);
@@ -161,7 +161,7 @@ fn single_chain_pins_nothing() {
         ("b", Some(0), [1.0, 0.0], FREE),
         ("c", Some(1), [2.0, 0.0], FREE),
     ]);
-    assert_eq!(held(&arm, &["c"]), (Vec::new(), Vec::new()));
+    assert_eq!(held_frames(&arm, &["c"]), (Vec::new(), Vec::new()));
 }
 
 #[test]
@@ -214,7 +214,7 @@ fn limb_with_its_own_root_is_pinned() {
             .map(|(name, parent, at, limits)| (name, parent.map(|parent| parent + 3), at, limits)),
     );
     for bones in [behind, before] {
-        let (still, mut ends) = held(&skeleton(&bones), &["left hand"]);
+        let (still, mut ends) = held_frames(&skeleton(&bones), &["left hand"]);
         assert_eq!(still, ["scene", "root", "hips"]);
         ends.sort_unstable();
         let others = ["left foot", "right finger", "right foot", "tail's end"];
@@ -233,7 +233,7 @@ fn short_side_bone_does_not_end_a_limb() {
     });
     bones.extend(rest);
     for dragged in ["left hand", "right foot", "hips"] {
-        let [one, other] = [character(), skeleton(&bones)].map(|s| held(&s, &[dragged]));
+        let [one, other] = [character(), skeleton(&bones)].map(|s| held_frames(&s, &[dragged]));
         assert_eq!(one, other, "{dragged}");
     }
 }
@@ -248,7 +248,7 @@ fn immobile_limb_is_not_pinned() {
     let mut bones = CHARACTER.to_vec();
     bones.extend(pole);
     for dragged in ["left hand", "right foot", "hips"] {
-        let [one, other] = [character(), skeleton(&bones)].map(|s| held(&s, &[dragged]));
+        let [one, other] = [character(), skeleton(&bones)].map(|s| held_frames(&s, &[dragged]));
         assert_eq!(one, other, "{dragged}");
     }
 }

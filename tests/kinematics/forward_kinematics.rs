@@ -58,7 +58,7 @@ fn selected_frames_under_every_map() {
 }
 
 #[test]
-fn far_from_the_origin() {
+fn placements_hold_far_from_the_origin() {
     let mut random = Random::new(3);
     let away = rigid(random.rotation(), random.direction().into_inner() * 1e6);
     for seed in 0..10 {

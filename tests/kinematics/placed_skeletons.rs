@@ -14,7 +14,7 @@ use support::random::Random;
 use support::trees::configuration_of;
 use support::{Rigid, apart, placement, rigid};
 
-fn somewhere(random: &mut Random) -> Rigid {
+fn random_rigid(random: &mut Random) -> Rigid {
     rigid(random.rotation(), random.vector(3.0))
 }
 
@@ -23,7 +23,7 @@ fn skinning_transforms_include_the_root() {
     for seed in 0..10 {
         let rig = RandomRig::new(seed);
         let mut random = Random::new(seed);
-        let root = somewhere(&mut random);
+        let root = random_rigid(&mut random);
         let q = configuration_of(rig.skeleton.model(), &mut random);
         // The recursion with T_root = P in place of the identity.
         let expected: Vec<Rigid> = rig.transforms(&q).iter().map(|t| root * t).collect();
@@ -82,7 +82,7 @@ fn placed_skeleton_solves_equally() {
     for seed in 0..6 {
         let rig = RandomRig::new(seed);
         let mut random = Random::new(seed);
-        let root = somewhere(&mut random);
+        let root = random_rigid(&mut random);
         let placed = rig.skeleton.placed(placement(&root)).unwrap();
         let start = configuration_of(rig.skeleton.model(), &mut random);
         let goal = configuration_of(rig.skeleton.model(), &mut random);

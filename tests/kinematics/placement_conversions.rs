@@ -14,7 +14,7 @@ fn any(random: &mut Random) -> Placement<f64> {
     Placement::new(turn, Vector3::from(random.vector(2.0).data.0[0]))
 }
 
-fn apart(a: &Placement<f64>, b: &Placement<f64>) -> f64 {
+fn difference(a: &Placement<f64>, b: &Placement<f64>) -> f64 {
     let columns = |p: &Placement<f64>| [p.rotation.x, p.rotation.y, p.rotation.z, p.translation];
     let pairs = columns(a).into_iter().zip(columns(b));
     pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
@@ -40,17 +40,17 @@ fn conversions_round_trip() {
             assert!((by_nalgebra[k] - moved[k]).abs() < 1e-14);
             assert!((f64::from(by_single[k]) - moved[k]).abs() < 2e-6);
         }
-        assert!(apart(&Placement::try_from(double).unwrap(), &placement) < 1e-14);
-        assert!(apart(&Placement::from(isometry), &placement) < 1e-14);
+        assert!(difference(&Placement::try_from(double).unwrap(), &placement) < 1e-14);
+        assert!(difference(&Placement::from(isometry), &placement) < 1e-14);
         let back = Placement::try_from(single).unwrap();
-        assert!(apart(&back, &placement) < 1e-6);
+        assert!(difference(&back, &placement) < 1e-6);
         // Rigid in double precision although it came from single.
         assert!(back.check_rigid(1e-14).is_ok());
         let turn = glam::DQuat::from_mat3(&double.matrix3);
         let [single, double] = [Matrix3::from(turn.as_quat()), Matrix3::from(turn)];
         let turned = Placement::new(single, Vector3::zero());
         assert!(turned.check_rigid(1e-14).is_ok());
-        assert!(apart(&turned, &Placement::new(double, Vector3::zero())) < 1e-6);
+        assert!(difference(&turned, &Placement::new(double, Vector3::zero())) < 1e-6);
     }
 }
 
@@ -100,7 +100,7 @@ fn vectors_and_rotations_convert() {
     let mut random = Random::new(8);
     let off = |a: Matrix3<f64>, b: Matrix3<f64>| {
         let [a, b] = [a, b].map(|rotation| Placement::new(rotation, Vector3::zero()));
-        apart(&a, &b)
+        difference(&a, &b)
     };
     for _ in 0..200 {
         let turn = any(&mut random).rotation;
@@ -116,7 +116,7 @@ fn vectors_and_rotations_convert() {
         assert!(off(glams_quaternion.into(), turn) < 1e-14);
         assert!(off(glams_quaternion.as_quat().into(), turn) < 1e-6);
         let place = Placement::from(quaternion);
-        assert!(apart(&place, &Placement::new(turn, Vector3::zero())) < 1e-14);
+        assert!(difference(&place, &Placement::new(turn, Vector3::zero())) < 1e-14);
     }
 }
 

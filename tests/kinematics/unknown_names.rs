@@ -22,7 +22,7 @@ const BONES: [&str; 14] = [
     "tail",
 ];
 
-fn asked(name: &str) -> UnknownName {
+fn unknown_bone(name: &str) -> UnknownName {
     UnknownName::new("bone", name, BONES)
 }
 
@@ -60,17 +60,17 @@ fn similar_names_are_suggested_of_many() {
         ("mixamorig:RightFoot", "RightFoot"),
         ("upper_arm", "left_upper_arm"),
     ] {
-        let unknown = asked(typed);
+        let unknown = unknown_bone(typed);
         assert_eq!(unknown.suggestions().first(), Some(&meant), "{typed}");
         let text = unknown.to_string();
         let start = format!("no bone named `{typed}`; did you mean `{meant}`");
         assert!(text.starts_with(&start), "{text}");
         assert!(text.ends_with("? (14 names)"), "{text}");
     }
-    let either = asked("hand").to_string();
+    let either = unknown_bone("hand").to_string();
     let text = "no bone named `hand`; did you mean `left_hand` or `right_hand`? (14 names)";
     assert_eq!(either, text);
-    let noted = asked("hand")
+    let noted = unknown_bone("hand")
         .with_note("`kinopt info` lists all")
         .to_string();
     assert!(
@@ -82,10 +82,10 @@ fn similar_names_are_suggested_of_many() {
 #[test]
 fn first_names_are_listed_if_none_is_similar() {
     for name in ["zzzzzz", "", "q"] {
-        let text = asked(name).to_string();
+        let text = unknown_bone(name).to_string();
         let end = "; none is like it; they begin with `hips`, `spine`, `chest` (14 names)";
         assert!(text.ends_with(end), "{text}");
-        assert!(asked(name).suggestions().is_empty(), "{name}");
+        assert!(unknown_bone(name).suggestions().is_empty(), "{name}");
     }
 }
 

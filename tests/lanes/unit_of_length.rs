@@ -38,7 +38,7 @@ fn options_in(by: f64) -> LaneOptions {
 }
 
 /// q and outcomes in the original unit: single queries, both searches, and batches; reached and not.
-fn answers(chain: &Chain, by: f64) -> (Vec<f64>, Vec<PoseOutcome>) {
+fn results(chain: &Chain, by: f64) -> (Vec<f64>, Vec<PoseOutcome>) {
     let there = chain_in(chain, by);
     let solver = PoseSolver::new(&there, options_in(by)).unwrap();
     let n = solver.joints();
@@ -105,11 +105,11 @@ fn chains() -> Vec<Chain> {
 #[test]
 fn powers_of_two_give_bitwise_equal_results() {
     for chain in chains() {
-        let (q, outcomes) = answers(&chain, 1.0);
+        let (q, outcomes) = results(&chain, 1.0);
         assert!(outcomes.iter().any(|outcome| outcome.reached));
         // Far and near: rounding of lengths does not affect that of angles.
         for by in part([2_f64.powi(40), 1.0 / 4096.0, 1024.0], 2) {
-            let (other, others) = answers(&chain, by);
+            let (other, others) = results(&chain, by);
             let bits = |q: &[f64]| -> Vec<u64> { q.iter().map(|v| v.to_bits()).collect() };
             assert_eq!(bits(&q), bits(&other));
             assert_eq!(outcomes, others);
@@ -121,8 +121,8 @@ fn powers_of_two_give_bitwise_equal_results() {
 #[test]
 fn millimetres_give_the_same_angles() {
     for chain in [panda(), ur5()] {
-        let (q, outcomes) = answers(&chain, 1.0);
-        let (other, others) = answers(&chain, 1000.0);
+        let (q, outcomes) = results(&chain, 1.0);
+        let (other, others) = results(&chain, 1000.0);
         let n = chain.joints().len();
         let (mut compared, mut same) = (0, 0);
         for (k, (a, b)) in outcomes.iter().zip(&others).enumerate() {

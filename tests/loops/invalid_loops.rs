@@ -20,7 +20,7 @@ const Z: Vector3<f64> = Vector3 {
 };
 
 /// A revolute joint with a tip at 1 m, another at 3 m with an equal tip, and a prismatic joint at the second tip.
-fn apart(travel: f64) -> (ModelBuilder, [FrameId; 2]) {
+fn two_revolutes(travel: f64) -> (ModelBuilder, [FrameId; 2]) {
     let mut builder = Model::builder("two hinges");
     let one = builder.revolute("one", None, along_x(0.0), Z, TURNS);
     let two = builder.revolute("two", None, along_x(3.0), Z, TURNS);
@@ -40,7 +40,7 @@ fn apart(travel: f64) -> (ModelBuilder, [FrameId; 2]) {
 
 #[test]
 fn unreachable_gap_is_reported() {
-    let (mut builder, ends) = apart(0.5);
+    let (mut builder, ends) = two_revolutes(0.5);
     builder.close(Loop::connect("far", ends));
     let error = builder.build().unwrap_err();
     let ModelError::LoopCannotClose { name, gap, unit } = &error else {
@@ -50,7 +50,7 @@ fn unreachable_gap_is_reported() {
     assert!((gap - 0.5).abs() < 1e-12, "{gap}");
     assert!(error.to_string().contains("loop `far` cannot close"));
     // A prismatic joint of sufficient range can close it.
-    let (mut builder, ends) = apart(1.5);
+    let (mut builder, ends) = two_revolutes(1.5);
     builder.close(Loop::connect("far", ends));
     assert!(builder.build().is_ok());
 }
@@ -70,7 +70,7 @@ fn frames_without_joints_between_must_coincide() {
         (turned, connect, true),
         (turned, weld, false),
     ] {
-        let (mut builder, ends) = apart(1.0);
+        let (mut builder, ends) = two_revolutes(1.0);
         let one = Some(built_joint(&builder, "one"));
         let beside = builder.frame("beside one's end", one, along_x(1.0));
         let own = own("stiff", [ends[0], beside]);
@@ -99,7 +99,7 @@ fn invalid_names_frames_and_points_are_named() {
         built(&[itself]),
         "loop `alone` joins the frame `rocker end` to itself"
     );
-    let (mut foreign, _) = apart(1.0);
+    let (mut foreign, _) = two_revolutes(1.0);
     let beyond = (0..9).map(|k| foreign.frame(format!("{k}"), None, Placement::identity()));
     let beyond = beyond.last().unwrap();
     let own = Loop::weld("other", [ends[0], beyond]);

@@ -26,7 +26,7 @@ pub(crate) fn robot() -> Robot {
 }
 
 /// Relative placement of the box in both hands: distance from the identity, metres and radians.
-fn apart(model: &Model, q: &[f64]) -> [f64; 2] {
+fn closure_error(model: &Model, q: &[f64]) -> [f64; 2] {
     let mut kinematics = ForwardKinematics::new(model);
     let placed = kinematics.place(q).unwrap();
     let [left, right] = ["left_tool", "right_tool"].map(|name| model.frame(name).unwrap());
@@ -49,7 +49,7 @@ fn box_reaches_poses_that_both_hands_allow() {
     let start = closure.random_configuration(1000).unwrap();
     for seed in 0..25 {
         let drawn = closure.random_configuration(seed).unwrap();
-        let off = apart(model, &drawn);
+        let off = closure_error(model, &drawn);
         assert!(off.iter().all(|off| *off < 1.1e-9), "{off:?}");
         let target = kinematics.place(&drawn).unwrap()[left.index()] * grips()[0];
         let mut problem = Problem::builder(model);
@@ -57,7 +57,7 @@ fn box_reaches_poses_that_both_hands_allow() {
         problem.add(Posture::new(model, &start));
         let problem = problem.build().unwrap();
         let solution = Solver::default().solve_once(&problem, &start).unwrap();
-        let off = apart(model, &solution.q);
+        let off = closure_error(model, &solution.q);
         if solution.reached {
             assert!(off.iter().all(|off| *off < 1.1e-9), "{off:?}");
             reached += 1;

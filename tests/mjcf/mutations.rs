@@ -104,7 +104,7 @@ fn modified_document_is_an_error_or_a_robot() {
 }
 
 /// Error of the small document with a replacement.
-fn refused(from: &str, to: &str) -> RobotFileError {
+fn rejected_error(from: &str, to: &str) -> RobotFileError {
     match small(from, to) {
         Err(error) => error,
         Ok(_) => panic!("{to} was taken"),
@@ -160,7 +160,7 @@ fn zero_and_negative_masses_are_handled() {
 
 #[test]
 fn zero_quaternions_and_open_loops_are_named() {
-    let error = refused("quat=\"0.8 0 0.6 0\"", "quat=\"0 0 0 0\"");
+    let error = rejected_error("quat=\"0.8 0 0.6 0\"", "quat=\"0 0 0 0\"");
     assert!(
         matches!(
             &error,
@@ -172,7 +172,7 @@ fn zero_quaternions_and_open_loops_are_named() {
         "{error}"
     );
     for range in ["0 -1", "0.2 1", "0 nan"] {
-        let error = refused("range=\"0 1.2\"", &format!("range=\"{range}\"")).to_string();
+        let error = rejected_error("range=\"0 1.2\"", &format!("range=\"{range}\"")).to_string();
         assert!(
             error.contains("tail") || error.contains("range"),
             "{range}: {error}"
@@ -180,7 +180,7 @@ fn zero_quaternions_and_open_loops_are_named() {
     }
     // More than a whole turn limits nothing.
     assert!(small("range=\"0 1.2\"", "range=\"0 400\"").is_ok());
-    let error = refused(
+    let error = rejected_error(
         "body1=\"rod\" body2=\"lower\" anchor=\"0.05 0 -0.1\"",
         "site1=\"far\" site2=\"left tip\"",
     )
@@ -190,7 +190,7 @@ fn zero_quaternions_and_open_loops_are_named() {
         ("body2=\"lower\"", "body2=\"rod\""),
         ("site2=\"right tip\" active=\"false\"", "site2=\"left tip\""),
     ] {
-        let error = refused(from, to).to_string();
+        let error = rejected_error(from, to).to_string();
         assert!(
             error.contains("small.xml") && error.contains("to itself"),
             "{error}"

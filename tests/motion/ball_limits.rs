@@ -111,7 +111,7 @@ fn solved(motion: &MotionProblem, start: &[f64]) -> MotionSolution {
     solved
 }
 
-fn same_cost(a: &MotionSolution, b: &MotionSolution) {
+fn assert_equal_cost(a: &MotionSolution, b: &MotionSolution) {
     assert!(
         (a.cost() / b.cost() - 1.0).abs() < 1e-6,
         "{} and {}",
@@ -143,7 +143,7 @@ fn ball_joint_keeps_velocity_limits_like_a_revolute() {
     let of_ball = solved(&of_ball, &ball.0.neutral());
     let of_hinge = following(&hinge, FRAMES, turn_about_z, fast).unwrap();
     let of_hinge = solved(&of_hinge, &[0.0]);
-    same_cost(&of_ball, &of_hinge);
+    assert_equal_cost(&of_ball, &of_hinge);
     let fastest = fastest(&of_ball, 0);
     assert!(fastest <= 2.5 * STEP && fastest > 2.49 * STEP, "{fastest}");
     let held = (0..FRAMES).flat_map(|frame| of_ball.active_limits(frame));
@@ -263,7 +263,7 @@ fn free_and_axis_velocity_limits_have_equal_minima() {
         free_body(leap, |motion| _ = motion.max_speed("base/x", 0.9)),
     ];
     let [one, other] = costs.map(|(model, motion)| solved(&motion, &model.neutral()));
-    same_cost(&one, &other);
+    assert_equal_cost(&one, &other);
     assert!(one.active_limits(FRAMES / 2).count() > 0);
 }
 
@@ -274,7 +274,7 @@ fn ball_joint_stays_on_its_cone_like_a_revolute() {
     let of_ball = following(&ball, FRAMES, turn_about_z, |_| ()).unwrap();
     let of_ball = solved(&of_ball, &ball.0.neutral());
     let of_hinge = following(&hinge, FRAMES, turn_about_z, |_| ()).unwrap();
-    same_cost(&of_ball, &solved(&of_hinge, &[0.0]));
+    assert_equal_cost(&of_ball, &solved(&of_hinge, &[0.0]));
     let last = parts(quaternion(of_ball.frame(FRAMES - 1).unwrap(), 0));
     assert!((last[1] - 0.7).abs() < 1e-4, "{last:?}");
     let held: Vec<_> = of_ball
@@ -348,7 +348,7 @@ fn all_ball_joint_limits_hold_together() {
 }
 
 /// A configuration of the ball joint.
-fn turned(by: [f64; 3]) -> Vec<f64> {
+fn rotated(by: [f64; 3]) -> Vec<f64> {
     let angle = by.iter().map(|by| by * by).sum::<f64>().sqrt();
     let sin = (0.5 * angle).sin() / angle;
     vec![(0.5 * angle).cos(), by[0] * sin, by[1] * sin, by[2] * sin]
@@ -357,7 +357,7 @@ fn turned(by: [f64; 3]) -> Vec<f64> {
 #[test]
 fn fixed_ends_are_met_or_reported_as_too_far() {
     let ball = ball(Some(BallLimits::cone(1.0, Limits::new(-1.0, 1.0))));
-    let ends = [turned([0.0, 0.0, -0.9]), turned([0.0, 0.0, 0.9])];
+    let ends = [rotated([0.0, 0.0, -0.9]), rotated([0.0, 0.0, 0.9])];
     let between = |speed: f64, ends: &[Vec<f64>; 2]| {
         let motion = following(&ball, 13, turn_about_z, |motion| {
             motion
@@ -382,11 +382,11 @@ fn fixed_ends_are_met_or_reported_as_too_far() {
         assert!(fastest(&solved, 0) <= speed * STEP);
     }
     // Both ends on a limit, of swing and of twist, with an inward motion between them.
-    let edge = [turned([1.0, 0.0, 0.0]), turned([0.0, 1.0, 0.0])];
+    let edge = [rotated([1.0, 0.0, 0.0]), rotated([0.0, 1.0, 0.0])];
     let solved = between(6.0, &edge).unwrap();
     assert!(solved.q().chunks(4).all(|q| ball.0.is_within_limits(q)));
     let reported = |q: [f64; 3]| {
-        between(6.0, &[turned(q), ends[1].clone()])
+        between(6.0, &[rotated(q), ends[1].clone()])
             .unwrap_err()
             .to_string()
     };
@@ -420,11 +420,11 @@ fn start_beyond_all_limits_is_moved_within_them() {
         });
         let motion = motion.unwrap();
         let far: Vec<f64> = (0..FRAMES)
-            .flat_map(|frame| turned([1.3, if frame % 2 == 0 { -1.5 } else { 1.5 }, 0.8]))
+            .flat_map(|frame| rotated([1.3, if frame % 2 == 0 { -1.5 } else { 1.5 }, 0.8]))
             .collect();
         let near = MotionSolver::default().solve_near(&motion, &far).unwrap();
         assert_eq!(near.termination(), MotionTermination::Stationary);
-        same_cost(&near, &solved(&motion, &ball.0.neutral()));
+        assert_equal_cost(&near, &solved(&motion, &ball.0.neutral()));
         assert!(near.q().chunks(4).all(|q| ball.0.is_within_limits(q)));
     }
 }

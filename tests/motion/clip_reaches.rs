@@ -13,7 +13,7 @@ use kinopt::spatial::{Placement, Vector3};
 use crate::clip_ik::{HIPS, SHIN, THIGH, at, figure, pose, walk};
 
 /// The figure, its hand, and a clip of two seconds in the rest pose.
-fn standing() -> (Armature, BoneId, Clip) {
+fn rest_figure() -> (Armature, BoneId, Clip) {
     let armature = figure();
     let hand = armature.bone("hand").unwrap();
     let poses = vec![armature.rest().clone(); 2];
@@ -24,7 +24,7 @@ fn standing() -> (Armature, BoneId, Clip) {
 /// Outside of the span the figure travels as usual.
 #[test]
 fn reaching_figure_travels_before_and_after() {
-    let (armature, hand, stand) = standing();
+    let (armature, hand, stand) = rest_figure();
     let travel = Vec3::new(0.3, 0.0, 0.5);
     // Nearer to the shoulder, so that the root need not follow.
     let [own, shoulder] = ["hand", "arm"].map(|bone| at(&armature, &stand, bone, 0.0));
@@ -130,7 +130,7 @@ fn root_moves_only_as_far_as_limbs_are_too_short() {
 /// span. At the start and end of the clip itself there is no fade.
 #[test]
 fn hand_fades_at_span_ends_within_the_clip() {
-    let (armature, hand, stand) = standing();
+    let (armature, hand, stand) = rest_figure();
     let target = DVec3::new(0.55, 1.3, 0.3);
     let own = at(&armature, &stand, "hand", 0.0).as_dvec3();
     let smooth = |share: f64| share * share * (3.0 - 2.0 * share);
@@ -173,7 +173,7 @@ fn hand_fades_at_span_ends_within_the_clip() {
 /// The target moves out of reach of the arm and back. The largest error is where it is farthest.
 #[test]
 fn time_of_the_largest_error_is_reported() {
-    let (armature, hand, stand) = standing();
+    let (armature, hand, stand) = rest_figure();
     let own = at(&armature, &stand, "hand", 0.0).as_dvec3();
     let far = own + DVec3::new(3.0, 0.0, 0.0);
     let curve = KeyedCurve::linear(vec![0.0, 1.5, 2.0], vec![own, far, own]).unwrap();
@@ -206,7 +206,7 @@ fn time_of_the_largest_error_is_reported() {
 /// jump. Keys at the ends of a span replace neighbouring keys.
 #[test]
 fn root_returns_within_the_span() {
-    let (armature, hand, stand) = standing();
+    let (armature, hand, stand) = rest_figure();
     let span = [0.501, 1.4005];
     let target = at(&armature, &stand, "hand", 0.0).as_dvec3() + DVec3::new(0.6, 0.0, 0.0);
     let reach = Reach::to(hand, target)

@@ -10,7 +10,7 @@ use kinopt::motion::retarget::{
 
 /// Largest distance of the clip's bones from forward kinematics, except for the bones in `still`, and the height of the
 /// figure.
-fn off(figure: &FigureTarget, armature: &Armature, still: &[&str]) -> (f64, f64) {
+fn largest_distance(figure: &FigureTarget, armature: &Armature, still: &[&str]) -> (f64, f64) {
     let model = figure.robot().model();
     let q: Vec<f64> = (0..12)
         .flat_map(|seed| model.random_configuration(seed))
@@ -59,7 +59,7 @@ fn figure_of_a_capture_with_y_up_is_upright() {
     let placed = kinematics.place(&model.neutral()).unwrap();
     let height = |name: &str| placed[model.frame(name).unwrap().index()].translation.z;
     assert!(height("Head") > height("LeftFoot") + 100.0);
-    let (most, tall) = off(&figure, &read.armature, &[]);
+    let (most, tall) = largest_distance(&figure, &read.armature, &[]);
     assert!(most < 2e-6 * tall, "{most} of {tall}");
 }
 
@@ -70,7 +70,7 @@ fn figure_with_several_root_bones_is_placed() {
     let mut turning = read.turning_bones();
     assert!(turning.remove(&read.armature.bone("Hips").unwrap()));
     let figure = FigureTarget::of_armature(&read.armature, &turning, UpAxis::Y).unwrap();
-    let (most, tall) = off(&figure, &read.armature, &["Hips"]);
+    let (most, tall) = largest_distance(&figure, &read.armature, &["Hips"]);
     assert!(most < 2e-6 * tall, "{most} of {tall}");
 }
 
@@ -78,7 +78,7 @@ fn figure_with_several_root_bones_is_placed() {
 fn figure_of_a_rig_with_z_up_is_upright() {
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let figure = FigureTarget::new(&rig.skeleton, UpAxis::Z).unwrap();
-    let (most, tall) = off(&figure, &Armature::of_skeleton(&rig.skeleton), &[]);
+    let (most, tall) = largest_distance(&figure, &Armature::of_skeleton(&rig.skeleton), &[]);
     assert!(most < 2e-6 * tall, "{most} of {tall}");
 }
 

@@ -20,7 +20,7 @@ fn arm() -> Model {
     builder.build().unwrap()
 }
 
-fn asked(
+fn build_motion(
     model: &Model,
     frames: usize,
     ask: impl Fn(&mut MotionProblemBuilder),
@@ -36,7 +36,7 @@ fn invalid_motions_are_named() {
     let model = arm();
     let tip = model.frame("tip").unwrap();
     let reported = |frames, ask: &dyn Fn(&mut MotionProblemBuilder)| {
-        asked(&model, frames, ask).unwrap_err().to_string()
+        build_motion(&model, frames, ask).unwrap_err().to_string()
     };
     let jerk = RateCost::jerk(1.0).times("wrist", 2.0);
     let backwards = RateCost::velocity(-1.0);
@@ -102,7 +102,7 @@ fn invalid_motions_are_named() {
 fn fixed_ends_too_far_apart_are_an_error() {
     let model = arm();
     let fixed = |speed: f64| {
-        let motion = asked(&model, 11, |motion| {
+        let motion = build_motion(&model, 11, |motion| {
             motion
                 .first(&[0.0, 0.0])
                 .last(&[0.0, 1.0])
@@ -148,7 +148,7 @@ fn targets_not_finite_are_reported_with_their_frame() {
 #[test]
 fn single_frame_is_a_motion() {
     let model = arm();
-    let motion = asked(&model, 1, |motion| {
+    let motion = build_motion(&model, 1, |motion| {
         motion.rate_cost(RateCost::jerk(1.0));
     })
     .unwrap();
@@ -170,7 +170,7 @@ fn lowest_of_several_velocity_limits_counts() {
         vec![2.0, 0.5],
         vec![2.0, 0.5, 1.0],
     ] {
-        let motion = asked(&model, 12, |motion| {
+        let motion = build_motion(&model, 12, |motion| {
             for &speed in &speeds {
                 motion.max_speed("shoulder", speed);
             }
@@ -200,7 +200,7 @@ fn fixed_ball_joint_beyond_any_limit_is_an_error() {
     let held = |turn: [f64; 3]| {
         let angle = turn.iter().map(|v| v * v).sum::<f64>().sqrt();
         let [a, b, c] = turn.map(|v| v * (0.5 * angle).sin() / angle.max(1e-12));
-        asked(&model, 3, |motion| {
+        build_motion(&model, 3, |motion| {
             motion.last(&[(0.5 * angle).cos(), a, b, c]);
         })
     };

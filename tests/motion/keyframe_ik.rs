@@ -278,7 +278,7 @@ fn bends(rig: &Rig, clip: &EulerClip) -> Vec<f64> {
 }
 
 /// Largest distance between the hands of two clips.
-fn apart(rig: &Rig, one: &EulerClip, other: &EulerClip, span: [f64; 2]) -> f64 {
+fn hand_distance(rig: &Rig, one: &EulerClip, other: &EulerClip, span: [f64; 2]) -> f64 {
     let hand = rig.skeleton.bone(HAND).unwrap();
     let times = (0..=200).map(|k| span[0] + (span[1] - span[0]) * f64::from(k) / 200.0);
     let off = times.map(|time| {
@@ -289,7 +289,7 @@ fn apart(rig: &Rig, one: &EulerClip, other: &EulerClip, span: [f64; 2]) -> f64 {
 }
 
 /// A reach along the hand's curve in a clip.
-fn way(rig: &Rig, clip: &EulerClip, span: [f64; 2]) -> Reach {
+fn hand_curve(rig: &Rig, clip: &EulerClip, span: [f64; 2]) -> Reach {
     let hand = rig.skeleton.bone(HAND).unwrap();
     let times: Vec<f64> = (0..=600)
         .map(|k| span[0] + (span[1] - span[0]) * f64::from(k) / 600.0)
@@ -313,9 +313,9 @@ fn track_beyond_its_limit_is_moved_within_it() {
     // The hand's curve with the elbow well within its limits.
     let wanted = bent(&rig, limits.upper - 0.4, |_| None);
     let all = [0.0, 3.0];
-    assert!(apart(&rig, &beyond, &wanted, all) > 0.1);
+    assert!(hand_distance(&rig, &beyond, &wanted, all) > 0.1);
     let solve = |span| {
-        let ik = KeyframeIk::new(skeleton).with_reach(way(&rig, &wanted, span));
+        let ik = KeyframeIk::new(skeleton).with_reach(hand_curve(&rig, &wanted, span));
         ik.solve(&beyond).unwrap()
     };
     // All keys are solved for: no limit is exceeded.
@@ -325,7 +325,7 @@ fn track_beyond_its_limit_is_moved_within_it() {
         let bend = angles(skeleton, &edited.clip, time)[3 * forearm.index() + 1];
         assert!(bend <= limits.upper + 1e-9, "{bend} at {time} s");
     }
-    let off = apart(&rig, &edited.clip, &wanted, all);
+    let off = hand_distance(&rig, &edited.clip, &wanted, all);
     assert!(
         off < 0.01 && edited.led[0].miss < 0.01,
         "{off} {:?}",
@@ -361,7 +361,7 @@ fn track_beyond_its_limit_is_moved_within_it() {
         (reported.by - worst).abs() < 0.01 && reported.by >= worst - 1e-9,
         "{reported:?} {worst}"
     );
-    let off = apart(&rig, &edited.clip, &wanted, SPAN);
+    let off = hand_distance(&rig, &edited.clip, &wanted, SPAN);
     assert!(
         off < 0.02 && edited.led[0].miss < 0.02,
         "{off} {:?}",
@@ -382,7 +382,7 @@ fn key_beyond_its_limit_is_clamped_without_others() {
             })
         };
         let (beyond, wanted) = (only(limits.upper + over), only(limits.upper));
-        let ik = KeyframeIk::new(skeleton).with_reach(way(&rig, &wanted, SPAN));
+        let ik = KeyframeIk::new(skeleton).with_reach(hand_curve(&rig, &wanted, SPAN));
         let edited = ik.solve(&beyond).unwrap();
         assert!(edited.beyond.is_empty(), "{:?}", edited.beyond);
         let new = bends(&rig, &edited.clip);
@@ -487,7 +487,7 @@ fn clamped_last_key_is_compensated_by_others() {
     let root = skeleton.bone("right_upper_arm").unwrap();
     let ik = KeyframeIk::new(skeleton).with_root(root);
     let edited = ik
-        .with_reach(way(&rig, &beyond, SPAN))
+        .with_reach(hand_curve(&rig, &beyond, SPAN))
         .solve(&clip)
         .unwrap();
     assert!(bends(&rig, &edited.clip)[15] >= limits.lower);

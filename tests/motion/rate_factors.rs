@@ -45,7 +45,7 @@ fn followed(cost: RateCost) -> (Vec<Vec<f64>>, f64) {
 }
 
 /// Largest difference of some coordinates in any frame.
-fn off(a: &[Vec<f64>], b: &[Vec<f64>], coordinates: std::ops::Range<usize>) -> f64 {
+fn largest_difference(a: &[Vec<f64>], b: &[Vec<f64>], coordinates: std::ops::Range<usize>) -> f64 {
     let rows = a.iter().zip(b);
     let pairs = rows.flat_map(|(a, b)| coordinates.clone().map(|k| (a[k] - b[k]).abs()));
     pairs.fold(0.0, f64::max)
@@ -59,13 +59,13 @@ fn factor_affects_only_its_joint() {
     for (make, weight) in make.into_iter().zip([0.05, 0.005, 0.0005]) {
         let [(plain, _), (strong, cost)] =
             [weight, 3.0 * weight].map(|weight| followed(make(weight)));
-        let apart = [&hinge, &ball].map(|own| off(&plain, &strong, own.clone()));
+        let apart = [&hinge, &ball].map(|own| largest_difference(&plain, &strong, own.clone()));
         assert!(apart.iter().all(|apart| *apart > 1e-2), "{apart:?}");
         for (name, own, other) in [("hinge", &hinge, &ball), ("ball", &ball, &hinge)] {
             let (mixed, _) = followed(make(weight).times(name, 3.0));
             let [own, other] = [
-                off(&mixed, &strong, own.clone()),
-                off(&mixed, &plain, other.clone()),
+                largest_difference(&mixed, &strong, own.clone()),
+                largest_difference(&mixed, &plain, other.clone()),
             ];
             assert!(own < 1e-6 && other < 1e-6, "{name}: {own} {other}");
         }

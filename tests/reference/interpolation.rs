@@ -102,7 +102,7 @@ fn matrix(rows: [[f64; 3]; 3]) -> DMat3 {
 }
 
 /// Angle between the rotations of two unit quaternions, in radians.
-fn apart(a: DQuat, b: DQuat) -> f64 {
+fn angle_between(a: DQuat, b: DQuat) -> f64 {
     2.0 * (a.conjugate() * b).xyz().length().min(1.0).asin()
 }
 
@@ -112,11 +112,14 @@ fn slerp_equals_scipy() {
         let (from, to) = (quaternion(arc.from).as_quat(), quaternion(arc.to).as_quat());
         for (&share, at) in arc.shares.iter().zip(arc.at) {
             let ours = slerp(from, to, share);
-            assert!(apart(ours.as_dquat(), quaternion(at)) < 2e-6, "{share}");
+            assert!(
+                angle_between(ours.as_dquat(), quaternion(at)) < 2e-6,
+                "{share}"
+            );
             assert!((ours.length() - 1.0).abs() < 1e-6);
             // `nlerp` stays on the arc and equals `slerp` at the ends and in the middle.
             let close = [0.0, 0.5, 1.0].contains(&share);
-            let off = apart(nlerp(from, to, share).as_dquat(), quaternion(at));
+            let off = angle_between(nlerp(from, to, share).as_dquat(), quaternion(at));
             assert!(off < if close { 2e-6 } else { 0.2 }, "{share}: {off}");
         }
     }
@@ -161,7 +164,7 @@ fn rotation_hermites_about_one_axis_equal_scipy() {
             let rate = |key: usize| (DVec3::from(spline.rates[key]) * length).as_vec3();
             let segment = RotationHermite::new(keys[key], rate(key), keys[key + 1], rate(key + 1));
             let u = (at - spline.times[key]) / length;
-            let off = apart(segment.at(u as f32).as_dquat(), quaternion(rotation));
+            let off = angle_between(segment.at(u as f32).as_dquat(), quaternion(rotation));
             assert!(off < 3e-6, "{off}");
         }
     }
@@ -174,7 +177,7 @@ fn euler_angles_of_all_orders_equal_scipy() {
         let theirs = quaternion(case.quaternion);
         orders.insert(case.order);
         let to = case.order.to_quaternion(case.angles);
-        assert!(apart(to, theirs) < 1e-14);
+        assert!(angle_between(to, theirs) < 1e-14);
         assert!(
             (case.order.to_matrix(case.angles) - matrix(case.matrix))
                 .abs_diff_eq(DMat3::ZERO, 1e-14)

@@ -35,7 +35,7 @@ fn transforms(rig: &Rig, pose: &Value) -> Vec<Affine3A> {
 }
 
 /// Largest deviation of a listed vertex.
-fn off(entry: &Value, expected: &Value, posed: &[Vec3]) -> f64 {
+fn largest_deviation(entry: &Value, expected: &Value, posed: &[Vec3]) -> f64 {
     let listed = entry["vertices"].as_array().unwrap().iter();
     let expected = numbers(&expected["positions"]);
     assert_eq!(expected.len(), 3 * listed.len());
@@ -58,7 +58,7 @@ fn posed_vertices_equal_the_reference() {
             for method in SkinningMethod::ALL {
                 let expected = &pose[method.name()];
                 let posed = method.mesh(mesh, weights, &transforms).unwrap();
-                let off = off(entry, expected, posed.positions());
+                let off = largest_deviation(entry, expected, posed.positions());
                 assert!(
                     off < 1e-5 * mesh.size(),
                     "{method} {}: off by {off}",
@@ -103,7 +103,7 @@ fn vertices_of_packed_weights_equal_the_reference() {
             for (name, way) in ways {
                 let mut posed = mesh.positions().to_vec();
                 way.positions(mesh.positions(), &mut posed).unwrap();
-                let off = off(entry, &pose[name], &posed);
+                let off = largest_deviation(entry, &pose[name], &posed);
                 assert!(off < 1e-5 * mesh.size(), "{name}: off by {off}");
                 compared += 1;
             }

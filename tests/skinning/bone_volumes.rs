@@ -51,7 +51,7 @@ fn weights(of: impl Fn(usize) -> [f64; 2], vertices: usize) -> SkinWeights {
     builder.build().unwrap()
 }
 
-fn near(ours: f64, theirs: f64, within: f64) {
+fn assert_close(ours: f64, theirs: f64, within: f64) {
     assert!((ours - theirs).abs() < within, "{ours} {theirs}");
 }
 
@@ -62,9 +62,9 @@ fn box_volume_is_split_by_weights() {
     let [all, none] = bone_volumes(&mesh, &weights(|_| [1.0, 0.0], 8)).unwrap()[..] else {
         panic!("two bones")
     };
-    near(all.volume, 8.0, 0.04);
+    assert_close(all.volume, 8.0, 0.04);
     for (ours, theirs) in all.centre.to_array().into_iter().zip([2.0, 0.0, 2.5]) {
-        near(ours, theirs, 0.02);
+        assert_close(ours, theirs, 0.02);
     }
     assert_eq!((none.volume, none.centre.to_array()), (0.0, [0.0; 3]));
     // The weight changes linearly along x: ∫ x/4 = 1/2 each, with centres a third from either end.
@@ -80,9 +80,9 @@ fn box_volume_is_split_by_weights() {
     );
     let halves = bone_volumes(&mesh, &over).unwrap();
     for (half, x) in halves.iter().zip([4.0 / 3.0, 8.0 / 3.0]) {
-        near(half.volume, 4.0, 0.03);
-        near(half.centre.x, x, 0.02);
-        near(half.centre.y, 0.0, 0.02);
+        assert_close(half.volume, 4.0, 0.03);
+        assert_close(half.centre.x, x, 0.02);
+        assert_close(half.centre.y, 0.0, 0.02);
     }
     // And along the integration columns, as z is the narrowest axis.
     let over = weights(
@@ -97,8 +97,8 @@ fn box_volume_is_split_by_weights() {
     );
     let halves = bone_volumes(&mesh, &over).unwrap();
     for (half, z) in halves.iter().zip([7.0 / 3.0, 8.0 / 3.0]) {
-        near(half.volume, 4.0, 0.03);
-        near(half.centre.z, z, 0.02);
+        assert_close(half.volume, 4.0, 0.03);
+        assert_close(half.centre.z, z, 0.02);
     }
 }
 
@@ -108,14 +108,14 @@ fn tube_volumes_sum_to_the_whole() {
     let mesh = tube.mesh().unwrap();
     let volumes = bone_volumes(&mesh, &tube.weights().unwrap()).unwrap();
     let whole = mesh.signed_volume();
-    near(
+    assert_close(
         volumes.iter().map(|part| part.volume).sum(),
         whole,
         2e-3 * whole,
     );
     // Both ends are equal.
-    near(volumes[0].volume, volumes[1].volume, 2e-3 * whole);
-    near(volumes[0].centre.x + volumes[1].centre.x, tube.length, 0.02);
+    assert_close(volumes[0].volume, volumes[1].volume, 2e-3 * whole);
+    assert_close(volumes[0].centre.x + volumes[1].centre.x, tube.length, 0.02);
 }
 
 #[test]
@@ -162,7 +162,7 @@ fn small_hole_loses_only_its_own_volume() {
         let volumes = bone_volumes(&holed, &weights(|_| [1.0, 0.0], 10));
         match is_open {
             true => assert_eq!(volumes.unwrap_err(), VolumeError::Open),
-            false => near(
+            false => assert_close(
                 volumes.unwrap()[0].volume,
                 16.0 - f64::from(side * side / 2.0),
                 0.02,
@@ -177,7 +177,7 @@ fn rig_mass_equals_mesh_volume() {
     let rig = Rig::read(file).unwrap();
     let masses = rig.masses(1000.0).unwrap();
     let whole = rig.mesh.as_ref().unwrap().signed_volume();
-    near(masses.total() / 1000.0, whole, 5e-3 * whole);
+    assert_close(masses.total() / 1000.0, whole, 5e-3 * whole);
     // At rest the centre is that of the mesh, by the divergence theorem.
     let mesh = rig.mesh.as_ref().unwrap();
     let mut moment = glam::DVec3::ZERO;
@@ -192,7 +192,7 @@ fn rig_mass_equals_mesh_volume() {
         .into_iter()
         .zip((moment / whole).to_array())
     {
-        near(ours, theirs, 3e-3 * mesh.size());
+        assert_close(ours, theirs, 3e-3 * mesh.size());
     }
 
     let bad = rig.masses(-1.0).unwrap_err();

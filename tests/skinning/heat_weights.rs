@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 use support::random::Random;
 use support::skins::{closed_tube, steepest};
 
-fn all() -> HeatWeights {
+fn all_influences() -> HeatWeights {
     let mut all = HeatWeights::default();
     all.heat = 1.0;
     all.most = usize::MAX;
@@ -82,7 +82,7 @@ fn weights_solve_their_equations() {
         }
     }
     let expected = system.lu().solve(&given).unwrap();
-    let weights = all().for_segments(&mesh, &bones).unwrap();
+    let weights = all_influences().for_segments(&mesh, &bones).unwrap();
     check(&weights);
     // Weights below 1e-4 fade out, and the others lose nearly as little.
     let mut mixed = 0;
@@ -292,7 +292,7 @@ fn heat_flows_across_obtuse_corners() {
     let mesh = TriangleMesh::new(corners.to_vec(), vec![], vec![[0, 1, 2]]).unwrap();
     let above = |corner: &Vec3| [corner.as_dvec3() + 0.5 * DVec3::Z; 2];
     let bones: Vec<[DVec3; 2]> = corners.iter().map(above).collect();
-    let mut hot = all();
+    let mut hot = all_influences();
     hot.heat = 100.0;
     let weights = hot.for_segments(&mesh, &bones).unwrap();
     check(&weights);
@@ -305,7 +305,7 @@ fn heat_flows_across_obtuse_corners() {
 /// weights converge to those of a degenerate triangle.
 #[test]
 fn weights_converge_at_a_degenerate_triangle() {
-    let mut hot = all();
+    let mut hot = all_influences();
     // As strong as the flow along the sides of the degenerate triangle.
     hot.heat = 300.0;
     let of_height = |height: f32| -> Vec<DVector<f64>> {

@@ -9,7 +9,7 @@ use kinopt::skinning::{
 use support::random::Random;
 use support::skins::{Vertices, rigid, weights};
 
-fn same(rest: &Vertices, deformation: &impl Deformation) {
+fn assert_parallel_equals_serial(rest: &Vertices, deformation: &impl Deformation) {
     let serial = rest.deformed(deformation);
     let mut parallel = rest.clone();
     deformation
@@ -39,17 +39,17 @@ fn parallel_skinning_equals_serial() {
     let packed = PackedWeights::new(&weights).unwrap();
     let rest = Vertices::random(&mut random, count);
     let transforms: Vec<Affine3A> = (0..bones).map(|_| rigid(&mut random)).collect();
-    same(&rest, &LinearBlend::new(&weights, &transforms).unwrap());
-    same(
+    assert_parallel_equals_serial(&rest, &LinearBlend::new(&weights, &transforms).unwrap());
+    assert_parallel_equals_serial(
         &rest,
         &DualQuaternionBlend::new(&weights, &transforms).unwrap(),
     );
     let fast = PackedLinearBlend::new(&packed, &transforms).unwrap();
-    same(&rest, &fast);
-    same(&rest, &fast.portable());
+    assert_parallel_equals_serial(&rest, &fast);
+    assert_parallel_equals_serial(&rest, &fast.portable());
     let fast = PackedDualQuaternionBlend::new(&packed, &transforms).unwrap();
-    same(&rest, &fast);
-    same(&rest, &fast.portable());
+    assert_parallel_equals_serial(&rest, &fast);
+    assert_parallel_equals_serial(&rest, &fast.portable());
 }
 
 #[test]

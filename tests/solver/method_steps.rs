@@ -166,7 +166,7 @@ fn problems() -> Vec<Linear> {
     all
 }
 
-fn near(a: &DVector<f64>, b: &DVector<f64>, what: &str) {
+fn assert_close(a: &DVector<f64>, b: &DVector<f64>, what: &str) {
     let apart = (a - b).amax();
     assert!(apart < 1e-9 * (1.0 + b.amax()), "{what}: {apart:e}\n{a}{b}");
 }
@@ -201,7 +201,7 @@ fn levenberg_marquardt_step_follows_the_formula() {
             let full = &problem.start - normal.lu().solve(&slope).unwrap();
             let to = problem.cut(&full);
             if problem.at(&to).0 < cost {
-                near(&steps[1].0, &to, &format!("{k} {rule:?}"));
+                assert_close(&steps[1].0, &to, &format!("{k} {rule:?}"));
             } else {
                 assert_eq!(steps[1].0, problem.start, "{k} {rule:?}");
             }
@@ -218,7 +218,7 @@ fn gauss_newton_takes_the_minimum_norm_step() {
         let (expected, share) =
             problem.halved(&problem.start, &step, (10.0 / step.amax()).min(1.0));
         let steps = problem.steps(&GaussNewton::default());
-        near(&steps[1].0, &expected, &format!("{k}"));
+        assert_close(&steps[1].0, &expected, &format!("{k}"));
         assert_eq!(steps[1].1, share);
     }
 }
@@ -242,7 +242,7 @@ fn projected_gradient_steps_follow_the_formula() {
         let (_, gradient) = problem.at(&problem.start);
         let steps = problem.steps(&ProjectedGradient::new(FirstStep::Fixed(10_000.0)));
         let (expected, share) = problem.halved(&problem.start, &-&gradient, 10_000.0);
-        near(&steps[1].0, &expected, &format!("{k} fixed"));
+        assert_close(&steps[1].0, &expected, &format!("{k} fixed"));
         assert_eq!(steps[1].1, share);
 
         let steps = problem.steps(&ProjectedGradient::new(FirstStep::BarzilaiBorwein));
@@ -252,7 +252,7 @@ fn projected_gradient_steps_follow_the_formula() {
             .map(|c| c.norm_squared())
             .fold(0.0, f64::max);
         let (expected, _) = problem.halved(&problem.start, &-&gradient, 1.0 / largest);
-        near(&steps[1].0, &expected, &format!("{k} spectral, first"));
+        assert_close(&steps[1].0, &expected, &format!("{k} spectral, first"));
         let (cost, next) = problem.at(&expected);
         let (moved, turned) = (&expected - &problem.start, &next - &gradient);
         let spectral = moved.norm_squared() / moved.dot(&turned);
@@ -260,7 +260,7 @@ fn projected_gradient_steps_follow_the_formula() {
         // A spectral step may increase the cost, but not above the initial cost.
         let bound = problem.at(&problem.start).0;
         if problem.at(&to).0 <= bound.min(bound + 1e-4 * next.dot(&(&to - &expected))) {
-            near(
+            assert_close(
                 &steps[2].0,
                 &to,
                 &format!("{k} spectral, second, from {cost}"),

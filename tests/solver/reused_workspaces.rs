@@ -29,7 +29,7 @@ fn problem(goal: Goal, more: impl Fn(&mut ProblemBuilder<'_>)) -> (Problem, Task
 }
 
 /// Solves random targets, every other one far away, with a reused workspace and with new ones.
-fn same(seed: u64, (problem, pose): (Problem, TaskId<Pose>)) {
+fn assert_reuse_equals_new(seed: u64, (problem, pose): (Problem, TaskId<Pose>)) {
     let (robot, _, tool) = panda();
     let model = robot.model();
     let (mut random, solver) = (Random::new(seed), Solver::default());
@@ -64,9 +64,9 @@ fn reused_workspace_with_soft_tasks() {
         builder.add(Posture::new(model, &rest));
         builder.add(LimitCentring::new(model));
     };
-    same(1, problem(Goal::pose(), pulls));
-    same(2, problem(Goal::position(), pulls));
-    same(
+    assert_reuse_equals_new(1, problem(Goal::pose(), pulls));
+    assert_reuse_equals_new(2, problem(Goal::position(), pulls));
+    assert_reuse_equals_new(
         3,
         problem(Goal::position(), |builder| {
             let tool = model.frame(panda().2).unwrap();
@@ -85,12 +85,12 @@ fn reused_workspace_with_relaxed_levels() {
         builder.add(Task::new(Point::new(frame(ELBOW), elbow)).at_level(1));
         builder.add(Posture::new(model, &rest));
     };
-    same(4, problem(Goal::pose(), low));
-    same(
+    assert_reuse_equals_new(4, problem(Goal::pose(), low));
+    assert_reuse_equals_new(
         5,
         problem(Goal::within([0.05, 0.05, 0.05, 0.5, 0.5, 0.5]), low),
     );
-    same(
+    assert_reuse_equals_new(
         6,
         problem(Goal::position(), |builder| {
             let forward = Vector3::new(1.0, 0.2, 0.5);

@@ -60,7 +60,7 @@ fn patient_solvers() -> impl Iterator<Item = Solver> {
     some.map(move |solver| solver.with_restarts(patient))
 }
 
-fn reaches(label: &str, solver: &Solver, skeleton: &Skeleton, target: na::Vector3<f64>) {
+fn assert_reached(label: &str, solver: &Solver, skeleton: &Skeleton, target: na::Vector3<f64>) {
     let bones = skeleton.bones().len();
     let tip = skeleton.tip(skeleton.bone_at(bones - 1).unwrap());
     let mut builder = Problem::builder(skeleton.model());
@@ -100,7 +100,7 @@ fn bend_that_needs_a_twist_first_is_reached() {
             let target = last_tip(bones, &q);
             for solver in patient_solvers() {
                 let label = format!("{bones} bones, twist {twist}, {}", solver.method());
-                reaches(&label, &solver, skeleton, target);
+                assert_reached(&label, &solver, skeleton, target);
             }
         }
     }
@@ -114,7 +114,7 @@ fn random_targets_are_reached_from_rest() {
     let mut random = Random::new(1);
     for _ in 0..100 {
         let q = configuration_of(skeleton.model(), &mut random);
-        reaches("default", &Solver::default(), &skeleton, last_tip(3, &q));
+        assert_reached("default", &Solver::default(), &skeleton, last_tip(3, &q));
     }
 }
 
@@ -149,6 +149,6 @@ fn nearer_target_on_the_chains_line_is_reached() {
     // Two bends of 1.2 and 0.9 rad fold the chain off its line; limits allow one side only.
     let target = last_tip(3, &[0.0, 0.3, 0.0, 0.0, 1.2, 0.0, 0.0, 0.9, 0.0]);
     for solver in patient_solvers() {
-        reaches(solver.method(), &solver, &skeleton, target);
+        assert_reached(solver.method(), &solver, &skeleton, target);
     }
 }

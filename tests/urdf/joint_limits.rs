@@ -24,7 +24,7 @@ joint_limits:
   joint3: {max_acceleration: 7.5}
 ";
 
-fn with(text: &str) -> Result<Robot, String> {
+fn with_limits(text: &str) -> Result<Robot, String> {
     let robot = robot("franka_panda").with_joint_limits_of(text.as_bytes(), "limits.yaml");
     robot.map_err(|error| error.to_string())
 }
@@ -36,7 +36,7 @@ fn limits(robot: &Robot, joint: JointId) -> Option<Limits> {
 
 #[test]
 fn limits_add_to_those_of_the_file() {
-    let (plain, reported) = (robot("franka_panda"), with(LIMITS).unwrap());
+    let (plain, reported) = (robot("franka_panda"), with_limits(LIMITS).unwrap());
     let joint = |name: &str| reported.model().joint(name).unwrap();
     let [one, two, three, four] = ["joint1", "joint2", "joint3", "joint4"].map(joint);
     assert_eq!(reported.velocity_limit(one), Some(1.5));
@@ -112,7 +112,7 @@ fn limits_apply_to_a_robot_without_a_file() {
 #[test]
 fn position_limits_only_narrow() {
     let wide = "joint_limits: {joint2: {has_position_limits: true, min_position: -100, max_position: 100}}";
-    let (plain, reported) = (robot("franka_panda"), with(wide).unwrap());
+    let (plain, reported) = (robot("franka_panda"), with_limits(wide).unwrap());
     let id = plain.model().joint("joint2").unwrap();
     assert_eq!(limits(&reported, id), limits(&plain, id));
 }
@@ -122,7 +122,7 @@ fn position_limits_only_narrow() {
 fn disabled_limits_are_ignored() {
     let off = "joint_limits: {joint2: {has_position_limits: false, min_position: -0.5, max_position: 0.25,
         has_velocity_limits: false, max_velocity: 0.1, has_acceleration_limits: false, max_acceleration: 0.1}}";
-    let (plain, reported) = (robot("franka_panda"), with(off).unwrap());
+    let (plain, reported) = (robot("franka_panda"), with_limits(off).unwrap());
     let id = plain.model().joint("joint2").unwrap();
     assert_eq!(limits(&reported, id), limits(&plain, id));
     assert_eq!(reported.velocity_limit(id), None);
@@ -132,7 +132,7 @@ fn disabled_limits_are_ignored() {
 #[test]
 fn empty_limits_change_nothing() {
     for text in ["joint_limits:\n", "joint_limits: {}"] {
-        let reported = with(text).unwrap();
+        let reported = with_limits(text).unwrap();
         let id = reported.model().joint("joint1").unwrap();
         assert_eq!(
             reported.velocity_limit(id),
@@ -174,7 +174,7 @@ fn errors_name_the_line() {
         ("joint_limits:\n  joint1: {max_velocity: 1", "limits.yaml"),
     ];
     for (text, expected) in cases {
-        let error = with(text).unwrap_err();
+        let error = with_limits(text).unwrap_err();
         assert!(error.contains(expected), "{text:?}: {error}");
     }
     let missing = robot("franka_panda").with_joint_limits("no/such/file.yaml");

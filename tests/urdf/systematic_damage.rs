@@ -55,7 +55,7 @@ fn without(text: &str, range: &Range<usize>) -> String {
     format!("{}{}", &text[..range.start], &text[range.end..])
 }
 
-fn with(text: &str, range: &Range<usize>, new: &str) -> String {
+fn replaced(text: &str, range: &Range<usize>, new: &str) -> String {
     format!("{}{new}{}", &text[..range.start], &text[range.end..])
 }
 
@@ -145,14 +145,14 @@ fn each_number_is_invalid_or_huge() {
             let count = text[attribute.value.clone()].split_whitespace().count();
             for bad in ["nan", "-inf", "1e400", "0,1", ""] {
                 let numbers = vec![bad; count].join(" ");
-                let error = read(&with(&text, &attribute.value, &numbers));
+                let error = read(&replaced(&text, &attribute.value, &numbers));
                 let error = error.map(|_| ()).unwrap_err();
                 let named = error.contains(joint.as_str());
                 assert!(named, "{name} {} {bad}: {error}", attribute.name);
             }
             // Huge but finite: accepted or rejected, but no panic.
             let numbers = vec!["1e308"; count].join(" ");
-            let _ = Robot::parse(&with(&text, &attribute.value, &numbers), "damaged.urdf");
+            let _ = Robot::parse(&replaced(&text, &attribute.value, &numbers), "damaged.urdf");
         }
     }
 }
@@ -202,7 +202,7 @@ fn each_name_is_duplicated() {
                 .collect();
             for pair in named.windows(2) {
                 let twice = &text[pair[0].value.clone()];
-                let error = read(&with(&text, &pair[1].value, twice)).map(|_| ());
+                let error = read(&replaced(&text, &pair[1].value, twice)).map(|_| ());
                 assert!(
                     error.as_ref().unwrap_err().contains(twice),
                     "{name}: {error:?}"
@@ -228,7 +228,7 @@ fn each_joint_is_bent_into_a_cycle() {
                 if text[child.value.clone()] == **link {
                     continue;
                 }
-                let error = read(&with(&text, &child.value, link)).map(|_| ());
+                let error = read(&replaced(&text, &child.value, link)).map(|_| ());
                 assert!(error.is_err(), "{name}: {link}");
             }
         }
