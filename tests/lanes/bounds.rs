@@ -67,7 +67,7 @@ fn random_chains_stay_within_bounds() {
 }
 
 /// Joints with a range of more than one turn return the equivalent value within the bounds that is nearest to the
-/// start, also where the nearest of all exceeds a bound.
+/// start. This also holds where the nearest of all values exceeds a bound.
 #[test]
 fn multi_turn_joints_stay_near_start_within_bounds() {
     let mut joints = panda().joints().to_vec();

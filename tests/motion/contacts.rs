@@ -90,8 +90,8 @@ fn assert_still(walker: &Walker, solved: &MotionSolution, span: Range<usize>) {
     assert!(before > 1e-3, "it moves where nothing holds it: {before} m");
 }
 
-/// Solver options have their effect. A larger allowed slip needs fewer iterations, curvature leads to the same minimum
-/// by other steps, progress is reported, and costs of frames add up to the total.
+/// Solver options have their effect. A larger allowed slip needs fewer iterations. Curvature leads to the same minimum
+/// by other steps. Progress is reported, and costs of frames add up to the total.
 #[test]
 fn solver_options_have_an_effect() {
     let walker = Walker::new();

@@ -1,4 +1,4 @@
-//! Promise: the speed of the ground under the feet is perpendicular to the up axis, and results from the feet near the
+//! Promise: the speed of the ground under the feet is perpendicular to the up axis. It results from the feet near the
 //! ground, however they rise and descend.
 
 use glam::{Vec3, Vec3A};

@@ -1,4 +1,4 @@
-//! Promise: a robot whose target is very low has its feet on the ground and not below it, and still follows, whether
+//! Promise: a robot whose target is very low keeps its feet on the ground and not below it. It still follows, whether
 //! the feet are in contact or slide.
 
 use kinopt::motion::retarget::{BodyMap, Capture, RetargetOptions, Retargeting};

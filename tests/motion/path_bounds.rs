@@ -244,7 +244,7 @@ fn check_coriolis_deviation(first: f64) {
 }
 
 /// Goal bounds along the tool's own axis rotate with the target. A tool within them at both ends of a step, on either
-/// side of the middle, moves straight and exceeds them in between, by the distance from the rotated line.
+/// side of the middle, moves straight. In between it exceeds the bounds by the distance from the rotated line.
 #[test]
 fn rotating_goal_bounds_are_exceeded_between_points() {
     let mut builder = Model::builder("table");

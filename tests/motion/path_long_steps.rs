@@ -1,5 +1,5 @@
-//! Promise: a straight segment that an arm can follow without a reconfiguration is solved so with few distant points,
-//! and by its two ends alone, also as a closed path. At most one in two hundred may fail.
+//! Promise: a straight segment that an arm can follow without a reconfiguration is solved so with few distant points.
+//! Its two ends alone suffice, also as a closed path. At most one in two hundred may fail.
 //!
 //! Debug builds solve a few cases of each arm; `KINOPT_CASES` sets another number.
 

@@ -179,8 +179,8 @@ fn too_fast_step_between_distant_points_is_reported() {
 }
 
 /// A path that the joints can follow at half their velocity limits is whole with fixed times, and no step exceeds its
-/// time. This also holds where points are denser than the points at which branches are compared, and where the time of
-/// a single step is too short for the distance of two such points.
+/// time. Points may be denser than those at which branches are compared. The time of a single step may be too short for
+/// the distance of two compared points.
 #[test]
 fn dense_path_may_use_the_time_of_all_its_steps() {
     let arm = Arm::new(&robot("franka_panda"), "base", "flange").unwrap();
