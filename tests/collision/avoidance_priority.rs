@@ -12,12 +12,12 @@ use kinopt::task::{Plane, Point, Posture, Task};
 pub(crate) fn ball_on_slides(far: f64) -> (FrameId, CollisionModel) {
     let mut builder = Model::builder("slides");
     let [x, y, _] = Vector3::UNITS;
-    let (here, limits) = (Placement::identity(), Limits::new(-far, far));
-    let first = builder.prismatic("x", None, here, x, limits);
-    let second = builder.prismatic("y", Some(first), here, y, limits);
-    let hand = builder.frame("hand", Some(second), here);
+    let (origin, limits) = (Placement::identity(), Limits::new(-far, far));
+    let first = builder.prismatic("x", None, origin, x, limits);
+    let second = builder.prismatic("y", Some(first), origin, y, limits);
+    let hand = builder.frame("hand", Some(second), origin);
     let model = builder.build().unwrap();
-    let ball = CollisionObject::new("ball", hand, here, Shape::sphere(0.05).unwrap());
+    let ball = CollisionObject::new("ball", hand, origin, Shape::sphere(0.05).unwrap());
     (hand, CollisionModel::new(&model, vec![ball]).unwrap())
 }
 

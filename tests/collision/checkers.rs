@@ -82,8 +82,13 @@ fn nearest_of_several_shapes_is_reported() {
                 let at = Vector3::new(at.x, at.y, at.z);
                 let radius = random.within(0.02, 0.1);
                 let shape = Shape::sphere(radius).unwrap();
-                let place = Placement::translation(at);
-                objects.push(CollisionObject::new(format!("{ball}"), *end, place, shape));
+                let placement = Placement::translation(at);
+                objects.push(CollisionObject::new(
+                    format!("{ball}"),
+                    *end,
+                    placement,
+                    shape,
+                ));
                 balls.push((link, at, radius));
             }
         }
@@ -131,9 +136,9 @@ fn motion_reports_the_deepest_pair() {
         for at in [1.0, 2.0, 3.0] {
             // Spheres of 0.1 above spheres of 0.1 at less than the sum of their radii.
             let up = if at == deep { 0.12 } else { 0.18 };
-            let place = Vector3::new(at, 0.0, up);
+            let position = Vector3::new(at, 0.0, up);
             world
-                .add_sphere(&format!("above {at}"), 0.1, place)
+                .add_sphere(&format!("above {at}"), 0.1, position)
                 .unwrap();
         }
         let checker = Checker::new(balls()).with_world(&world).unwrap();
@@ -302,13 +307,13 @@ fn motion_is_free_up_to_contact() {
 fn far_motion_at_either_end_is_stopped() {
     let mut builder = Model::builder("telescope");
     let (x, z) = (Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.0, 1.0));
-    let here = Placement::identity();
-    let turn = builder.revolute("turn", None, here, z, Limits::new(-3.1, 3.1));
-    let slide = builder.prismatic("slide", Some(turn), here, x, Limits::new(0.0, 2.0));
-    let hand = builder.frame("hand", Some(slide), here);
+    let origin = Placement::identity();
+    let turn = builder.revolute("turn", None, origin, z, Limits::new(-3.1, 3.1));
+    let slide = builder.prismatic("slide", Some(turn), origin, x, Limits::new(0.0, 2.0));
+    let hand = builder.frame("hand", Some(slide), origin);
     let model = builder.build().unwrap();
     let ball = |radius: f64| Shape::sphere(radius).unwrap();
-    let ball_model = CollisionObject::new("ball", hand, here, ball(0.01));
+    let ball_model = CollisionObject::new("ball", hand, origin, ball(0.01));
     let ball_model = CollisionModel::new(&model, vec![ball_model]).unwrap();
     let (out, back) = ([0.0, 2.0], [3.0, 0.1]);
     for (from, to) in [(out, back), (back, out)] {

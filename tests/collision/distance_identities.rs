@@ -160,11 +160,11 @@ fn sphere_distance_is_that_of_its_centre() {
     for _ in 0..1500 {
         let shape = any_shape(&mut random);
         let radius = random.within(0.01, 0.3);
-        let place = random.vector(0.8).into();
-        let at = Placement::translation(place);
+        let position = random.vector(0.8).into();
+        let at = Placement::translation(position);
         let ball = Shape::sphere(radius).unwrap();
         let found = separation(&shape, &Placement::identity(), &ball, &at).distance;
-        let expected = shape.signed_distance(place) - radius;
+        let expected = shape.signed_distance(position) - radius;
         // A sphere that cuts a surface is as deep as that triangle alone, which may be less than the distance of its
         // centre.
         let surface = matches!(shape.kind(), ShapeKind::Mesh(_) | ShapeKind::HeightField(_));

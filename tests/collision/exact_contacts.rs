@@ -55,8 +55,8 @@ fn base_on_its_floor_blocks_no_motion() {
     let from = [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8, 0.0, 0.0];
     let to = [1.5, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8, 0.0, 0.0];
     let mut ball = World::new();
-    let place = Vector3::new(0.3, 0.35, 0.6);
-    ball.add_sphere("ball", 0.1, place).unwrap();
+    let position = Vector3::new(0.3, 0.35, 0.6);
+    ball.add_sphere("ball", 0.1, position).unwrap();
     for (among, blocked) in [(World::new(), false), (ball, true)] {
         let shares = [false, true].map(|stands| {
             let mut world = among.clone();

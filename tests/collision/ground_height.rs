@@ -56,25 +56,25 @@ fn attached_objects_are_no_ground() {
     world
         .add_box("floor", [4.0, 4.0, 0.2], Vector3::new(0.0, 0.0, -0.1))
         .unwrap();
-    let place = Placement::translation(Vector3::new(0.5, 0.0, 0.7));
+    let placement = Placement::translation(Vector3::new(0.5, 0.0, 0.7));
     world
-        .add("crate", Shape::cuboid([0.4; 3]).unwrap(), place)
+        .add("crate", Shape::cuboid([0.4; 3]).unwrap(), placement)
         .unwrap();
     let beside = Vector3::new(-1.0, 0.0, 5.0);
     let over = Vector3::new(0.5, 0.1, 5.0);
     let top = |world: &World, at| world.top(at, up).unwrap();
     assert!((top(&world, over) - 0.9).abs() < TO);
-    world.attach("crate", "hand", place).unwrap();
+    world.attach("crate", "hand", placement).unwrap();
     for at in [over, beside] {
         assert!(top(&world, at).abs() < TO, "{at:?}");
     }
-    world.detach("crate", place).unwrap();
+    world.detach("crate", placement).unwrap();
     assert!((top(&world, over) - 0.9).abs() < TO);
     // Also if it is the only obstacle.
     let mut held = World::new();
-    held.add("crate", Shape::cuboid([0.4; 3]).unwrap(), place)
+    held.add("crate", Shape::cuboid([0.4; 3]).unwrap(), placement)
         .unwrap();
-    held.attach("crate", "hand", place).unwrap();
+    held.attach("crate", "hand", placement).unwrap();
     assert_eq!(held.top(over, up), None);
 }
 
@@ -85,8 +85,8 @@ fn height_of_a_steep_slope_is_exact() {
     let (x, normal) = (Vector3::new(cos, 0.0, sin), Vector3::new(-sin, 0.0, cos));
     let slope = Matrix3::from_columns(x, normal.cross(x), normal);
     let mut world = World::new();
-    let place = Placement::new(slope, Vector3::zero());
-    world.add("slope", Shape::half_space(), place).unwrap();
+    let placement = Placement::new(slope, Vector3::zero());
+    world.add("slope", Shape::half_space(), placement).unwrap();
     for at in [0.5, 3.0] {
         let top = world.top(Vector3::new(at, 0.2, 0.0), Vector3::UNITS[2]);
         assert!(

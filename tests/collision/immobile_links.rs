@@ -57,8 +57,8 @@ impl Panda {
 
 fn floor(height: f64) -> World {
     let mut world = World::new();
-    let place = Placement::translation(Vector3::new(0.0, 0.0, height));
-    world.add("floor", Shape::half_space(), place).unwrap();
+    let placement = Placement::translation(Vector3::new(0.0, 0.0, height));
+    world.add("floor", Shape::half_space(), placement).unwrap();
     world
 }
 

@@ -14,13 +14,13 @@ use kinopt::{Problem, Solver};
 fn balls(aside: f64) -> (Model, FrameId, Checker) {
     let mut builder = Model::builder("slides");
     let [x, y, _] = Vector3::UNITS;
-    let (here, there) = (Placement::identity(), Placement::translation(x * aside));
-    let first = builder.prismatic("x", None, here, x, Limits::new(-1.0, 1.0));
-    let second = builder.prismatic("y", Some(first), here, y, Limits::new(-0.05, 0.03));
-    let ball = builder.frame("ball", Some(second), here);
+    let (origin, there) = (Placement::identity(), Placement::translation(x * aside));
+    let first = builder.prismatic("x", None, origin, x, Limits::new(-1.0, 1.0));
+    let second = builder.prismatic("y", Some(first), origin, y, Limits::new(-0.05, 0.03));
+    let ball = builder.frame("ball", Some(second), origin);
     let model = builder.build().unwrap();
     let shape = Shape::sphere(0.05).unwrap();
-    let object = CollisionObject::new("ball", ball, here, shape);
+    let object = CollisionObject::new("ball", ball, origin, shape);
     let mut world = World::new();
     world.add_sphere("rock", 0.1, there).unwrap();
     let checker = Checker::new(CollisionModel::new(&model, vec![object]).unwrap());

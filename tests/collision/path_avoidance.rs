@@ -49,8 +49,8 @@ fn is_free_between(arm: &Arm, from: &[f64], to: &[f64]) -> bool {
 fn wall(arm: &Arm, gap: f64) -> World {
     let tool = arm.base_from_tool(&Q).unwrap().translation;
     let mut world = World::new();
-    let place = Vector3::new(tool.x, tool.y + gap + 0.25, tool.z);
-    world.add_box("wall", [0.6, 0.5, 0.6], place).unwrap();
+    let position = Vector3::new(tool.x, tool.y + gap + 0.25, tool.z);
+    world.add_box("wall", [0.6, 0.5, 0.6], position).unwrap();
     world
 }
 

@@ -109,8 +109,8 @@ fn drag_onto_a_table_slides_along_it() {
     let nao = Nao::standing();
     let hand = nao.at("left_hand").translation;
     let mut world = World::new();
-    let place = hand + Vector3::new(0.1, 0.0, -0.07);
-    world.add_box("table", [0.3, 0.5, 0.02], place).unwrap();
+    let position = hand + Vector3::new(0.1, 0.0, -0.07);
+    world.add_box("table", [0.3, 0.5, 0.02], position).unwrap();
     for margin in [0.0, 0.005] {
         let checker = nao.checker.clone().with_world(&world).unwrap();
         let checker = checker.with_margin(margin).unwrap();
@@ -213,8 +213,8 @@ fn feet_on_the_first_level_stay_while_hand_slides() {
     let nao = Nao::standing();
     let hand = nao.at("left_hand").translation;
     let mut world = World::new();
-    let place = hand + Vector3::new(0.1, 0.0, -0.07);
-    world.add_box("table", [0.3, 0.5, 0.02], place).unwrap();
+    let position = hand + Vector3::new(0.1, 0.0, -0.07);
+    world.add_box("table", [0.3, 0.5, 0.02], position).unwrap();
     let checker = nao.checker.clone().with_world(&world).unwrap();
     let (problem, task) = nao.problem(1, Some(&checker));
     let mut drag = Drag::new(problem, &nao.stance).unwrap();
@@ -547,8 +547,8 @@ fn arm_beside_balls() -> (Model, FrameId, Checker) {
         let joint = builder.revolute(format!("joint {k}"), last, at, z, limits);
         let end = builder.frame(format!("link {k}"), Some(joint), link);
         let ball = Shape::sphere(0.2).unwrap();
-        let here = Placement::identity();
-        objects.push(CollisionObject::new("ball", end, here, ball));
+        let origin = Placement::identity();
+        objects.push(CollisionObject::new("ball", end, origin, ball));
         (last, at) = (Some(joint), link);
     }
     let hand = builder.frame("hand", last, link);

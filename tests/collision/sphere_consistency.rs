@@ -19,8 +19,8 @@ pub(crate) fn add_boxes(world: &mut World, random: &mut Random) {
     for index in 0..6 {
         let around = random.within(-3.1, 3.1);
         let (far, high) = (random.within(0.4, 0.8), random.within(0.1, 1.0));
-        let place = Vector3::new(far * around.cos(), far * around.sin(), high);
-        let added = world.add_box(&format!("box {index}"), [0.15; 3], place);
+        let position = Vector3::new(far * around.cos(), far * around.sin(), high);
+        let added = world.add_box(&format!("box {index}"), [0.15; 3], position);
         added.unwrap();
     }
 }

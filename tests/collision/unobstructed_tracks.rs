@@ -130,9 +130,9 @@ fn blocked_track_does_not_jump() {
     for ball in 0..10 {
         let around = random.within(-3.1, 3.1);
         let (far, high) = (random.within(0.35, 0.8), random.within(0.1, 1.0));
-        let place = Vector3::new(far * around.cos(), far * around.sin(), high);
+        let position = Vector3::new(far * around.cos(), far * around.sin(), high);
         let (name, radius) = (format!("ball {ball}"), random.within(0.03, 0.1));
-        world.add_sphere(&name, radius, place).unwrap();
+        world.add_sphere(&name, radius, position).unwrap();
     }
     let clear = clear.with_world(&world, None).unwrap();
     let path = to_the_limits(&mut random, &plain);

@@ -280,9 +280,9 @@ fn five_tips_of_the_humanoid_come_nearer() {
 #[test]
 fn success_with_a_higher_cost_is_returned() {
     let mut builder = Model::builder("fork");
-    let (here, z) = (Placement::identity(), Vector3::UNITS[2]);
+    let (origin, z) = (Placement::identity(), Vector3::UNITS[2]);
     let link = Placement::translation(Vector3::UNITS[0]);
-    let trunk = builder.continuous("trunk", None, here, z);
+    let trunk = builder.continuous("trunk", None, origin, z);
     let tips = ["left", "right"].map(|name| {
         let elbow = builder.continuous(name, Some(trunk), link, z);
         builder.frame(format!("{name} hand"), Some(elbow), link)
@@ -336,7 +336,7 @@ fn humanoid() -> Rig {
 fn placed_skeleton_bends_equally() {
     let rig = Rig::read("../models/humanoid/humanoid.json").unwrap();
     let away = Vector3::new(3.0, -4.0, 1.0);
-    let place = kinopt::spatial::Placement::translation(away);
+    let placement = kinopt::spatial::Placement::translation(away);
     let bent = |skeleton: &kinopt::Skeleton, shift: Vector3<f64>| {
         let mut builder = Problem::builder(skeleton.model());
         for (name, at) in [
@@ -355,7 +355,7 @@ fn placed_skeleton_bends_equally() {
         few.solve(&problem, &skeleton.model().neutral()).unwrap().q
     };
     let here = bent(&rig.skeleton, Vector3::zero());
-    let there = bent(&rig.skeleton.placed(place).unwrap(), away);
+    let there = bent(&rig.skeleton.placed(placement).unwrap(), away);
     for (a, b) in here.iter().zip(&there) {
         assert!((a - b).abs() < 1e-9, "{a} {b}");
     }

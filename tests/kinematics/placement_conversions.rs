@@ -115,8 +115,8 @@ fn vectors_and_rotations_convert() {
         assert!(off(quaternion.into(), turn) < 1e-14);
         assert!(off(glams_quaternion.into(), turn) < 1e-14);
         assert!(off(glams_quaternion.as_quat().into(), turn) < 1e-6);
-        let place = Placement::from(quaternion);
-        assert!(difference(&place, &Placement::new(turn, Vector3::zero())) < 1e-14);
+        let placement = Placement::from(quaternion);
+        assert!(difference(&placement, &Placement::new(turn, Vector3::zero())) < 1e-14);
     }
 }
 

@@ -120,8 +120,8 @@ fn source_joint_moves_its_mimic_joint() {
         builder.continuous(name, joint.parent, at, joint.axis);
     }
     let rocker = linkage.joint("rocker").unwrap();
-    let (here, z) = (Placement::identity(), Vector3::UNITS[2]);
-    let gear = builder.continuous("gear", Some(rocker), here, z);
+    let (origin, z) = (Placement::identity(), Vector3::UNITS[2]);
+    let gear = builder.continuous("gear", Some(rocker), origin, z);
     for frame in linkage.frames() {
         builder.frame(&frame.name, frame.joint, frame.joint_from_frame);
     }

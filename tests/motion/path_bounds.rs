@@ -248,14 +248,14 @@ fn check_coriolis_deviation(first: f64) {
 #[test]
 fn rotating_goal_bounds_are_exceeded_between_points() {
     let mut builder = Model::builder("table");
-    let here = Placement::identity();
+    let origin = Placement::identity();
     let [x, y, z] = Vector3::UNITS;
     let slide = Limits::new(-2.0, 2.0);
-    builder.frame("base", None, here);
-    let along = builder.prismatic("along", None, here, x, slide);
-    let across = builder.prismatic("across", Some(along), here, y, slide);
-    let hand = builder.revolute("hand", Some(across), here, z, Limits::new(-3.0, 3.0));
-    builder.frame("tool", Some(hand), here);
+    builder.frame("base", None, origin);
+    let along = builder.prismatic("along", None, origin, x, slide);
+    let across = builder.prismatic("across", Some(along), origin, y, slide);
+    let hand = builder.revolute("hand", Some(across), origin, z, Limits::new(-3.0, 3.0));
+    builder.frame("tool", Some(hand), origin);
     let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
     let goal = Goal::within([0.4, 0.0, 0.0, 0.0, 0.0, 0.0]);
     let arm = Arm::builder(&robot, "base", "tool").with_atlas(false);
@@ -264,7 +264,7 @@ fn rotating_goal_bounds_are_exceeded_between_points() {
         let (sin, cos) = turn.sin_cos();
         let (start, end) = ([0.4, 0.0, 0.0], [-0.4 * cos, -0.4 * sin, turn]);
         let turned = Matrix3::identity().rotated_about_z((sin, cos));
-        let points = vec![here, Placement::new(turned, Vector3::zero())];
+        let points = vec![origin, Placement::new(turned, Vector3::zero())];
         let path = CartesianPath::new(points).unwrap();
         let solver = PathSolver::new(&arm).with_max_step(10.0);
         let solver = solver.with_start(&start).with_end(&end);

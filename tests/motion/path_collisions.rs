@@ -263,13 +263,13 @@ fn wall_between_two_points_is_reported() {
     use kinopt::model::{Limits, Model};
     use kinopt::robot::Robot;
     let mut builder = Model::builder("gantry");
-    let here = Placement::identity();
+    let origin = Placement::identity();
     let [x, y, _] = Vector3::UNITS;
     let rail = Limits::new(0.0, 1.0);
-    builder.frame("base", None, here);
-    let along = builder.prismatic("along", None, here, x, rail);
-    let aside = builder.prismatic("aside", Some(along), here, y, rail);
-    builder.frame("tool", Some(aside), here);
+    builder.frame("base", None, origin);
+    let along = builder.prismatic("along", None, origin, x, rail);
+    let aside = builder.prismatic("aside", Some(along), origin, y, rail);
+    builder.frame("tool", Some(aside), origin);
     let robot = Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
     let mut world = World::new();
     world.add_sphere("ball", 0.004, Vector3::zero()).unwrap();

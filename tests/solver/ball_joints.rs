@@ -28,8 +28,8 @@ fn problem(figure: &Figure, seed: u64, off: f64) -> Problem {
     let mut target = at[last];
     target.translation.vector += random.vector(off);
     builder.add(Pose::new(figure.frames[last], placement(&target)));
-    let place = at[other].translation.vector + random.vector(off);
-    builder.add(Point::new(figure.frames[other], support::vector(place)));
+    let position = at[other].translation.vector + random.vector(off);
+    builder.add(Point::new(figure.frames[other], support::vector(position)));
     builder.build().unwrap()
 }
 
@@ -226,11 +226,11 @@ fn twist_beyond_limit_is_clamped_and_named() {
 #[test]
 fn active_limit_names_the_right_ball_joint() {
     let mut builder = Model::builder("arms");
-    let (here, along) = (Placement::identity(), Vector3::UNITS[0]);
+    let (origin, along) = (Placement::identity(), Vector3::UNITS[0]);
     let limits = || Some(BallLimits::cone(1.0, Limits::new(-0.5, 0.5)));
     let hands = ["first", "second"].map(|name| {
-        let shoulder = builder.ball(name, None, here, along, limits());
-        builder.frame(format!("{name} hand"), Some(shoulder), here)
+        let shoulder = builder.ball(name, None, origin, along, limits());
+        builder.frame(format!("{name} hand"), Some(shoulder), origin)
     });
     let model = builder.build().unwrap();
     let turned = nalgebra::Rotation3::from_axis_angle(&nalgebra::Vector3::x_axis(), -1.2);

@@ -196,12 +196,12 @@ fn jumping_target_is_followed_with_reported_lag() {
 fn stretched_arm_bends_for_a_returning_target() {
     // Exactly stretched: the gradient of a target on the arm's line is zero.
     let mut builder = Model::builder("arm and another joint");
-    let (here, z) = (Placement::identity(), Vector3::new(0.0, 0.0, 1.0));
+    let (origin, z) = (Placement::identity(), Vector3::new(0.0, 0.0, 1.0));
     let link = |length: f64| Placement::translation(Vector3::new(length, 0.0, 0.0));
     let limits = Limits::new(-2.8, 2.8);
-    let shoulder = builder.revolute("shoulder", None, here, z, limits);
+    let shoulder = builder.revolute("shoulder", None, origin, z, limits);
     let elbow = builder.revolute("elbow", Some(shoulder), link(1.0), z, limits);
-    builder.revolute("other", None, here, z, limits);
+    builder.revolute("other", None, origin, z, limits);
     let tip = builder.frame("tip", Some(elbow), link(0.8));
     let model = builder.build().unwrap();
     let mut builder = Problem::builder(&model);
@@ -285,9 +285,9 @@ fn drag_is_reproducible_and_validates_starts() {
 fn prismatic_joint_moves_by_scaled_bound() {
     let mut builder = Model::builder("slide and arm");
     let (x, z) = (Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.0, 1.0));
-    let (here, link) = (Placement::identity(), Placement::translation(x));
-    let slide = builder.prismatic("slide", None, here, x, Limits::new(-50.0, 50.0));
-    let arm = builder.revolute("arm", Some(slide), here, z, Limits::new(-0.1, 0.1));
+    let (origin, link) = (Placement::identity(), Placement::translation(x));
+    let slide = builder.prismatic("slide", None, origin, x, Limits::new(-50.0, 50.0));
+    let arm = builder.revolute("arm", Some(slide), origin, z, Limits::new(-0.1, 0.1));
     let tip = builder.frame("tip", Some(arm), link);
     let model = builder.build().unwrap();
     assert_eq!(model.reach(), 1.0);
@@ -321,9 +321,9 @@ impl Curve for Valleys {
 fn jump_of_prismatic_joint_is_in_metres() {
     let mut builder = Model::builder("slide beside an arm");
     let (x, z) = (Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.0, 1.0));
-    let (here, link) = (Placement::identity(), Placement::translation(x));
-    let slide = builder.prismatic("slide", None, here, x, Limits::new(-4.0, 4.0));
-    let arm = builder.revolute("arm", Some(slide), here, z, Limits::new(-1.0, 1.0));
+    let (origin, link) = (Placement::identity(), Placement::translation(x));
+    let slide = builder.prismatic("slide", None, origin, x, Limits::new(-4.0, 4.0));
+    let arm = builder.revolute("arm", Some(slide), origin, z, Limits::new(-1.0, 1.0));
     builder.frame("tip", Some(arm), link);
     let model = builder.build().unwrap();
     let drag = |search: bool, most: f64| {

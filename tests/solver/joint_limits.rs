@@ -214,10 +214,10 @@ fn rounding_keeps_mimic_joints_within_bounds() {
     let mut random = Random::new(12);
     let (mut on_bound, wide) = (0, Limits::new(-20.0, 20.0));
     for case in 0..200 {
-        let (here, z) = (Placement::identity(), Vector3::UNITS[2]);
+        let (origin, z) = (Placement::identity(), Vector3::UNITS[2]);
         let mut builder = Model::builder("leader and follower");
-        let leader = builder.revolute("leader", None, here, z, wide);
-        let follower = builder.revolute("follower", Some(leader), here, z, wide);
+        let leader = builder.revolute("leader", None, origin, z, wide);
+        let follower = builder.revolute("follower", Some(leader), origin, z, wide);
         let model = builder.build().unwrap();
         let (ratio, offset) = (random.within(0.2, 3.0), random.within(-1.0, 1.0));
         let room = Limits::new(random.within(-3.0, -2.0), random.within(2.0, 3.0));

@@ -37,10 +37,10 @@ impl Conflict {
         let there = configuration_of(&model, &mut random);
         let elsewhere = configuration_of(&model, &mut random);
         let of = |frame: &str, q: &[f64]| placement_of(&model, frame, q);
-        let place = of(ELBOW, &elsewhere).translation;
+        let position = of(ELBOW, &elsewhere).translation;
         Self {
             tool: of(tool, &there),
-            elbow: [place.x, place.y, place.z],
+            elbow: [position.x, position.y, position.z],
             model,
             map,
             start,

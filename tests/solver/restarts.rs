@@ -252,8 +252,8 @@ fn marginally_better_restart_is_ignored() {
     let mut builder = Model::builder("two arms");
     let [x, y, z] = Vector3::UNITS;
     let limits = kinopt::model::Limits::new(-1.5, 1.5);
-    let here = Placement::identity();
-    let trunk = builder.revolute("trunk", None, here, z, limits);
+    let origin = Placement::identity();
+    let trunk = builder.revolute("trunk", None, origin, z, limits);
     let chest = builder.revolute("chest", Some(trunk), Placement::translation(y), z, limits);
     let mut tips = Vec::new();
     for (side, out) in [("left", -x), ("right", x)] {

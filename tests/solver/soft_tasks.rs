@@ -243,8 +243,8 @@ fn soft_task_on_two_joints_moves_both() {
 fn linear_soft_tasks_converge_in_one_step() {
     let mut builder = Model::builder("three joints at one place");
     let z = kinopt::spatial::Vector3::new(0.0, 0.0, 1.0);
-    let here = Placement::identity();
-    let [a, b, c] = ["a", "b", "c"].map(|name| builder.continuous(name, None, here, z));
+    let origin = Placement::identity();
+    let [a, b, c] = ["a", "b", "c"].map(|name| builder.continuous(name, None, origin, z));
     let link = Placement::translation([1.0, 0.0, 0.0].into());
     let tip = builder.frame("tip", Some(c), link);
     let model = builder.build().unwrap();

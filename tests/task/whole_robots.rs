@@ -452,7 +452,7 @@ fn invalid_task_input_is_rejected_by_name() {
     let z = [0.0, 0.0, 1.0];
     let square = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
     let polygon = || SupportPolygon::new(&masses).with_points(square);
-    let here = Placement::identity();
+    let origin = Placement::identity();
     let neutral = model.neutral();
     let ball = model.moving_joints()[3];
     let refused = |add: &dyn Fn(&mut ProblemBuilder<'_>), words: &[&str]| {
@@ -492,12 +492,12 @@ fn invalid_task_input_is_rejected_by_name() {
     refuse!(Gaze::along(last, [0.0; 3], z, 0.1), "axis");
     refuse!(Gaze::along(last, z, [0.0; 3], 0.1), "direction");
     refuse!(
-        FrameVelocity::new(last, here, 0.0, ([0.0; 3], z)),
+        FrameVelocity::new(last, origin, 0.0, ([0.0; 3], z)),
         "frame velocity",
         "time step"
     );
     refuse!(
-        FrameVelocity::new(last, here, 0.1, ([nan; 3], z)),
+        FrameVelocity::new(last, origin, 0.1, ([nan; 3], z)),
         "velocity"
     );
     refuse!(

@@ -236,11 +236,11 @@ fn ratios_that_overflow_along_a_chain_are_named() {
 fn fixed_joint_needs_no_axis() {
     use kinopt::model::{Joint, JointKind};
     let mut builder = Model::builder("fixed");
-    let (here, locked) = (Placement::identity(), Limits::new(0.0, 0.0));
+    let (origin, locked) = (Placement::identity(), Limits::new(0.0, 0.0));
     let weld = Joint::new(
         "weld",
         None,
-        here,
+        origin,
         JointKind::Fixed,
         Vector3::zero(),
         locked,
