@@ -18,7 +18,7 @@ fn missed(arm: &Arm, tree: &Tree, (base, tip): (&str, &str), seed: u64, count: u
         let values: Vec<_> = arm.joints().zip(q.iter().copied()).collect();
         tree.base_from_tip(base, tip, &values)
     };
-    let answers = (0..count).map(|_| {
+    let results = (0..count).map(|_| {
         let wanted = place(&random.configuration(arm));
         let solution = arm.solve(placement(&wanted), &random.configuration(arm));
         let solution = solution.unwrap();
@@ -29,7 +29,7 @@ fn missed(arm: &Arm, tree: &Tree, (base, tip): (&str, &str), seed: u64, count: u
         }
         !solution.reached
     });
-    answers.filter(|missed| *missed).count()
+    results.filter(|missed| *missed).count()
 }
 
 /// Arm of a random chain, its file and its tip; `None` if the mimic joints leave their source joint no value.

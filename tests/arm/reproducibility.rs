@@ -80,9 +80,9 @@ fn the_same_bits(builder: &ArmBuilder<'_>, count: usize) {
             );
             // Single solves of one arm from all threads at once.
             let questions = goals.par_iter().zip(starts.par_chunks(n));
-            let answers = questions.map(|(goal, start)| arm.solve(goal, start).unwrap());
-            let answers: Vec<Solution> = answers.collect();
-            assert_eq!(bits(&answers), bits(&singles), "{threads} threads");
+            let results = questions.map(|(goal, start)| arm.solve(goal, start).unwrap());
+            let results: Vec<Solution> = results.collect();
+            assert_eq!(bits(&results), bits(&singles), "{threads} threads");
         });
     }
 }

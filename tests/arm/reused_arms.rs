@@ -195,16 +195,16 @@ fn reused_arm_with_another_checker() {
         (target, random.configuration(&plain))
     });
     let asked: Vec<_> = asked.collect();
-    let answers = |arm: &Arm| -> Vec<String> {
+    let results = |arm: &Arm| -> Vec<String> {
         let solve = |(target, start): &(Placement<f64>, Vec<f64>)| {
             let solution = arm.solve(*target, start).unwrap();
             format!("{solution:?} {:?}", solution.collisions())
         };
         asked.iter().map(solve).collect()
     };
-    let alone = answers(&kept);
-    let kept = answers(&kept.with_checker(&among, &open).unwrap());
-    let fresh = answers(&plain.with_checker(&among, &open).unwrap());
+    let alone = results(&kept);
+    let kept = results(&kept.with_checker(&among, &open).unwrap());
+    let fresh = results(&plain.with_checker(&among, &open).unwrap());
     assert_eq!(kept, fresh);
     assert_ne!(alone, fresh);
 }

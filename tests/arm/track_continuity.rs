@@ -289,13 +289,13 @@ fn far_first_target_is_solved_from_any_start() {
     let robot = kinopt::robot::Robot::new(builder.build().unwrap(), Vec::new()).unwrap();
     let arm = Arm::new(&robot, "base", "tip").unwrap();
     // On its limit; a whole turn back reaches the same pose.
-    for (turn, leaps) in [(0.03, false), (0.045, false), (0.055, true), (0.08, true)] {
+    for (turn, jumps) in [(0.03, false), (0.045, false), (0.055, true), (0.08, true)] {
         let beyond: f64 = 4.0 + turn;
         let rotation = kinopt::spatial::Matrix3::identity().rotated_about_z(beyond.sin_cos());
         let target = Placement::new(rotation, at.translation);
         let track = arm.track(&[target], &[4.0]).unwrap();
-        assert_eq!(track.solutions[0].reached, leaps, "{turn}");
-        assert_eq!(track.jumps.len(), usize::from(leaps), "{turn}");
+        assert_eq!(track.solutions[0].reached, jumps, "{turn}");
+        assert_eq!(track.jumps.len(), usize::from(jumps), "{turn}");
     }
 }
 

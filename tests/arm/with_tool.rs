@@ -68,9 +68,9 @@ fn check_tools(
     let builder = || Arm::builder(joints, base, tip).with_search(search);
     let arm = builder().build().unwrap();
     for (index, tool) in tools.iter().copied().enumerate() {
-        let anew = builder().with_tool(tool).build().unwrap();
+        let rebuilt = builder().with_tool(tool).build().unwrap();
         let changed = arm.with_tool(tool).unwrap();
-        assert_equal_results(&changed, &anew, index as u64);
+        assert_equal_results(&changed, &rebuilt, index as u64);
         // From tool to tool, and back to none.
         if index == 0 {
             let back = changed.with_tool(Placement::identity()).unwrap();
@@ -97,9 +97,9 @@ fn tool_beyond_rounding_is_never_reached() {
     for (metres, reached) in [(1e6, true), (1e9, false)] {
         let tool = Placement::translation(Vector3::new(metres, 0.0, 0.0));
         let builder = || Arm::builder(&robot, "base", "flange").with_goal(Goal::position());
-        let anew = builder().with_tool(tool).build().unwrap();
+        let rebuilt = builder().with_tool(tool).build().unwrap();
         let changed = builder().build().unwrap().with_tool(tool).unwrap();
-        for arm in [anew, changed] {
+        for arm in [rebuilt, changed] {
             let target = arm.base_from_tool(&q).unwrap();
             assert_eq!(arm.solve(target, &q).unwrap().reached, reached);
             let mut servo = arm.servo(&q, 0.01).unwrap();
@@ -118,9 +118,9 @@ fn changed_goal_equals_a_built_arm() {
         Goal::free_about(Axis::Z),
         Goal::within([0.0, 0.01, f64::INFINITY, 0.1, 0.0, 0.0]),
     ] {
-        let anew = builder().with_tool(tool).with_goal(goal).build().unwrap();
+        let rebuilt = builder().with_tool(tool).with_goal(goal).build().unwrap();
         let changed = arm.with_goal(goal).unwrap().with_tool(tool).unwrap();
-        assert_equal_results(&changed, &anew, 3);
+        assert_equal_results(&changed, &rebuilt, 3);
     }
 }
 
@@ -134,17 +134,17 @@ fn changed_search_equals_a_built_arm() {
         distance: 0.3,
     };
     for search in [Search::First, Search::Nearest, distinct] {
-        let anew = builder().with_search(search).build().unwrap();
-        assert_equal_results(&arm.with_search(search).unwrap(), &anew, 5);
+        let rebuilt = builder().with_search(search).build().unwrap();
+        assert_equal_results(&arm.with_search(search).unwrap(), &rebuilt, 5);
     }
     let target = arm
         .base_from_tool(&[0.3, -1.2, 1.1, -1.0, -1.4, 0.2])
         .unwrap();
     let several = arm.with_search(distinct).unwrap();
-    let [here, anew] = [&several, &builder().with_search(distinct).build().unwrap()]
+    let [here, rebuilt] = [&several, &builder().with_search(distinct).build().unwrap()]
         .map(|arm| arm.solve_all(target, &[0.0; 6]).unwrap());
     assert_eq!(here.len(), 4);
-    assert!(here.iter().zip(&anew).all(|(a, b)| a.q == b.q));
+    assert!(here.iter().zip(&rebuilt).all(|(a, b)| a.q == b.q));
     let error = arm.with_search(Search::Distinct {
         k: 0,
         distance: 0.1,
@@ -161,9 +161,9 @@ fn metres_per_radian_is_kept() {
     };
     let far = Placement::translation(Vector3::new(5.0, 0.0, 0.0));
     let tool = tools()[0];
-    let anew = builder().with_tool(tool).build().unwrap();
+    let rebuilt = builder().with_tool(tool).build().unwrap();
     let changed = builder().build().unwrap().with_tool(tool).unwrap();
-    let [a, b] = [anew, changed].map(|arm| arm.solve(far, &[0.1; 6]).unwrap().q);
+    let [a, b] = [rebuilt, changed].map(|arm| arm.solve(far, &[0.1; 6]).unwrap().q);
     assert_eq!(a, b);
 }
 

@@ -424,13 +424,13 @@ fn attached_objects_are_kept_collision_free() {
         let hand = Vector3::new(0.4, 0.0, 0.05);
         world.attach("rod", "flange", hand).unwrap();
         let checker = plain.checker.clone().with_world(&world).unwrap();
-        let anew = Arm::clone(&plain.arm);
-        let anew = anew.with_checker(&checker, &plain.q_model).unwrap();
+        let rebuilt = Arm::clone(&plain.arm);
+        let rebuilt = rebuilt.with_checker(&checker, &plain.q_model).unwrap();
         let taken = without.with_world(&world, None).unwrap();
         let after = empty.arm.with_world(&world, None).unwrap();
         let (goal, start) = (plain.drawn(&mut random), plain.drawn(&mut random));
         let target = plain.arm.base_from_tool(&goal).unwrap();
-        for arm in [anew, taken, after] {
+        for arm in [rebuilt, taken, after] {
             let solution = arm.solve(target, &start).unwrap();
             let touched = arm.collisions(&solution.q).unwrap();
             assert_eq!(solution.reached, touched.is_empty(), "{touched:?}");

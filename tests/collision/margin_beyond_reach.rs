@@ -50,9 +50,9 @@ fn obstacles_beyond_reach_keep_the_margin() {
                 let at = Placement::new(turn * lying, base + turn * away);
                 world.add("thing", shape.clone(), at).unwrap();
                 let checker = checker.clone().with_world(&world).unwrap();
-                let anew = arm.clone().with_checker(&checker, &[0.0; 2]).unwrap();
+                let rebuilt = arm.clone().with_checker(&checker, &[0.0; 2]).unwrap();
                 let brought = empty.with_world(&world, None).unwrap();
-                for arm in [anew, brought] {
+                for arm in [rebuilt, brought] {
                     let mut clear = [false];
                     arm.clear_by_spheres(&[turned, 0.0], &mut clear).unwrap();
                     let touched = arm.collisions(&[turned, 0.0]).unwrap();

@@ -627,7 +627,7 @@ fn jump_is_reported_only_if_made() {
             drag.advance();
             let moved = drag.q().iter().zip(&before).map(|(a, b)| (a - b).abs());
             let moved = moved.fold(0.0, f64::max);
-            let reported = drag.leap().map_or(0.0, |leap| leap.distance);
+            let reported = drag.leap().map_or(0.0, |jump| jump.distance);
             match reported > 0.0 {
                 true => assert!((moved - reported).abs() < 1e-12, "{moved} {reported}"),
                 false => assert!(moved <= 0.15 + 1e-12, "{moved}"),

@@ -274,17 +274,17 @@ fn goals_without_seeds_use_none_of_other_goals() {
         let [x, y, z] = [(); 3].map(|()| random.within(-1.2, 1.2));
         goal.translation = [x, y, z].into();
     }
-    let answers = |size: usize| {
-        let mut answers = Vec::new();
+    let results = |size: usize| {
+        let mut results = Vec::new();
         for (goals, starts) in goals.chunks(size).zip(starts.chunks(7 * size)) {
             let mut q = vec![0.0; starts.len()];
             let mut outcomes = vec![PoseOutcome::default(); goals.len()];
             solver
                 .solve_batch(goals, starts, Prefer::First, &mut q, &mut outcomes)
                 .unwrap();
-            answers.extend(outcomes.into_iter().zip(q.chunks(7).map(<[f64]>::to_vec)));
+            results.extend(outcomes.into_iter().zip(q.chunks(7).map(<[f64]>::to_vec)));
         }
-        answers
+        results
     };
-    assert!(answers(40) == answers(1));
+    assert!(results(40) == results(1));
 }

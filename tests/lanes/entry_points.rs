@@ -229,14 +229,14 @@ fn very_wide_tolerance_equals_a_free_component() {
         }
         let goal = target(&chain, &random.configuration(&chain));
         let start = random.configuration(&chain);
-        let answers = [roomy, free].map(|axes| {
+        let results = [roomy, free].map(|axes| {
             let pose_solver = solver(&chain, NO_ATLAS().with_axes(axes));
             let mut q = vec![0.0; pose_solver.joints()];
             let reported = pose_solver.solve(&goal, &start, Prefer::Start, None, &mut q);
             let reported = reported.unwrap();
             (q, reported.iterations, reported.winner)
         });
-        assert_eq!(answers[0], answers[1], "{case}");
+        assert_eq!(results[0], results[1], "{case}");
     }
 }
 

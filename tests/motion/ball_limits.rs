@@ -174,12 +174,12 @@ fn free_body(
 
 #[test]
 fn free_joint_keeps_velocity_limits_in_any_direction() {
-    let leap = |frame: usize| {
+    let jump = |frame: usize| {
         let by = if frame < FRAMES / 2 { -1.0 } else { 1.0 };
         let turned = rotation_exp(Vector3::new(0.3, -0.5, 0.4) * by);
         Placement::new(turned, Vector3::new(0.4 * by, 0.3 * by, -0.1))
     };
-    let (model, motion) = free_body(leap, |motion| _ = motion.max_free_speed("base", 0.9, 1.4));
+    let (model, motion) = free_body(jump, |motion| _ = motion.max_free_speed("base", 0.9, 1.4));
     for solver in [
         MotionSolver::default(),
         MotionSolver::default().with_windows(Some(Windows::new(15, 10))),
@@ -251,7 +251,7 @@ fn coupled_free_joint_keeps_its_velocity_limit() {
 
 #[test]
 fn free_and_axis_velocity_limits_have_equal_minima() {
-    let leap = |frame: usize| {
+    let jump = |frame: usize| {
         Placement::translation(Vector3::new(
             if frame < FRAMES / 2 { -0.5 } else { 0.5 },
             0.0,
@@ -259,8 +259,8 @@ fn free_and_axis_velocity_limits_have_equal_minima() {
         ))
     };
     let costs = [
-        free_body(leap, |motion| _ = motion.max_free_speed("base", 0.9, 3.0)),
-        free_body(leap, |motion| _ = motion.max_speed("base/x", 0.9)),
+        free_body(jump, |motion| _ = motion.max_free_speed("base", 0.9, 3.0)),
+        free_body(jump, |motion| _ = motion.max_speed("base/x", 0.9)),
     ];
     let [one, other] = costs.map(|(model, motion)| solved(&motion, &model.neutral()));
     assert_equal_cost(&one, &other);

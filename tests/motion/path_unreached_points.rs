@@ -131,17 +131,17 @@ fn points_reachable_from_a_neighbour_are_reached() {
             let missed = |row: usize| solution.missed.iter().any(|missed| missed.index == row);
             let rows: Vec<&[f64]> = solution.rows().collect();
             // A stretch of unreached points has at most one reconfiguration.
-            let leaps = |stretch: &[usize]| {
+            let jumps = |stretch: &[usize]| {
                 let (from, to) = (stretch[0], stretch[stretch.len() - 1] + 1);
                 let reported = solution.reconfigurations.iter();
                 reported
-                    .filter(|leap| (from..=to).contains(&leap.index))
+                    .filter(|jump| (from..=to).contains(&jump.index))
                     .count()
             };
             let all_missed: Vec<usize> = (0..rows.len()).filter(|&row| missed(row)).collect();
             for stretch in all_missed.chunk_by(|a, b| a + 1 == *b) {
-                let leaps = leaps(stretch);
-                assert!(leaps <= 1, "{name}, {case}: {leaps} leaps over {stretch:?}");
+                let jumps = jumps(stretch);
+                assert!(jumps <= 1, "{name}, {case}: {jumps} leaps over {stretch:?}");
             }
             for row in (0..rows.len()).filter(|&row| missed(row)) {
                 for beside in [row.wrapping_sub(1), row + 1] {

@@ -116,15 +116,15 @@ fn costs_and_kkt_residuals_equal_the_references() {
     let (models, problems) = reference();
     for statement in &problems {
         let problem = problem(statement, &models[&statement.model]);
-        for (tool, answer) in &statement.answers {
-            let here = measure(&problem, &answer.x);
-            let off = (here.cost - answer.cost).abs() / answer.cost.max(1e-6);
+        for (tool, result) in &statement.answers {
+            let here = measure(&problem, &result.x);
+            let off = (here.cost - result.cost).abs() / result.cost.max(1e-6);
             assert!(
                 off < 1e-12,
                 "{}, {tool}: cost off by {off:e}",
                 statement.name
             );
-            let off = (here.kkt - answer.kkt).abs() / answer.cost.sqrt().max(1e-3);
+            let off = (here.kkt - result.kkt).abs() / result.cost.sqrt().max(1e-3);
             assert!(
                 off < 1e-10,
                 "{}, {tool}: kkt off by {off:e}",

@@ -324,8 +324,8 @@ fn weights_converge_at_a_degenerate_triangle() {
         height *= 0.98;
         let next = of_height(height);
         for (vertex, (last, next)) in last.iter().zip(&next).enumerate() {
-            let leap = (last - next).amax();
-            assert!(leap < 0.02, "vertex {vertex} at {height:e}: {leap}");
+            let jump = (last - next).amax();
+            assert!(jump < 0.02, "vertex {vertex} at {height:e}: {jump}");
         }
         last = next;
     }

@@ -219,14 +219,14 @@ fn changed_pose_equals_a_new_blend() {
         [(), ()].map(|()| -> Vec<Affine3A> { (0..BONES).map(|_| rigid(&mut random)).collect() });
     let mut lbs = PackedLinearBlend::new(&packed, &before).unwrap();
     lbs.set_transforms(&after).unwrap();
-    let anew = PackedLinearBlend::new(&packed, &after).unwrap();
-    assert!(rest.deformed(&lbs) == rest.deformed(&anew));
-    assert!(rest.deformed(&lbs.portable()) == rest.deformed(&anew.portable()));
+    let rebuilt = PackedLinearBlend::new(&packed, &after).unwrap();
+    assert!(rest.deformed(&lbs) == rest.deformed(&rebuilt));
+    assert!(rest.deformed(&lbs.portable()) == rest.deformed(&rebuilt.portable()));
     let mut dqs = PackedDualQuaternionBlend::new(&packed, &before).unwrap();
     dqs.set_transforms(&after).unwrap();
-    let anew = PackedDualQuaternionBlend::new(&packed, &after).unwrap();
-    assert!(rest.deformed(&dqs) == rest.deformed(&anew));
-    assert!(rest.deformed(&dqs.portable()) == rest.deformed(&anew.portable()));
+    let rebuilt = PackedDualQuaternionBlend::new(&packed, &after).unwrap();
+    assert!(rest.deformed(&dqs) == rest.deformed(&rebuilt));
+    assert!(rest.deformed(&dqs.portable()) == rest.deformed(&rebuilt.portable()));
     // From one stretch to another, to none, and to one again.
     let stretched = [0.6, 1.7].map(|by| -> Vec<Affine3A> {
         let stretch = Affine3A::from_scale(Vec3::new(by, 1.0, 1.0 / by));
@@ -235,16 +235,16 @@ fn changed_pose_equals_a_new_blend() {
     let pivots = [vec![Vec3::X; BONES], vec![Vec3::new(0.3, -0.2, 0.1); BONES]];
     let mut dqs = PackedDualQuaternionBlend::stretched(&packed, &stretched[0], &pivots[0]).unwrap();
     dqs.set_stretched(&stretched[1], &pivots[1]).unwrap();
-    let anew = PackedDualQuaternionBlend::stretched(&packed, &stretched[1], &pivots[1]).unwrap();
-    assert!(rest.deformed(&dqs) == rest.deformed(&anew));
+    let rebuilt = PackedDualQuaternionBlend::stretched(&packed, &stretched[1], &pivots[1]).unwrap();
+    assert!(rest.deformed(&dqs) == rest.deformed(&rebuilt));
     let portable = dqs.clone().portable();
-    assert!(rest.deformed(&portable) == rest.deformed(&anew.portable()));
+    assert!(rest.deformed(&portable) == rest.deformed(&rebuilt.portable()));
     dqs.set_transforms(&before).unwrap();
-    let anew = PackedDualQuaternionBlend::new(&packed, &before).unwrap();
-    assert!(rest.deformed(&dqs) == rest.deformed(&anew));
+    let rebuilt = PackedDualQuaternionBlend::new(&packed, &before).unwrap();
+    assert!(rest.deformed(&dqs) == rest.deformed(&rebuilt));
     dqs.set_stretched(&stretched[0], &pivots[0]).unwrap();
-    let anew = PackedDualQuaternionBlend::stretched(&packed, &stretched[0], &pivots[0]).unwrap();
-    assert!(rest.deformed(&dqs) == rest.deformed(&anew));
+    let rebuilt = PackedDualQuaternionBlend::stretched(&packed, &stretched[0], &pivots[0]).unwrap();
+    assert!(rest.deformed(&dqs) == rest.deformed(&rebuilt));
 }
 
 #[test]

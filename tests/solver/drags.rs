@@ -238,20 +238,20 @@ fn drag_jumps_only_with_search_and_reports_it() {
         assert_eq!(calm.leap(), None);
     }
     let mut keen = drag().with_search(Restarts::default()).unwrap();
-    let mut leaps = 0;
+    let mut jumps = 0;
     for _ in 0..60 {
         let before = keen.q().to_vec();
         keen.advance();
         let moved = furthest(keen.q(), &before);
         if moved > MOST_MOVE {
-            let leap = keen.leap().expect("a leap is told");
-            assert_eq!(leap.distance, moved);
-            leaps += 1;
+            let jump = keen.leap().expect("a leap is told");
+            assert_eq!(jump.distance, moved);
+            jumps += 1;
         } else {
             assert_eq!(keen.leap(), None);
         }
     }
-    assert!(leaps == 1 && keen.solution().reached, "{leaps}");
+    assert!(jumps == 1 && keen.solution().reached, "{jumps}");
 }
 
 #[test]
@@ -347,10 +347,10 @@ fn jump_of_prismatic_joint_is_in_metres() {
             most_attempts = most_attempts.max(drag.solution().attempts);
             // The arm has no influence on any task.
             assert_eq!(drag.q()[1], 0.3);
-            if let Some(leap) = drag.leap() {
+            if let Some(jump) = drag.leap() {
                 let moved = (drag.q()[0] - before).abs();
-                assert!((leap.distance - moved).abs() < 1e-12 && leap.joint == "slide");
-                leaps.push(leap.distance);
+                assert!((jump.distance - moved).abs() < 1e-12 && jump.joint == "slide");
+                leaps.push(jump.distance);
             }
         }
         (drag.q()[0], leaps, most_attempts)

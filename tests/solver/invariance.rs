@@ -153,7 +153,7 @@ fn well_conditioned_results_agree_to_nine_digits() {
             RandomRig::new(seed).skeleton.model(),
             &mut Random::new(seed),
         );
-        let mut answers = Vec::new();
+        let mut results = Vec::new();
         for unit in [1.0, 1000.0] {
             let rig = RandomRig::scaled(seed, unit);
             let model = rig.skeleton.model();
@@ -168,9 +168,9 @@ fn well_conditioned_results_agree_to_nine_digits() {
             let problem = builder.build().unwrap();
             let solver = Solver::default().with_restarts(Restarts::none());
             let solution = solver.solve_once(&problem, &q).unwrap();
-            answers.push((solution.q, solution.iterations, solution.reached));
+            results.push((solution.q, solution.iterations, solution.reached));
         }
-        let [a, b] = [&answers[0], &answers[1]];
+        let [a, b] = [&results[0], &results[1]];
         assert_eq!((a.1, a.2), (b.1, b.2), "rig {seed}");
         for (one, same) in a.0.iter().zip(&b.0) {
             assert!((one - same).abs() < 1e-9, "rig {seed}: {one} and {same}");

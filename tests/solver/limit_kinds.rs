@@ -173,9 +173,9 @@ fn solve_and_check(body: &Body, random: &mut Random, tally: &mut Tally, workspac
             let fabrik = Fabrik::default().with_stopping(few);
             let methods: [&dyn Geometric; 2] = [&ccd, &fabrik];
             for method in methods {
-                let answer = method.solve_question((&problem).into(), &start, &mut Silent);
+                let result = method.solve_question((&problem).into(), &start, &mut Silent);
                 // Some tasks and joints are not supported by geometric solvers.
-                if let Ok(solution) = answer {
+                if let Ok(solution) = result {
                     look(&solution, method.name());
                 }
             }

@@ -105,11 +105,11 @@ fn linear_with_known_answer(
 fn linear_problem_finds_the_known_active_set() {
     for seed in 0..5 {
         // The second variable is on its upper bound, the fourth on its lower.
-        let answer = [0.3, 1.0, -0.2, -1.0];
+        let result = [0.3, 1.0, -0.2, -1.0];
         let pushes = [0.0, -0.7, 0.0, 0.4];
-        let (linear, cost) = linear_with_known_answer(seed, 7, &answer, &pushes);
+        let (linear, cost) = linear_with_known_answer(seed, 7, &result, &pushes);
         let problem = Bounded::within(linear, &[-1.0; 4], &[1.0; 4]);
-        finds("linear", problem, &[0.0; 4], cost, Some((&answer, 1e-8)));
+        finds("linear", problem, &[0.0; 4], cost, Some((&result, 1e-8)));
     }
 }
 
